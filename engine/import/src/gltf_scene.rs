@@ -2,7 +2,7 @@
 
 use animation::{Clip, Pose, Rig, RigNodeId, Skin};
 use cull::{Aabb, ObjectId, Projection};
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DVec3, Vec3};
 use scene::{LightId, Scene, SkinnedMeshId, TransparentId};
 
 use crate::Note;
@@ -95,6 +95,9 @@ pub struct NodeAttachment {
 pub struct GltfScene {
     /// The scene at rest.
     pub scene: Scene,
+    /// The point of the file at which the scene has its origin, in whole metres: zero unless
+    /// [`ScenePlace::NearOrigin`](crate::ScenePlace::NearOrigin) moved the scene.
+    pub origin_m: DVec3,
     /// The nodes of the shown scene, at rest.
     pub rig: Rig,
     /// The node of each object of the scene; empty for files without nodes.

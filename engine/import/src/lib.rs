@@ -71,7 +71,7 @@ pub use gltf_scene::{GltfScene, NodeAttachment, PlacedNode, SceneCamera};
 pub use images::decode_image;
 pub use limits::Limits;
 pub use load::{load, load_bytes, load_mesh_bytes};
-pub use load_options::{BrokenParts, LoadOptions};
+pub use load_options::{BrokenParts, LoadOptions, ScenePlace};
 pub use lods::LevelOptions;
 pub use mesh_files::MeshFormat;
 pub use notes::Note;

@@ -14,6 +14,19 @@ pub enum BrokenParts {
     Refuse,
 }
 
+/// The place of a loaded scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ScenePlace {
+    /// The place that the file gives it.
+    #[default]
+    AsInFile,
+    /// Near the origin, along each axis in which a glTF file has it at least 16 m away and farther
+    /// away than it is wide: single precision would round places of parts and cameras there. The
+    /// scene is moved by whole metres ([`GltfScene::origin_m`](crate::GltfScene::origin_m)), which
+    /// rounds nothing. A scene whose root nodes are animated stays where the file has it.
+    NearOrigin,
+}
+
 /// The options of loading a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadOptions {
@@ -32,6 +45,8 @@ pub struct LoadOptions {
     /// The length in metres of the unit of STL and OBJ files, which do not say it. `None`, the
     /// default, takes millimetres for STL and metres for OBJ. glTF files are in metres.
     pub unit_m: Option<f32>,
+    /// The place of the scene. Default: as in the file.
+    pub place: ScenePlace,
 }
 
 impl Default for LoadOptions {
@@ -42,6 +57,7 @@ impl Default for LoadOptions {
             exposure: None,
             broken_parts: BrokenParts::default(),
             unit_m: None,
+            place: ScenePlace::default(),
         }
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use antumbra::ObjectId;
 use antumbra::cull::{Aabb, SectionMember};
-use antumbra::glam::{Affine3A, Vec3};
+use antumbra::glam::{Affine3A, DVec3, Vec3};
 use antumbra::scene::{Mesh, MeshId, Object, PreparedMesh, Scene, TessellationLevels};
 use scenes::{CurvedMesh, Hinge, PartId, PartTree};
 use thiserror::Error;
@@ -69,6 +69,8 @@ pub struct CurvedPart {
 pub struct Document {
     /// The scene at rest. Its objects are the parts.
     pub scene: Scene,
+    /// The point of the model's file at which the scene has its origin, in metres; zero as created.
+    pub origin_m: DVec3,
     /// The parts in their groups.
     pub parts: PartTree,
     /// The lid, if the model has one.
@@ -113,6 +115,7 @@ impl Document {
             collision: None,
             curved: Vec::new(),
             scene,
+            origin_m: DVec3::ZERO,
             parts,
             lid,
             part_of_object,

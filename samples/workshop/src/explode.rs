@@ -10,6 +10,7 @@ use std::f64::consts::PI;
 
 use antumbra::cull::Aabb;
 use antumbra::glam::{DVec3, Vec3};
+use parry3d::partitioning::{Bvh, BvhNode};
 
 /// The angle between neighbours of the spiral, in radians: the golden angle.
 const GOLDEN_ANGLE_RAD: f64 = 2.399_963_229_728_653;
@@ -39,7 +40,7 @@ pub fn explode(boxes: &[Aabb], gap_m: f32) -> Vec<Vec3> {
     order.sort_by(|a, b| distance(a).total_cmp(&distance(b)).then(a.cmp(b)));
 
     let mut displacements = vec![Vec3::ZERO; boxes.len()];
-    let mut placed: Vec<DBox> = Vec::with_capacity(boxes.len());
+    let mut placed = BoxTree::default();
     for (rank, index) in order.into_iter().enumerate() {
         let bounds = DBox::of(&boxes[index]);
         let outward = centre(&boxes[index]) - middle;
@@ -48,12 +49,12 @@ pub fn explode(boxes: &[Aabb], gap_m: f32) -> Vec<Vec3> {
         } else {
             spiral_direction(rank, boxes.len())
         };
-        let least = free_distance(&bounds, direction, &placed, gap);
+        let least = placed.free_distance(&bounds, direction, gap, 0.0);
         reach = reach.max(size + least * (1.0 + ROUNDING_SHARE));
         let roomy = gap + reach * ROUNDING_SHARE + place_rounding;
-        let distance = free_distance(&bounds, direction, &placed, roomy);
+        let distance = placed.free_distance(&bounds, direction, roomy, least);
         let displacement = (direction * distance).as_vec3();
-        placed.push(bounds.moved(displacement.as_dvec3()));
+        placed.insert(bounds.moved(displacement.as_dvec3()));
         displacements[index] = displacement;
     }
     displacements
@@ -62,27 +63,56 @@ pub fn explode(boxes: &[Aabb], gap_m: f32) -> Vec<Vec3> {
 /// Returns the least gap between two of the boxes, each pair along the axis that parts it most, in
 /// metres: negative where boxes overlap. `None` for fewer than two.
 pub fn least_gap(boxes: &[Aabb]) -> Option<f64> {
-    let boxes: Vec<DBox> = boxes.iter().map(DBox::of).collect();
-    let others = |(index, one): (usize, &DBox)| {
-        let gaps = boxes[index + 1..].iter().map(|other| one.gap(other));
-        gaps.min_by(f64::total_cmp)
-    };
-    boxes.iter().enumerate().filter_map(others).min_by(f64::total_cmp)
+    let mut placed = BoxTree::default();
+    let mut least: Option<f64> = None;
+    for bounds in boxes.iter().map(DBox::of) {
+        // The first pairs are far from the least one: any other box is a bound.
+        let bound = least.or_else(|| placed.boxes.last().map(|other| bounds.gap(other)));
+        if let Some(bound) = bound {
+            let gaps = placed.within(&bounds, bound.max(0.0)).map(|other| bounds.gap(other));
+            least = gaps.chain([bound]).min_by(f64::total_cmp);
+        }
+        placed.insert(bounds);
+    }
+    least
 }
 
-/// Returns the least distance along `direction` at which a box is clear of all placed boxes.
-fn free_distance(bounds: &DBox, direction: DVec3, placed: &[DBox], gap: f64) -> f64 {
-    let mut distance = 0.0;
-    loop {
-        let there = bounds.moved(direction * distance);
-        let exits = placed.iter().filter(|other| there.gap(other) < gap);
-        let exits = exits.map(|other| bounds.exit_distance(other, direction, gap));
-        // Some axis moves, since a direction has unit length: every exit is finite.
-        let next = exits.fold(distance, f64::max);
-        if next <= distance {
-            return distance;
+/// Boxes, found by their places.
+#[derive(Default)]
+struct BoxTree {
+    boxes: Vec<DBox>,
+    tree: Bvh,
+}
+
+impl BoxTree {
+    fn insert(&mut self, bounds: DBox) {
+        self.tree.insert(bounds.outer(), self.boxes.len() as u32);
+        self.boxes.push(bounds);
+    }
+
+    /// Returns the boxes that lie at most a gap from one, and perhaps some others.
+    fn within(&self, bounds: &DBox, gap: f64) -> impl Iterator<Item = &DBox> {
+        let looser = DBox { min: bounds.min - gap, max: bounds.max + gap }.outer();
+        let node = BvhNode::leaf(looser, 0);
+        let found = self.tree.leaves(move |other| other.intersects(&node));
+        found.filter_map(|index| self.boxes.get(index as usize))
+    }
+
+    /// Returns the least distance along `direction`, from one below it on, at which a box is clear
+    /// of all boxes.
+    fn free_distance(&self, bounds: &DBox, direction: DVec3, gap: f64, below: f64) -> f64 {
+        let mut distance = below;
+        loop {
+            let there = bounds.moved(direction * distance);
+            let exits = self.within(&there, gap).filter(|other| there.gap(other) < gap);
+            let exits = exits.map(|other| bounds.exit_distance(other, direction, gap));
+            // Some axis moves, since a direction has unit length: every exit is finite.
+            let next = exits.fold(distance, f64::max);
+            if next <= distance {
+                return distance;
+            }
+            distance = next;
         }
-        distance = next;
     }
 }
 
@@ -109,6 +139,14 @@ struct DBox {
 impl DBox {
     fn of(bounds: &Aabb) -> Self {
         Self { min: bounds.min.as_dvec3(), max: bounds.max.as_dvec3() }
+    }
+
+    /// Returns a box of single precision that encloses it.
+    fn outer(&self) -> parry3d::bounding_volume::Aabb {
+        parry3d::bounding_volume::Aabb {
+            mins: self.min.to_array().map(|place| (place as f32).next_down()).into(),
+            maxs: self.max.to_array().map(|place| (place as f32).next_up()).into(),
+        }
     }
 
     fn moved(&self, by: DVec3) -> Self {
@@ -152,7 +190,13 @@ mod tests {
             .zip(&displacements)
             .map(|(bounds, by)| Aabb { min: bounds.min + *by, max: bounds.max + *by })
             .collect();
-        let gap = least_gap(&moved).unwrap_or(f64::INFINITY);
+        let moved_boxes: Vec<DBox> = moved.iter().map(DBox::of).collect();
+        let pairs = moved_boxes.iter().enumerate().flat_map(|(index, one)| {
+            moved_boxes[index + 1..].iter().map(move |other| one.gap(other))
+        });
+        let gap = pairs.min_by(f64::total_cmp);
+        assert_eq!(least_gap(&moved), gap);
+        let gap = gap.unwrap_or(f64::INFINITY);
         assert!(gap >= f64::from(gap_m), "{gap}: {boxes:?}: {displacements:?}");
     }
 

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use antumbra::ObjectId;
 use antumbra::cull::Aabb;
-use antumbra::glam::{Affine3A, Mat4};
+use antumbra::glam::{Affine3A, Mat4, Vec3};
 use antumbra::scene::{Mesh, MeshId, pack_normal, unpack_normal};
 use gltf::binary::{Glb, Header};
 use gltf::json::accessor::{ComponentType, GenericComponentType, Type};
@@ -63,6 +63,7 @@ pub fn glb(document: &Document) -> Result<Vec<u8>, ExportError> {
         nodes[place] = Some(writer.root.push(node));
     }
     let roots = writer.groups(&document.parts.nodes, nodes);
+    writer.place(&roots, document.origin_m.as_vec3());
     let scene = json::Scene { name: None, nodes: roots, extensions: None, extras: None };
     writer.root.scene = Some(writer.root.push(scene));
     writer.finish()
@@ -151,6 +152,24 @@ impl Writer {
             }
         }
         roots
+    }
+
+    /// Moves nodes. What is below them keeps its own small coordinates.
+    fn place(&mut self, nodes: &[Index<Node>], by_m: Vec3) {
+        if by_m == Vec3::ZERO {
+            return;
+        }
+        for node in nodes {
+            let Some(node) = self.root.nodes.get_mut(node.value()) else { continue };
+            match &mut node.matrix {
+                Some([.., x, y, z, _]) => {
+                    *x += by_m.x;
+                    *y += by_m.y;
+                    *z += by_m.z;
+                }
+                None => node.translation = Some(by_m.to_array()),
+            }
+        }
     }
 
     /// Adds a mesh of the document's scene.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use antumbra::Camera;
 use antumbra::gpu::{Device, DeviceOptions};
-use antumbra::import::LoadOptions;
+use antumbra::import::{LoadOptions, ScenePlace};
 use bench::choices::DeviceChoice;
 use bench::outputs::{OutputFile, Outputs, write_file};
 use bench::run::{open_instance, pick_adapter, pipeline_cache_file};
@@ -78,7 +78,7 @@ fn carry_out(
     report.transparency = session.transparency();
     let mut failed = Ok(());
     for ScriptLine { text, command } in &lines {
-        match session.act(command) {
+        match session.act(&command.from_origin(session.document.origin_m)) {
             Ok(outcome) => {
                 if let Some(failure) = outcome.failure() {
                     ending.fail(format!("{text}: {failure}"));
@@ -152,14 +152,20 @@ pub(crate) fn model(arguments: &WorkshopArguments) -> Result<Model, RunError> {
         }
         file if file.contains(['.', '/']) => {
             // Parts are whole: pieces would be picked, cut open and taken apart one by one.
-            let options = LoadOptions { cut_above_triangles: None, ..LoadOptions::default() };
+            let options = LoadOptions {
+                cut_above_triangles: None,
+                place: ScenePlace::NearOrigin,
+                ..LoadOptions::default()
+            };
             let loaded =
                 scene_file::load(Path::new(file), &options, &mut |_| ControlFlow::Continue(()))?;
             for note in &loaded.notes {
                 tracing::warn!("{note}");
             }
             let parts = file_parts(&loaded);
-            Ok(Model { document: Document::new(loaded.scene, parts, None), path: Vec::new() })
+            let mut document = Document::new(loaded.scene, parts, None);
+            document.origin_m = loaded.origin_m;
+            Ok(Model { document, path: Vec::new() })
         }
         other => Err(RunError::user(format!(
             "there is no model '{other}': waffle, assembly, or a file, whose name has a dot or a slash"

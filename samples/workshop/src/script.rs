@@ -208,6 +208,16 @@ impl Command {
 }
 
 impl Command {
+    /// Returns the command for a scene whose origin lies at a point of the coordinates of a script,
+    /// in metres.
+    #[must_use]
+    pub fn from_origin(&self, origin_m: DVec3) -> Self {
+        match self {
+            Self::Section(section) => Self::Section(section.from_origin(origin_m)),
+            other => other.clone(),
+        }
+    }
+
     /// Returns its first word in a script, or one of its kind from a window.
     pub fn verb(&self) -> &'static str {
         match self {

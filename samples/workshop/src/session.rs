@@ -236,7 +236,7 @@ impl WorkshopSession {
         self.outline()?;
         let Some((object, point)) = hit else { return Ok(CommandOutcome::Picked(None)) };
         let part = self.document.name(object).to_owned();
-        let point_mm = (point * MM).to_array();
+        let point_mm = ((point + self.document.origin_m) * MM).to_array();
         Ok(CommandOutcome::Picked(Some(PickedPoint { part, point_mm })))
     }
 
@@ -325,7 +325,10 @@ impl WorkshopSession {
 
     /// Returns a sentence about transparent parts that are not shown as was asked for.
     pub fn transparency_notice(&self) -> Option<String> {
-        let fallback = self.transparency().and_then(|report| report.fallback);
+        let is_ghosted = |object| self.document.display(object) == Display::Ghosted;
+        let fallback = self.transparency().and_then(|report| report.fallback).filter(|_| {
+            !self.document.transparent().is_empty() || self.document.objects().any(is_ghosted)
+        });
         let fallback = fallback.map(|reason| format!("ghosts are sorted part by part: {reason}"));
         fallback.or_else(|| not_blended(&self.viewport.fragments()?))
     }

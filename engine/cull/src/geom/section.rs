@@ -154,6 +154,16 @@ impl SectionPlanes {
         self.planes.get(..self.count).unwrap_or_default()
     }
 
+    /// Returns the same planes in coordinates whose origin is at a point of these, in metres.
+    #[must_use]
+    pub fn from_origin(&self, origin_m: DVec3) -> Self {
+        let mut section = *self;
+        for plane in &mut section.planes {
+            plane.offset_m += plane.normal.dot(origin_m);
+        }
+        section
+    }
+
     /// Returns the way in which they are combined.
     #[must_use]
     pub fn mode(&self) -> SectionMode {

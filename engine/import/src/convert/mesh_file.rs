@@ -86,6 +86,7 @@ pub(crate) fn convert_mesh_file(
     })?;
     Ok(GltfScene {
         scene,
+        origin_m: glam::DVec3::ZERO,
         rig,
         object_nodes: Vec::new(),
         clips: Vec::new(),

@@ -15,6 +15,7 @@ mod instancing;
 mod lights;
 mod materials;
 mod mesh_file;
+mod near_origin;
 mod nodes;
 mod normals;
 mod numbers;
@@ -61,7 +62,7 @@ pub(crate) fn convert(
 ) -> Result<GltfScene, ImportError> {
     let mut notes = Notes::after(std::mem::take(&mut source.notes));
     let mut losses = std::mem::take(&mut source.losses);
-    let tree = Tree::of(&mut source, &mut notes)?;
+    let tree = Tree::of(&mut source, options.place, &mut notes)?;
     let mut clips = clips::clips(&source, &tree, &mut losses, &mut notes)?;
     let cameras = cameras::cameras(&source, &tree, &mut notes);
     let first = cameras.first().map(|camera| (camera.node, camera.projection));
@@ -109,6 +110,7 @@ pub(crate) fn convert(
     let skins = skins.list;
     let mut imported = GltfScene {
         scene,
+        origin_m: tree.origin_m,
         rig: tree.rig,
         object_nodes,
         clips,

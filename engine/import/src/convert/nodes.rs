@@ -1,13 +1,15 @@
 //! Nodes: those of one scene of the file, parents before children, and their transforms at rest.
 
 use animation::{Rest, Rig, RigNode, RigNodeId, Trs};
-use glam::{Affine3A, Mat4, Quat, Vec3, Vec4};
+use glam::{Affine3A, DVec3, Mat4, Quat, Vec3, Vec4};
 use gltf::animation::Property;
 use gltf::json;
 use gltf::json::validation::Checked;
 
+use super::near_origin;
 use super::numbers::rotation;
 use crate::error::quoted;
+use crate::load_options::ScenePlace;
 use crate::notes::Notes;
 use crate::reach::shown_scene;
 use crate::{Cause, ImportError, Source};
@@ -15,6 +17,8 @@ use crate::{Cause, ImportError, Source};
 /// The nodes of the scene that is shown: depth first, so that all that is below a node follows it.
 #[derive(Debug)]
 pub(super) struct Tree {
+    /// The point of the file at which the scene has its origin.
+    pub(super) origin_m: DVec3,
     /// The nodes as a rig, parents first.
     pub(super) rig: Rig,
     /// The number in the file of each of them.
@@ -40,7 +44,11 @@ impl Tree {
     ///
     /// # Errors
     /// Nodes that are their own ancestors.
-    pub(super) fn of(source: &mut Source, notes: &mut Notes) -> Result<Self, ImportError> {
+    pub(super) fn of(
+        source: &mut Source,
+        place: ScenePlace,
+        notes: &mut Notes,
+    ) -> Result<Self, ImportError> {
         let empty = gltf::Document::from_json_without_validation(json::Root::default());
         let mut json = std::mem::replace(&mut source.document, empty).into_json();
         let (moved, morphed) = animated(&json);
@@ -82,8 +90,15 @@ impl Tree {
             pending.extend(children.iter().rev().map(|child| (child.value(), Some(id))));
         }
         source.document = gltf::Document::from_json_without_validation(json);
+        let mut origin_m = DVec3::ZERO;
+        if place == ScenePlace::NearOrigin && !has_moved_root(&nodes, &moves) {
+            let places = worlds.iter().zip(&meshes).filter(|(_, mesh)| mesh.is_some());
+            let origin = near_origin::origin_of(places.map(|(world, _)| world.translation.into()));
+            near_origin::move_nodes(&mut nodes, &mut worlds, origin);
+            origin_m = origin.as_dvec3();
+        }
         let rig = rig_of(nodes, source)?;
-        Ok(Self { rig, in_file, meshes, cameras, lights, ids, worlds, moves, morphs })
+        Ok(Self { origin_m, rig, in_file, meshes, cameras, lights, ids, worlds, moves, morphs })
     }
 
     /// Returns the id of a node of the file, if it is in the scene.
@@ -115,6 +130,11 @@ impl Tree {
             name => format!("node {in_file} ({})", quoted(name)),
         }
     }
+}
+
+/// Returns true if a clip moves a node without a parent.
+fn has_moved_root(nodes: &[RigNode], moves: &[bool]) -> bool {
+    nodes.iter().zip(moves).any(|(node, moves)| node.parent.is_none() && *moves)
 }
 
 fn rig_of(nodes: Vec<RigNode>, source: &Source) -> Result<Rig, ImportError> {

@@ -116,6 +116,7 @@ fn imported() -> GltfScene {
     ];
     GltfScene {
         scene,
+        origin_m: glam::DVec3::ZERO,
         rig: Rig::new(nodes).unwrap(),
         object_nodes: Vec::new(),
         clips,

@@ -1,7 +1,7 @@
 //! The signs over the model: the cube, handles of planes, measured lines, names, messages.
 
 use antumbra::glam::Vec2;
-use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2, vec2};
+use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Stroke, pos2, vec2};
 use samples::hud::style::{DIM, MARGIN, MARK, NAME, PANEL, SELECTED, VALUE};
 
 use super::context::InteractionContext;
@@ -61,14 +61,22 @@ fn cube(painter: &Painter, interaction: &Interaction, seen: &InteractionContext<
     let cube = interaction.cube();
     let meant = interaction.cursor().and_then(|cursor| cube.view_at(&seen.camera, cursor));
     for cell in cube.cells(&seen.camera) {
-        let corners = cell.corners.map(|corner| points(corner, scale)).to_vec();
+        let corners = cell.corners.map(|corner| points(corner, scale));
         let light = (70.0 + 60.0 * cell.facing) as u8;
         let fill = match meant {
             Some(view) if view == cell.view => MARK,
             _ => Color32::from_rgb(light, light + 8, light + 18),
         };
-        let line = Stroke::new(0.5, SELECTED);
-        painter.add(Shape::convex_polygon(corners, fill, line));
+        // A polygon's soft border has spikes where a face is seen from its edge.
+        let mut face = Mesh::default();
+        corners.iter().for_each(|corner| face.colored_vertex(*corner, fill));
+        face.add_triangle(0, 1, 2);
+        face.add_triangle(0, 2, 3);
+        painter.add(face);
+        for side in 0..4 {
+            let ends = [corners[side], corners[(side + 1) % 4]];
+            painter.line_segment(ends, Stroke::new(0.5, SELECTED));
+        }
     }
     let height = cube.half_edge / scale * 0.44;
     for label in cube.labels(&seen.camera) {
