@@ -1,5 +1,5 @@
 // The flare pass, counts: a block of whole pixels at the depth of its light, several times over
-// where what a veil lets through is counted.
+// where what a transmittance lets through is counted.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "flare_block.glsl"

@@ -17,7 +17,7 @@ vec4 base_colour() {
     return base_colour_of(at_centroid(covered_uvs), at_centroid(vertex_colour));
 }
 
-// The alpha that decides about a hole, or that flares are veiled by. Where there are several
+// The alpha that decides about a hole, or that flares are transmitted by. Where there are several
 // samples that is the one in the middle of the pixel: on some drivers (Mesa's llvmpipe) centroids
 // are those of the samples that pass the depth test, so draws before would decide about holes, and
 // both passes would differ.

@@ -8,7 +8,7 @@
 #include "surface_alpha.glsl"
 #include "brdf.glsl"
 #include "lights.glsl"
-#include "light_picture.glsl"
+#include "light_cookie.glsl"
 #include "environment.glsl"
 #include "tonemap.glsl"
 #ifdef SECTION_BINDING

@@ -29,11 +29,11 @@ macro_rules! shader {
 }
 
 /// The compute stage that writes query results into the draw counts of groups
-/// (`gpu::Predication::Counts`).
+/// (`gpu::PredicationMode::Counts`).
 pub const PREDICATE_COUNTS: Shader = shader!("predicate_counts.comp");
 
 /// The compute stage that writes query results into instance counts of draws
-/// (`gpu::Predication::Instances`).
+/// (`gpu::PredicationMode::Instances`).
 pub const PREDICATE_INSTANCES: Shader = shader!("predicate_instances.comp");
 
 /// The compute stage that adds the results of a query in the views of a rendering.
@@ -68,8 +68,8 @@ pub const PASSES: [Shader; 108] = [
     shader!("flare.frag"),
     shader!("flare_block.vert"),
     shader!("flare_block.frag"),
-    shader!("flare_veil.frag"),
-    shader!("flare_veil_indexed.frag"),
+    shader!("flare_transmittance.frag"),
+    shader!("flare_transmittance_bindless.frag"),
     shader!("sky.vert"),
     shader!("sky.frag"),
     shader!("sky_around.frag"),
@@ -94,18 +94,18 @@ pub const PASSES: [Shader; 108] = [
     shader!("surface_volumes.frag"),
     shader!("surface_depth.vert"),
     shader!("surface_depth.frag"),
-    shader!("surface_indexed.frag"),
-    shader!("surface_shadowed_indexed.frag"),
-    shader!("surface_volumes_indexed.frag"),
-    shader!("surface_depth_indexed.frag"),
+    shader!("surface_bindless.frag"),
+    shader!("surface_shadowed_bindless.frag"),
+    shader!("surface_volumes_bindless.frag"),
+    shader!("surface_depth_bindless.frag"),
     shader!("surface_sorted.frag"),
     shader!("surface_sorted_section.frag"),
-    shader!("surface_sorted_indexed.frag"),
-    shader!("surface_sorted_indexed_section.frag"),
+    shader!("surface_sorted_bindless.frag"),
+    shader!("surface_sorted_bindless_section.frag"),
     shader!("surface_shadowed_sorted.frag"),
     shader!("surface_shadowed_sorted_section.frag"),
-    shader!("surface_shadowed_sorted_indexed.frag"),
-    shader!("surface_shadowed_sorted_indexed_section.frag"),
+    shader!("surface_shadowed_sorted_bindless.frag"),
+    shader!("surface_shadowed_sorted_bindless_section.frag"),
     shader!("surface_sorted_section.vert"),
     shader!("sorted_fragments.frag"),
     shader!("midpoint.frag"),
@@ -134,15 +134,15 @@ pub const PASSES: [Shader; 108] = [
     shader!("surface_shadowed_section.vert"),
     shader!("surface_depth_section.vert"),
     shader!("surface_section.frag"),
-    shader!("surface_indexed_section.frag"),
+    shader!("surface_bindless_section.frag"),
     shader!("surface_shadowed_section.frag"),
-    shader!("surface_shadowed_indexed_section.frag"),
+    shader!("surface_shadowed_bindless_section.frag"),
     shader!("surface_volumes_section.frag"),
-    shader!("surface_volumes_indexed_section.frag"),
+    shader!("surface_volumes_bindless_section.frag"),
     shader!("surface_depth_section.frag"),
-    shader!("surface_depth_indexed_section.frag"),
-    shader!("flare_veil_section.frag"),
-    shader!("flare_veil_indexed_section.frag"),
+    shader!("surface_depth_bindless_section.frag"),
+    shader!("flare_transmittance_section.frag"),
+    shader!("flare_transmittance_bindless_section.frag"),
     shader!("cap_count.vert"),
     shader!("cap_count.frag"),
     shader!("cap.vert"),

@@ -4,16 +4,16 @@
 use std::collections::BTreeMap;
 
 use ash::vk;
-use cull::{Aabb, Camera, CullConfig, DrawPhases, ObjectId, Strategy, View};
+use cull::{Aabb, Camera, CullConfig, CullView, DrawPhases, ObjectId, Strategy};
 use glam::Vec3;
 use gpu::{
     Attachments, Commands, Device, Frame, HostImage, HostImages, ImageState, IndirectDraw,
-    NearDepth, Predication, RenderTarget, SlotIndex, Target, Tick,
+    NearDepth, PredicationMode, RenderTarget, SlotIndex, Target, Tick,
 };
 use occlusion::{
-    Assumption, BucketDraw, BucketId, BucketTableInfo, DevicePrices, DrawList, Error, HostObject,
-    HostScene, ObjectPass, ObjectRenderer, OcclusionPasses, ProxyBox, Rendering, ShaderSet, Trust,
-    VisibilityState, execute, list_draws,
+    BucketDraw, BucketId, BucketTableInfo, DeviceCosts, DrawList, DriverAssumption, DriverQuirks,
+    Error, HostObject, HostScene, ObjectPass, ObjectRenderer, OcclusionPasses, OcclusionState,
+    ProxyBox, Rendering, ShaderSet, execute, list_draws,
 };
 
 use crate::host_commands::Runs;
@@ -45,13 +45,13 @@ pub struct BoxOptions<'a> {
     /// The number of objects that there is room for at first.
     pub room: usize,
     /// The way that hidden draws are skipped; `None` takes the device's best.
-    pub predication: Option<Predication>,
+    pub predication: Option<PredicationMode>,
     /// Two where the host draws from lists.
     pub draw_phases: DrawPhases,
     /// The assumptions about the driver that are taken as broken.
-    pub distrusted: &'a [Assumption],
-    /// The prices that decide, if any do.
-    pub prices: Option<&'a DevicePrices>,
+    pub disabled: &'a [DriverAssumption],
+    /// The costs that decide, if any do.
+    pub costs: Option<&'a DeviceCosts>,
 }
 
 /// The owner of the renderings of a view.
@@ -72,8 +72,8 @@ impl Default for BoxOptions<'_> {
             room: 16,
             predication: None,
             draw_phases: DrawPhases::PerRound,
-            distrusted: &[],
-            prices: None,
+            disabled: &[],
+            costs: None,
         }
     }
 }
@@ -97,7 +97,7 @@ pub struct ComparedScene<'a> {
 
 /// A view with the images of both ways to draw it.
 struct ComparedView {
-    state: VisibilityState,
+    state: OcclusionState,
     culled: BoxImages,
     all: BoxImages,
     /// The copies of both images by slot.
@@ -123,17 +123,17 @@ impl<'a> ComparedScene<'a> {
         let target = &images[0][0].0;
         let passes = images[0][0].3.as_ref();
         let attachments = attachments_of(target, passes);
-        let trust = Trust::without(options.distrusted);
-        let passes = OcclusionPasses::with_trust(device, &shaders, attachments, trust).unwrap();
+        let quirks = DriverQuirks::without(options.disabled);
+        let passes = OcclusionPasses::with_quirks(device, &shaders, attachments, quirks).unwrap();
         let info = BucketTableInfo {
             bucket_count: BUCKETS,
             draw_capacity: options.room as u32,
             predication: options.predication,
             frames_in_flight: IN_FLIGHT,
         };
-        let scene = match options.prices {
+        let scene = match options.costs {
             None => HostScene::new(device, passes, options.room, info),
-            Some(prices) => HostScene::with_prices(device, passes, options.room, info, prices),
+            Some(costs) => HostScene::with_costs(device, passes, options.room, info, costs),
         };
         let scene = scene.unwrap();
         let view = |images: [_; 2]| {
@@ -242,7 +242,7 @@ impl<'a> ComparedScene<'a> {
         let bits = self.device.adapter().limits.sub_pixel_precision_bits;
         for (ComparedView { state, culled, all, .. }, camera) in self.views.iter_mut().zip(cameras)
         {
-            let view = View::new(camera, SIZE, bits);
+            let view = CullView::new(camera, SIZE, bits);
             culled.boxes.set_boxes(boxes);
             all.boxes.set_boxes(boxes);
             state.collect(completed, hierarchy, &executor.leaves);
@@ -275,7 +275,7 @@ impl<'a> ComparedScene<'a> {
         };
         for (ComparedView { culled, all, copies, .. }, camera) in self.views.iter_mut().zip(cameras)
         {
-            let view = View::new(camera, SIZE, bits);
+            let view = CullView::new(camera, SIZE, bits);
             all.target.prepare(commands);
             all.begin_rendering(commands, &view, Rendering::First);
             all.bind(commands, &view, BucketId(0), ObjectPass::Visibility);
@@ -312,7 +312,7 @@ impl<'a> ComparedScene<'a> {
     }
 
     /// Returns the views, each with its newest plan.
-    pub fn states(&self) -> impl Iterator<Item = &VisibilityState> {
+    pub fn states(&self) -> impl Iterator<Item = &OcclusionState> {
         self.views.iter().map(|view| &view.state)
     }
 
@@ -322,7 +322,7 @@ impl<'a> ComparedScene<'a> {
         let completed = self.device.completed().unwrap();
         let drawn = self.views.iter_mut().flat_map(|view| {
             view.state.collect(completed, hierarchy, &executor.leaves);
-            view.state.take_outcomes().map(|outcome| outcome.draws).filter(|draws| *draws > 0)
+            view.state.drain_stats().map(|outcome| outcome.draws).filter(|draws| *draws > 0)
         });
         drawn.min()
     }
@@ -405,7 +405,7 @@ impl BoxImages {
         &mut self,
         frame: &Frame<'_>,
         lists: &[DrawList],
-        view: &View,
+        view: &CullView,
         rendering: Rendering,
     ) {
         let commands = frame.commands();
@@ -427,11 +427,16 @@ impl ObjectRenderer for BoxImages {
         &mut self.target
     }
 
-    fn rendering(&self, _view: &View, rendering: Rendering) -> RenderTarget {
+    fn rendering(&self, _view: &CullView, rendering: Rendering) -> RenderTarget {
         self.target.render_target((rendering == Rendering::First).then_some([0.0, 0.0, 0.0, 1.0]))
     }
 
-    fn begin_rendering(&mut self, commands: &Commands, view: &View, rendering: Rendering) -> bool {
+    fn begin_rendering(
+        &mut self,
+        commands: &Commands,
+        view: &CullView,
+        rendering: Rendering,
+    ) -> bool {
         let Some(passes) = &self.passes else {
             return commands.begin_rendering(self.rendering(view, rendering));
         };
@@ -447,7 +452,7 @@ impl ObjectRenderer for BoxImages {
         }
     }
 
-    fn bind(&self, commands: &Commands, view: &View, _bucket: BucketId, _pass: ObjectPass) {
+    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId, _pass: ObjectPass) {
         self.boxes.bind(commands, view);
     }
 }

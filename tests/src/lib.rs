@@ -6,6 +6,8 @@
 
 pub mod box_rays;
 pub mod counting;
+pub mod display;
+pub mod fault_injection;
 pub mod host_commands;
 pub mod host_copy;
 pub mod host_device;
@@ -16,27 +18,25 @@ pub mod host_passes;
 #[cfg(feature = "shader-compiler")]
 pub mod host_scene;
 pub mod host_walk;
-pub mod lens;
-pub mod machine;
 #[cfg(feature = "shader-compiler")]
 pub mod numbered_boxes;
+pub mod projections;
 pub mod reference;
-pub mod reported;
+pub mod regressions;
 pub mod scene_rays;
 pub mod section;
+pub mod shadow_scene;
 pub mod shapes;
-pub mod show;
-pub mod stage;
-pub mod still;
-pub mod studio;
+pub mod single_frame;
+pub mod surface_fixture;
 pub mod walk;
 pub mod wayland_window;
-pub mod ways;
 pub mod weston;
+pub mod window_fixture;
+pub mod window_matrix;
 pub mod x11_screen;
 pub mod x11_window;
 pub mod xvfb;
-pub mod yard;
 
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;

@@ -1,6 +1,6 @@
 //! Boxes drawn by a pipeline that is not the renderer's, each in a colour of its own.
 
-use cull::View;
+use cull::CullView;
 use gpu::{
     Attachments, Blend, Buffer, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
     GraphicsPipelineInfo, StorageLayout, vk,
@@ -53,9 +53,9 @@ impl NumberedBoxes {
     }
 
     /// Takes the views that are drawn at once from the next frame on, for a pipeline of so many.
-    pub fn take_views(&mut self, device: &Device, views: &[View]) {
+    pub fn take_views(&mut self, device: &Device, views: &[CullView]) {
         // As `eye.glsl` has it; the shader reads no more.
-        let eye = |view: &View| {
+        let eye = |view: &CullView| {
             let mut eye = [0.0_f32; 28];
             eye[..16].copy_from_slice(&view.view_proj.to_cols_array());
             eye[16..20].copy_from_slice(&view.rays.eye().to_array());
@@ -67,7 +67,7 @@ impl NumberedBoxes {
     }
 
     /// Binds everything; draws of leaves follow.
-    pub fn bind(&self, commands: &Commands, view: &View) {
+    pub fn bind(&self, commands: &Commands, view: &CullView) {
         match &self.eyes {
             Some(eyes) => commands.bind(&self.pipeline, &[self.boxes, self.boxes, eyes.whole()]),
             None => commands.bind(&self.pipeline, &[self.boxes]),

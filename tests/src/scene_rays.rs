@@ -137,23 +137,23 @@ mod tests {
     use glam::vec3;
 
     use super::*;
-    use crate::yard;
+    use crate::shadow_scene;
 
     #[test]
     fn rays_meet_boxes_where_rays_against_boxes_do() {
-        let boxes = yard::boxes();
-        let rays = SceneRays::new(&yard::scene(&boxes, &[]));
+        let boxes = shadow_scene::boxes();
+        let rays = SceneRays::new(&shadow_scene::scene(&boxes, &[]));
         let size = [48, 36];
         let mut met = 0;
         for pixel in 0..size[0] * size[1] {
             let at = [pixel % size[0], pixel / size[0]].map(|side| f64::from(side) + 0.5);
             let of_boxes = crate::box_rays::shown_at(
                 &boxes,
-                &yard::camera(),
+                &shadow_scene::camera(),
                 size,
                 at.map(|side| side as f32),
             );
-            let found = rays.shown_at(&yard::camera(), size, at);
+            let found = rays.shown_at(&shadow_scene::camera(), size, at);
             assert_eq!(found.is_some(), of_boxes.is_some(), "{at:?}");
             let (Some(found), Some((place, normal))) = (found, of_boxes) else { continue };
             if (found.place.as_vec3() - place).length() < 1e-3 {

@@ -3,7 +3,7 @@
 use cull::{Camera, Projection, SectionMode, SectionPlane, SectionPlanes, Strategy};
 use glam::{Affine3A, DVec3, Vec3};
 use gpu::{Device, Readback};
-use render::{Costs, FrameRequest, Renderer, RendererOptions, ViewState};
+use render::{CostModel, FrameRequest, RenderView, Renderer, RendererOptions};
 use scene::{
     Light, Mesh, MeshId, Object, Scene, Vertex, bounds_of_vertices, pack_normal, pack_unorm,
 };
@@ -125,7 +125,7 @@ pub struct CutScene {
     /// The renderer.
     pub renderer: Renderer,
     /// The view.
-    pub view: ViewState,
+    pub view: RenderView,
     /// The image.
     pub image: Readback,
 }
@@ -133,7 +133,8 @@ pub struct CutScene {
 impl CutScene {
     /// Creates a renderer with all methods.
     pub fn new(device: &Device, scene: &Scene, options: RendererOptions) -> Self {
-        let options = RendererOptions { costs: Costs::Ignored, methods: methods::all(), ..options };
+        let options =
+            RendererOptions { cost_model: CostModel::Off, methods: methods::all(), ..options };
         let renderer = Renderer::new(device, scene, &options).expect("a renderer");
         let view = renderer.new_view().expect("a view");
         let image = Readback::new(device, options.size).expect("an image");
@@ -145,7 +146,7 @@ impl CutScene {
         let image = Some(&self.image);
         let request = FrameRequest { image, ..FrameRequest::new(strategy, camera) };
         self.renderer.render(&mut self.view, &request).expect("a frame");
-        self.renderer.device().drain().expect("an image");
+        self.renderer.device().wait_idle().expect("an image");
         let pixels = self.image.rgba8().expect("pixels");
         pixels
             .as_chunks::<4>()

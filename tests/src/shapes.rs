@@ -1,7 +1,7 @@
 //! The simplest things to draw: boxes, as occluders, as tests, and as whole scenes.
 
 use bytemuck::{Pod, Zeroable};
-use cull::{Aabb, Camera, Projection, View};
+use cull::{Aabb, Camera, CullView, Projection};
 use glam::{Affine3A, Quat, Vec3};
 use gpu::{
     Attachments, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
@@ -46,7 +46,7 @@ impl DepthBoxes {
     }
 
     /// Draws box `index` of `boxes`.
-    pub fn draw(&self, commands: &Commands, boxes: BufferSlice, view: &View, index: u32) {
+    pub fn draw(&self, commands: &Commands, boxes: BufferSlice, view: &CullView, index: u32) {
         let view_proj = view.view_proj.to_cols_array();
         let eye = view.rays.eye().to_array();
         commands.bind(&self.pipeline, &[boxes]);
@@ -73,8 +73,8 @@ pub fn square_camera() -> Camera {
 }
 
 /// Returns the view of [`square_camera`] on a square image.
-pub fn square_view(device: &Device, side: u32) -> View {
-    View::new(&square_camera(), [side, side], device.adapter().limits.sub_pixel_precision_bits)
+pub fn square_view(device: &Device, side: u32) -> CullView {
+    CullView::new(&square_camera(), [side, side], device.adapter().limits.sub_pixel_precision_bits)
 }
 
 /// Returns a box around `centre`.

@@ -3,8 +3,8 @@
 use cull::{Camera, Strategy};
 use gpu::{Device, Pixels, Readback};
 use render::{
-    Error, FrameOutcome, FrameReport, FrameRequest, Renderer, RendererOptions, UpdateReport,
-    ViewState, Viewpoint,
+    Error, FrameReport, FrameRequest, FrameStats, RenderView, Renderer, RendererOptions,
+    UpdateReport, Viewpoint,
 };
 use scene::Scene;
 use scenes::{CameraPath, Cast, GeneratedScene, Motion, PathKind};
@@ -132,7 +132,7 @@ pub struct Loop {
     /// The report of every frame when it was submitted.
     pub reports: Vec<FrameReport>,
     /// The outcome of every frame.
-    pub outcomes: Vec<FrameOutcome>,
+    pub outcomes: Vec<FrameStats>,
     /// Waits other than for slots.
     pub blocking_waits: u64,
 }
@@ -140,7 +140,7 @@ pub struct Loop {
 /// Renders `cameras` one after the other without looking back, then drains.
 pub fn frame_loop(
     renderer: &mut Renderer,
-    view: &mut ViewState,
+    view: &mut RenderView,
     strategy: Strategy,
     cameras: &[impl Copy + Into<Viewpoint>],
 ) -> Loop {
@@ -153,8 +153,8 @@ pub fn frame_loop(
         reports.push(renderer.render(view, &request).expect("a frame"));
     }
     let blocking_waits = renderer.device().wait_counts().other - waits;
-    renderer.drain(view).expect("the end");
-    let outcomes: Vec<FrameOutcome> = view.take_outcomes().collect();
+    renderer.wait_idle(view).expect("the end");
+    let outcomes: Vec<FrameStats> = view.drain_stats().collect();
     assert!(outcomes.is_sorted_by_key(|outcome| outcome.frame), "{outcomes:?}");
     Loop { images, reports, outcomes, blocking_waits }
 }

@@ -174,7 +174,7 @@ fn every_method_draws_what_the_bound_draws() {
     };
     let (bound, _, _) = row("ideal");
     assert_eq!(row("frustum"), (401, 0, 0));
-    for name in ["naive", "batched", "stop_and_wait", "coherent", "antumbra"] {
+    for name in ["naive", "batched", "stop_and_wait", "chc", "antumbra"] {
         let (draws, tests, _) = row(name);
         assert!(draws >= bound && draws < 100 && tests > 0, "{name}:\n{printed}");
     }

@@ -12,7 +12,7 @@ use std::alloc::System;
 
 use cap::Cap;
 use cull::HierarchyError;
-use render::{Costs, Error, Renderer, RendererOptions};
+use render::{CostModel, Error, Renderer, RendererOptions};
 use scene::{Material, MaterialId, Mesh, Object, Scene, Surfaces};
 use tests::shapes::surface_of;
 use tests::{Driver, run};
@@ -42,7 +42,7 @@ fn with_objects(scene: Scene, count: usize) -> Scene {
 fn a_scene_that_there_is_no_memory_for_is_refused() {
     run(Driver::Lavapipe, |device| {
         let options =
-            RendererOptions { size: [64, 64], costs: Costs::Ignored, ..Default::default() };
+            RendererOptions { size: [64, 64], cost_model: CostModel::Off, ..Default::default() };
         // 20 bytes a vertex, 4 an index, and 40 for what a vertex looks like.
         let cases = [
             (scene(1_000_000), 40, "the vertices of all meshes"),

@@ -13,14 +13,14 @@ use std::ffi::CStr;
 use gpu::raw_window_handle::{DisplayHandle, HandleError, HasDisplayHandle};
 use gpu::vk::Result as Code;
 use gpu::{
-    Error, Optional, PresentResult, PresentSkipped, Surface, Swapchain, SwapchainOptions,
+    Error, OptionalFeature, PresentResult, PresentSkipped, Surface, Swapchain, SwapchainOptions,
     WindowSystem,
 };
 use tests::xvfb::Xvfb;
 use tests::{Driver, instance, instance_for};
 
-use tests::machine::{CALLS_THAT_SHOW, Fault, Machine, calls};
-use tests::stage::{Painter, WindowStage, await_image, show_surely};
+use tests::fault_injection::{CALLS_THAT_SHOW, Fault, FaultInjection, calls};
+use tests::window_fixture::{Painter, WindowStage, await_image, show_surely};
 use tests::x11_window::{Library, X11Window};
 
 const SIZE: [u32; 2] = [96, 64];
@@ -37,9 +37,9 @@ struct Liar {
 }
 
 impl Liar {
-    fn new(server: &Xvfb, driver: Driver, machine: Machine) -> Self {
+    fn new(server: &Xvfb, driver: Driver, faults: FaultInjection) -> Self {
         let window = X11Window::open(server, Library::Xcb, SIZE);
-        let stage = WindowStage::with_entry(machine.entry(), driver, window.clone());
+        let stage = WindowStage::with_entry(faults.entry(), driver, window.clone());
         let painter = Painter::new(&stage.device, SIZE);
         let swapchain = stage.swapchain(&SwapchainOptions::default());
         let mut liar = Self { stage, window, painter, swapchain, frame: 0 };
@@ -62,7 +62,7 @@ impl Liar {
     /// Stops the lies, and checks that the right image is shown and that everything ends in
     /// order.
     fn end(mut self) {
-        Machine::default().install();
+        FaultInjection::default().install();
         let expected = self.painter.expected(77);
         show_surely(&mut self.swapchain, &self.painter.target, SIZE);
         await_image(&expected, || self.window.pixels(SIZE));
@@ -76,8 +76,8 @@ impl Liar {
     }
 }
 
-fn failing(call: &'static CStr, fails: std::ops::Range<usize>, code: Code) -> Machine {
-    Machine { faults: vec![Fault { call, fails, code }], ..Machine::default() }
+fn failing(call: &'static CStr, fails: std::ops::Range<usize>, code: Code) -> FaultInjection {
+    FaultInjection { faults: vec![Fault { call, fails, code }], ..FaultInjection::default() }
 }
 
 #[test]
@@ -98,7 +98,7 @@ fn what_happens_to_a_window_has_a_name_and_is_got_over() {
             (PRESENT, 1, lost, Some(PresentSkipped::SurfaceLost)),
             (PRESENT, 1, Code::SUBOPTIMAL_KHR, None),
         ] {
-            let mut liar = Liar::new(&server, driver, Machine::default());
+            let mut liar = Liar::new(&server, driver, FaultInjection::default());
             failing(call, 0..times, code).install();
             let outcome = liar.show();
             let named = match outcome {
@@ -116,7 +116,7 @@ fn a_driver_that_always_has_a_better_idea_makes_nothing_anew() {
     let server = Xvfb::start();
     for driver in Driver::ALL {
         for call in [ACQUIRE, PRESENT] {
-            let mut liar = Liar::new(&server, driver, Machine::default());
+            let mut liar = Liar::new(&server, driver, FaultInjection::default());
             failing(call, 0..usize::MAX, Code::SUBOPTIMAL_KHR).install();
             for _ in 0..50 {
                 assert!(liar.show().presented().is_some());
@@ -131,9 +131,12 @@ fn a_driver_that_always_has_a_better_idea_makes_nothing_anew() {
 fn a_window_that_is_minimised_waits_until_it_is_not() {
     let server = Xvfb::start();
     for driver in Driver::ALL {
-        let mut liar = Liar::new(&server, driver, Machine::default());
-        Machine { is_minimised: true, ..failing(ACQUIRE, 0..1, Code::ERROR_OUT_OF_DATE_KHR) }
-            .install();
+        let mut liar = Liar::new(&server, driver, FaultInjection::default());
+        FaultInjection {
+            is_minimised: true,
+            ..failing(ACQUIRE, 0..1, Code::ERROR_OUT_OF_DATE_KHR)
+        }
+        .install();
         for _ in 0..5 {
             assert_eq!(liar.show(), PresentResult::Not(PresentSkipped::NoArea));
         }
@@ -145,7 +148,7 @@ fn a_window_that_is_minimised_waits_until_it_is_not() {
 #[test]
 fn a_surface_that_is_lost_again_at_once_is_a_window_that_is_gone() {
     let server = Xvfb::start();
-    let mut liar = Liar::new(&server, Driver::Lavapipe, Machine::default());
+    let mut liar = Liar::new(&server, Driver::Lavapipe, FaultInjection::default());
     failing(ACQUIRE, 0..usize::MAX, Code::ERROR_SURFACE_LOST_KHR).install();
     let outcomes: Vec<_> = (0..4).map(|_| liar.show()).collect();
     assert_eq!(outcomes[0], PresentResult::Not(PresentSkipped::SurfaceLost));
@@ -161,9 +164,9 @@ fn a_lost_device_has_a_name_wherever_it_is_found_out() {
     let server = Xvfb::start();
     for driver in Driver::ALL {
         for call in [ACQUIRE, PRESENT, c"vkGetPhysicalDeviceSurfaceCapabilitiesKHR"] {
-            let mut liar = Liar::new(&server, driver, Machine::default());
-            let machine = failing(call, 0..usize::MAX, Code::ERROR_DEVICE_LOST);
-            machine.install();
+            let mut liar = Liar::new(&server, driver, FaultInjection::default());
+            let faults = failing(call, 0..usize::MAX, Code::ERROR_DEVICE_LOST);
+            faults.install();
             // So that the window's state is asked for.
             liar.swapchain.set_mode(gpu::PresentMode::Mailbox);
             assert_eq!(
@@ -173,12 +176,12 @@ fn a_lost_device_has_a_name_wherever_it_is_found_out() {
             );
             liar.close();
         }
-        let mut liar = Liar::new(&server, driver, Machine::default());
+        let mut liar = Liar::new(&server, driver, FaultInjection::default());
         liar.painter.paint(1, None);
         failing(c"vkQueueSubmit2", 0..usize::MAX, Code::ERROR_DEVICE_LOST).install();
         let shown = liar.swapchain.show(&liar.painter.target, SIZE).unwrap();
         assert_eq!(shown, PresentResult::Not(PresentSkipped::DeviceLost));
-        Machine::default().install();
+        FaultInjection::default().install();
         liar.end();
     }
 }
@@ -192,7 +195,7 @@ fn a_call_that_fails_is_named_and_the_next_frames_are_shown() {
     for driver in Driver::ALL {
         for &call in &list {
             for number in 0..3 {
-                let mut liar = Liar::new(&server, driver, Machine::default());
+                let mut liar = Liar::new(&server, driver, FaultInjection::default());
                 failing(call, number..number + 1, Code::ERROR_OUT_OF_HOST_MEMORY).install();
                 let mut errors = Vec::new();
                 let mut shown = 0;
@@ -230,9 +233,9 @@ fn a_call_that_fails_is_named_and_the_next_frames_are_shown() {
 fn without_present_fences_old_swapchains_end_all_the_same() {
     let server = Xvfb::start();
     for driver in Driver::ALL {
-        let machine = Machine { is_fenceless: true, ..Machine::default() };
-        let mut liar = Liar::new(&server, driver, machine);
-        assert!(!liar.stage.device.capabilities().has(Optional::PresentFences));
+        let faults = FaultInjection { is_fenceless: true, ..FaultInjection::default() };
+        let mut liar = Liar::new(&server, driver, faults);
+        assert!(!liar.stage.device.capabilities().has(OptionalFeature::PresentFences));
         let mut most = 0;
         for step in 0..200 {
             let size = [SIZE[0] + step % 50, SIZE[1]];
@@ -258,8 +261,11 @@ fn without_present_fences_old_swapchains_end_all_the_same() {
 fn present_fences_are_used_where_there_are_any() {
     let server = Xvfb::start();
     for (driver, has_fences) in [(Driver::SwiftShader, true), (Driver::Lavapipe, false)] {
-        let liar = Liar::new(&server, driver, Machine::default());
-        assert_eq!(liar.stage.device.capabilities().has(Optional::PresentFences), has_fences);
+        let liar = Liar::new(&server, driver, FaultInjection::default());
+        assert_eq!(
+            liar.stage.device.capabilities().has(OptionalFeature::PresentFences),
+            has_fences
+        );
         assert_eq!(calls(c"vkCreateFence") > 0, has_fences);
         liar.end();
     }
@@ -270,8 +276,8 @@ fn nothing_shows_a_window_and_every_device_says_why() {
     let server = Xvfb::start();
     let window = X11Window::open(&server, Library::Xcb, SIZE);
     let system = WindowSystem::of(&window).unwrap();
-    let machine = Machine { is_blind: true, ..Machine::default() };
-    let instance = instance_for(machine.entry(), Some(system));
+    let faults = FaultInjection { is_blind: true, ..FaultInjection::default() };
+    let instance = instance_for(faults.entry(), Some(system));
     let surface = Surface::new(&instance, window).unwrap();
     for wanted in [None, Some("llvmpipe"), Some("swiftshader")] {
         let error = instance.pick_adapter_for(&surface, wanted).unwrap_err();
@@ -280,9 +286,9 @@ fn nothing_shows_a_window_and_every_device_says_why() {
         assert!(text.contains("has no queue that can show frames in this window"), "{text}");
         assert!(text.contains("draw without a window"), "{text}");
     }
-    Machine::default().install();
+    FaultInjection::default().install();
     let best = instance.pick_adapter_for(&surface, None).unwrap();
-    assert!(best.capabilities.has(Optional::Swapchain));
+    assert!(best.capabilities.has(OptionalFeature::Swapchain));
     let error = instance.pick_adapter_for(&surface, Some("voodoo")).unwrap_err();
     assert!(matches!(error, Error::UnknownDevice { .. }), "{error}");
 }
@@ -307,6 +313,7 @@ fn no_display_and_no_windows_say_so() {
     let error = Surface::new(&instance, window).err().expect("an error").to_string();
     assert!(error.contains("InstanceOptions::windows"), "{error}");
     let adapter = instance.pick_adapter(None).unwrap();
-    let windowed = [Optional::Swapchain, Optional::PresentFences, Optional::PresentWait];
+    let windowed =
+        [OptionalFeature::Swapchain, OptionalFeature::PresentFences, OptionalFeature::PresentWait];
     assert!(windowed.into_iter().all(|optional| !adapter.capabilities.has(optional)));
 }

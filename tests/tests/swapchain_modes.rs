@@ -7,9 +7,9 @@
 )]
 
 use gpu::PresentMode;
-use tests::show::Show;
-use tests::stage::{Random, WindowStage};
-use tests::ways::{LASTING_WAYS, modes};
+use tests::display::Show;
+use tests::window_fixture::{Random, WindowStage};
+use tests::window_matrix::{LASTING_WAYS, modes};
 use tests::x11_window::X11Window;
 use tests::xvfb::Xvfb;
 

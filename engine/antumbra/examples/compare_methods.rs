@@ -4,7 +4,7 @@
 use std::error::Error;
 
 use antumbra::glam::{Affine3A, Vec3, vec3};
-use antumbra::render::{Costs, Rect};
+use antumbra::render::{CostModel, Rect};
 use antumbra::scene::{Mesh, MeshId, Object};
 use antumbra::{Camera, FrameRequest, Projection, Renderer, RendererOptions, Scene};
 
@@ -30,8 +30,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let device = antumbra::open()?;
     // Tests are made whether they pay or not: with so few triangles, hardly any does.
     let methods = antumbra::methods::all();
-    let costs = Costs::Ignored;
-    let options = RendererOptions { size: SIZE, methods, costs, ..Default::default() };
+    let cost_model = CostModel::Off;
+    let options = RendererOptions { size: SIZE, methods, cost_model, ..Default::default() };
     let mut renderer = Renderer::new(&device, &scene, &options)?;
     println!("{:18} {:>6} {:>6} {:>6}", "", "draws", "tests", "waits");
     for strategy in antumbra::methods::strategies() {
@@ -59,8 +59,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             let report = renderer.render(&mut view, &request)?;
             (tests, waits) = (report.tests, report.waits);
         }
-        renderer.drain(&mut view)?;
-        let draws = view.take_outcomes().next_back().map_or(0, |outcome| outcome.draws);
+        renderer.wait_idle(&mut view)?;
+        let draws = view.drain_stats().next_back().map_or(0, |outcome| outcome.draws);
         println!("{:18} {draws:6} {tests:6} {waits:6}", strategy.name());
     }
     Ok(())

@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use antumbra::glam::{Affine3A, Quat, Vec3, vec3};
-use antumbra::render::Costs;
+use antumbra::render::CostModel;
 use antumbra::scene::{Mesh, Object};
 use antumbra::{Camera, FrameRequest, Projection, Renderer, RendererOptions, Scene, Strategy};
 
@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }));
     let device = antumbra::open()?;
     // Tests are made whether they pay or not: on some devices 12 triangles are drawn faster.
-    let options = RendererOptions { costs: Costs::Ignored, ..Default::default() };
+    let options = RendererOptions { cost_model: CostModel::Off, ..Default::default() };
     let mut renderer = Renderer::new(&device, &scene, &options)?;
     let mut view = renderer.new_view()?;
     for frame in 0..100_u8 {
@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         };
         renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, camera))?;
         // The outcomes of earlier frames, which are known by now.
-        for outcome in view.take_outcomes().filter(|outcome| outcome.frame.0 % 10 == 0) {
+        for outcome in view.drain_stats().filter(|outcome| outcome.frame.0 % 10 == 0) {
             println!("frame {}: {} of {} houses", outcome.frame.0, outcome.draws, SIDE.pow(2));
         }
     }

@@ -20,7 +20,7 @@
 //! let camera = Camera::look_at([0.0, 0.0, 3.0], [0.0; 3]);
 //! let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
 //! renderer.render(&mut view, &FrameRequest { image: Some(&image), ..request })?;
-//! renderer.drain(&mut view)?;
+//! renderer.wait_idle(&mut view)?;
 //! println!("{} bytes of RGBA", image.rgba8()?.len());
 //! # Ok(()) }
 //! ```
@@ -65,5 +65,5 @@ pub use gpu::open;
 #[cfg(all(feature = "loaded", feature = "window"))]
 pub use gpu::open_with_window;
 pub use gpu::{Device, Readback};
-pub use render::{FrameRequest, Renderer, RendererOptions, ViewState};
+pub use render::{FrameRequest, RenderView, Renderer, RendererOptions};
 pub use scene::{Scene, SceneUpdate};

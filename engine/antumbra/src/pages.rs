@@ -39,16 +39,16 @@ struct ShadowsPage;
 ///
 /// ```no_run
 /// # use antumbra::cull::{Hierarchy, QueryShares, View};
-/// # use antumbra::occlusion::{PlanExecutor, VisibilityState};
+/// # use antumbra::occlusion::{PlanExecutor, OcclusionState};
 /// # fn plan(
 /// #     shares: &mut QueryShares,
-/// #     mut states: Vec<VisibilityState>,
+/// #     mut states: Vec<OcclusionState>,
 /// #     hierarchy: &Hierarchy,
 /// #     executor: &PlanExecutor,
-/// #     views: &[View],
+/// #     views: &[CullView],
 /// # ) {
 /// # let strategy = antumbra::Strategy::ANTUMBRA;
-/// let used = |state: &VisibilityState| state.plan().query_count();
+/// let used = |state: &OcclusionState| state.plan().query_count();
 /// shares.plan_views(4096, &mut states, used, |number, state, share| {
 ///     state.plan_frame(hierarchy, &executor.leaves, strategy, &views[number], share);
 /// });

@@ -168,63 +168,6 @@ template <typename T> constexpr T init() {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Hidden draws are skipped by the best way that the device has: with prices the cheapest.
- */
-#define ANTUMBRA_PREDICATION_BEST 0
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Hidden draws are skipped by conditional rendering.
- */
-#define ANTUMBRA_PREDICATION_CONDITIONAL 1
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Hidden draws are skipped by draw counts.
- */
-#define ANTUMBRA_PREDICATION_COUNTS 2
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Hidden draws are skipped by instance counts.
- */
-#define ANTUMBRA_PREDICATION_INSTANCES 3
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Hidden draws are skipped by lists of those that show, one per bucket and round, with counts.
- */
-#define ANTUMBRA_PREDICATION_COMPACTED 4
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * A host may submit a frame again before it is safe: each run resets its queries by commands.
- */
-#define ANTUMBRA_RESUBMISSION_ALLOWED 0
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * A host submits each frame once at most. Its queries are reset by the CPU where the device's
- * `hostQueryReset` is on, since some drivers wait once per query that a command resets.
- */
-#define ANTUMBRA_RESUBMISSION_NEVER 1
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * The most colour images of a view.
- */
-#define ANTUMBRA_COLOURS_MAX 8
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
  * Occlusion queries tell what shows from what is hidden, and count exactly.
  */
 #define ANTUMBRA_ASSUMPTION_QUERY_COUNTS (1 << 0)
@@ -335,6 +278,63 @@ template <typename T> constexpr T init() {
 #define ANTUMBRA_ASSUMPTION_COMPUTED_WALK (1 << 15)
 #endif
 
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Hidden draws are skipped by the best way that the device has: with costs the cheapest.
+ */
+#define ANTUMBRA_PREDICATION_BEST 0
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Hidden draws are skipped by conditional rendering.
+ */
+#define ANTUMBRA_PREDICATION_CONDITIONAL 1
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Hidden draws are skipped by draw counts.
+ */
+#define ANTUMBRA_PREDICATION_COUNTS 2
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Hidden draws are skipped by instance counts.
+ */
+#define ANTUMBRA_PREDICATION_INSTANCES 3
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Hidden draws are skipped by lists of those that show, one per bucket and round, with counts.
+ */
+#define ANTUMBRA_PREDICATION_COMPACTED 4
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A host may submit a frame again before it is safe: each run resets its queries by commands.
+ */
+#define ANTUMBRA_RESUBMISSION_ALLOWED 0
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * A host submits each frame once at most. Its queries are reset by the CPU where the device's
+ * `hostQueryReset` is on, since some drivers wait once per query that a command resets.
+ */
+#define ANTUMBRA_RESUBMISSION_NEVER 1
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The most colour images of a view.
+ */
+#define ANTUMBRA_COLOURS_MAX 8
+#endif
+
 /**
  * The default: warnings and errors.
  */
@@ -362,17 +362,17 @@ template <typename T> constexpr T init() {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Tests that cost more than they are expected to save are left out, by prices that are measured
+ * Tests that cost more than they are expected to save are left out, by costs that are measured
  * when the renderer is made.
  */
-#define ANTUMBRA_COSTS_MEASURED 0
+#define ANTUMBRA_COST_MODEL_MEASURED 0
 #endif
 
 #if defined(ANTUMBRA_VULKAN)
 /**
  * All that may be hidden is tested.
  */
-#define ANTUMBRA_COSTS_IGNORED 1
+#define ANTUMBRA_COST_MODEL_OFF 1
 #endif
 
 #if defined(ANTUMBRA_VULKAN)
@@ -1133,6 +1133,55 @@ typedef struct AntumbraDevice {
 } AntumbraDevice;
 #endif
 
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The image that costs are measured on.
+ */
+typedef struct AntumbraDeviceCostsDesc {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * A set of `ANTUMBRA_ASSUMPTION_..` that a self-test found broken: ways to skip draws that
+     * rest on them are not measured. Default: 0, none.
+     */
+    uint32_t disabled;
+    /**
+     * Required: the device, which was adopted with a queue.
+     */
+    struct AntumbraDevice device;
+    /**
+     * Required: width of the image (pixels).
+     */
+    uint32_t width;
+    /**
+     * Required: height of the image (pixels).
+     */
+    uint32_t height;
+    /**
+     * Samples per pixel, 1 or 4. Default: 1.
+     */
+    uint32_t samples;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+} AntumbraDeviceCostsDesc;
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * The costs of tests and draws on a device, and of the ways to skip hidden draws.
+ */
+typedef struct AntumbraDeviceCosts {
+    /**
+     * The number of the handle; 0 for none.
+     */
+    uint64_t id;
+} AntumbraDeviceCosts;
+#endif
+
 /**
  * The objects of a new hierarchy.
  */
@@ -1191,55 +1240,6 @@ typedef struct AntumbraLeaves {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * The image that prices are measured on.
- */
-typedef struct AntumbraPricesDesc {
-    /**
-     * Size of this struct in bytes.
-     */
-    uint32_t struct_size;
-    /**
-     * A set of `ANTUMBRA_ASSUMPTION_..` that a self-test found broken: ways to skip draws that
-     * rest on them are not measured. Default: 0, none.
-     */
-    uint32_t distrusted;
-    /**
-     * Required: the device, which was adopted with a queue.
-     */
-    struct AntumbraDevice device;
-    /**
-     * Required: width of the image (pixels).
-     */
-    uint32_t width;
-    /**
-     * Required: height of the image (pixels).
-     */
-    uint32_t height;
-    /**
-     * Samples per pixel, 1 or 4. Default: 1.
-     */
-    uint32_t samples;
-    /**
-     * Must be 0.
-     */
-    uint32_t reserved;
-} AntumbraPricesDesc;
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * The prices of tests and draws on a device, and of the ways to skip hidden draws.
- */
-typedef struct AntumbraPrices {
-    /**
-     * The number of the handle; 0 for none.
-     */
-    uint64_t id;
-} AntumbraPrices;
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
  * The outcome of a self-test: sets of `ANTUMBRA_ASSUMPTION_..`. What is in none of them holds.
  */
 typedef struct AntumbraSelfTest {
@@ -1248,8 +1248,8 @@ typedef struct AntumbraSelfTest {
      */
     uint32_t struct_size;
     /**
-     * Those that do not hold, for `AntumbraRendererDesc::distrusted` and
-     * `AntumbraSceneDesc::distrusted`.
+     * Those that do not hold, for `AntumbraRendererDesc::disabled` and
+     * `AntumbraSceneDesc::disabled`.
      */
     uint32_t broken;
     /**
@@ -1494,9 +1494,9 @@ typedef struct AntumbraRendererDesc {
      */
     size_t query_budget;
     /**
-     * An `ANTUMBRA_COSTS_..`. Default: `ANTUMBRA_COSTS_MEASURED`.
+     * An `ANTUMBRA_COST_MODEL_..`. Default: `ANTUMBRA_COST_MODEL_MEASURED`.
      */
-    uint32_t costs;
+    uint32_t cost_model;
     /**
      * Room for objects that are added later. Default: 0.
      */
@@ -1536,7 +1536,7 @@ typedef struct AntumbraRendererDesc {
      * A set of `ANTUMBRA_ASSUMPTION_..` that a self-test found broken: what rests on them is not
      * used. Default: 0, none.
      */
-    uint32_t distrusted;
+    uint32_t disabled;
     /**
      * Must be 0.
      */
@@ -1742,7 +1742,7 @@ typedef struct AntumbraRendererStats {
     uint64_t tests;
     /**
      * An `ANTUMBRA_PREDICATION_..`: the way that hidden draws are skipped. It costs least by the
-     * prices that were measured when the renderer was created.
+     * costs that were measured when the renderer was created.
      */
     uint32_t predication;
     /**
@@ -1845,17 +1845,17 @@ typedef struct AntumbraSceneDesc {
      * A set of `ANTUMBRA_ASSUMPTION_..` that a self-test found broken: what rests on them is not
      * used. Default: 0, none.
      */
-    uint32_t distrusted;
+    uint32_t disabled;
     /**
      * Must be 0.
      */
     uint32_t reserved;
     /**
-     * The measured prices of the same physical device: the way to skip hidden draws that costs
+     * The measured costs of the same physical device: the way to skip hidden draws that costs
      * least for `object_capacity` objects is taken, and tests that cost more than they are
      * expected to save are left out. Default: 0, none: all that may be hidden is tested.
      */
-    struct AntumbraPrices prices;
+    struct AntumbraDeviceCosts costs;
 } AntumbraSceneDesc;
 #endif
 
@@ -1974,9 +1974,9 @@ typedef struct AntumbraViewStats {
      */
     uint32_t predication;
     /**
-     * 1 if prices decide which boxes are tested, and by which tester; else 0.
+     * 1 if costs decide which boxes are tested, and by which tester; else 0.
      */
-    uint32_t is_priced;
+    uint32_t has_cost;
 } AntumbraViewStats;
 #endif
 
@@ -2418,6 +2418,34 @@ AntumbraResult antumbra_device_destroy(const struct AntumbraContext *context,
                                        struct AntumbraError *error);
 #endif
 
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Measures the costs of tests and draws on a device that was adopted with a queue, and of the
+ * ways to skip hidden draws, for scenes on the same device (`AntumbraSceneDesc::costs`), which
+ * may be adopted again without a queue. Takes half a second on a driver without a GPU, and waits
+ * for the device again and again: for before the first frame.
+ *
+ * # Safety
+ * The rules of the interface. The callbacks of the queue do what they say.
+ */
+AntumbraResult antumbra_device_costs_measure(const struct AntumbraContext *context,
+                                             const struct AntumbraDeviceCostsDesc *desc,
+                                             struct AntumbraDeviceCosts *costs,
+                                             struct AntumbraError *error);
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Destroys costs; scenes that were created by them stay. A handle of 0 is no error.
+ *
+ * # Safety
+ * The rules of the interface.
+ */
+AntumbraResult antumbra_device_costs_destroy(const struct AntumbraContext *context,
+                                             struct AntumbraDeviceCosts costs,
+                                             struct AntumbraError *error);
+#endif
+
 /**
  * Creates a hierarchy over the boxes of objects.
  *
@@ -2519,34 +2547,6 @@ AntumbraResult antumbra_hierarchy_leaves(const struct AntumbraContext *context,
                                          struct AntumbraHierarchy hierarchy,
                                          struct AntumbraLeaves *leaves,
                                          struct AntumbraError *error);
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Measures the prices of tests and draws on a device that was adopted with a queue, and of the
- * ways to skip hidden draws, for scenes on the same device (`AntumbraSceneDesc::prices`), which
- * may be adopted again without a queue. Takes half a second on a driver without a GPU, and waits
- * for the device again and again: for before the first frame.
- *
- * # Safety
- * The rules of the interface. The callbacks of the queue do what they say.
- */
-AntumbraResult antumbra_prices_measure(const struct AntumbraContext *context,
-                                       const struct AntumbraPricesDesc *desc,
-                                       struct AntumbraPrices *prices,
-                                       struct AntumbraError *error);
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Destroys prices; scenes that were created by them stay. A handle of 0 is no error.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_prices_destroy(const struct AntumbraContext *context,
-                                       struct AntumbraPrices prices,
-                                       struct AntumbraError *error);
-#endif
 
 #if defined(ANTUMBRA_VULKAN)
 /**

@@ -11,7 +11,7 @@ use crate::error::{AntumbraError, AntumbraResult, Failure};
 #[cfg(feature = "vulkan")]
 use crate::executor::device::AntumbraDevice;
 #[cfg(feature = "vulkan")]
-use crate::executor::prices::AntumbraPrices;
+use crate::executor::device_costs::AntumbraDeviceCosts;
 #[cfg(feature = "vulkan")]
 use crate::executor::scene::{AntumbraScene, HostedScene};
 use crate::layout::{Versioned, layout, versioned};
@@ -35,7 +35,7 @@ pub struct AntumbraContext {
     #[cfg(feature = "vulkan")]
     pub(crate) scenes: Table<HostedScene, AntumbraScene>,
     #[cfg(feature = "vulkan")]
-    pub(crate) prices: Table<occlusion::DevicePrices, AntumbraPrices>,
+    pub(crate) costs: Table<occlusion::DeviceCosts, AntumbraDeviceCosts>,
     #[cfg(feature = "vulkan")]
     pub(crate) devices: Table<gpu::Device, AntumbraDevice>,
 }
@@ -102,7 +102,7 @@ impl AntumbraContext {
                 #[cfg(feature = "vulkan")]
                 scenes: Table::new(salt),
                 #[cfg(feature = "vulkan")]
-                prices: Table::new(salt),
+                costs: Table::new(salt),
                 #[cfg(feature = "vulkan")]
                 devices: Table::new(salt),
             },

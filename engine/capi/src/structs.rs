@@ -11,10 +11,12 @@ use crate::decisions::plan::{
 };
 use crate::error::AntumbraError;
 #[cfg(feature = "vulkan")]
-use crate::executor::{device, frame, lists, prices, queue, scene, target};
+use crate::executor::{device, device_costs, frame, lists, queue, scene, target};
 use crate::layout::StructLayout;
 #[cfg(feature = "renderer")]
-use crate::renderer::{description, frame as rendered, prices as measured, shadows, trust};
+use crate::renderer::{
+    description, device_costs as measured, frame as rendered, self_test, shadows,
+};
 
 /// All structs of the interface, for comparison with a C compiler.
 pub const STRUCTS: &[StructLayout] = &[
@@ -71,7 +73,7 @@ pub const STRUCTS: &[StructLayout] = &[
     #[cfg(feature = "vulkan")]
     StructLayout::of_versioned::<lists::AntumbraDrawLists>(),
     #[cfg(feature = "vulkan")]
-    StructLayout::of::<prices::AntumbraPrices>(),
+    StructLayout::of::<device_costs::AntumbraDeviceCosts>(),
     #[cfg(feature = "vulkan")]
     StructLayout::of_versioned::<target::AntumbraAttachments>(),
     #[cfg(feature = "vulkan")]
@@ -97,9 +99,9 @@ pub const STRUCTS: &[StructLayout] = &[
     #[cfg(feature = "renderer")]
     StructLayout::of_versioned::<shadows::AntumbraShadowStats>(),
     #[cfg(feature = "renderer")]
-    StructLayout::of_versioned::<measured::AntumbraPricesDesc>(),
+    StructLayout::of_versioned::<measured::AntumbraDeviceCostsDesc>(),
     #[cfg(feature = "renderer")]
-    StructLayout::of_versioned::<trust::AntumbraSelfTest>(),
+    StructLayout::of_versioned::<self_test::AntumbraSelfTest>(),
     #[cfg(feature = "renderer")]
     StructLayout::of::<rendered::AntumbraRenderer>(),
     #[cfg(feature = "renderer")]

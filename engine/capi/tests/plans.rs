@@ -17,8 +17,8 @@ use antumbra_capi::decisions::plan::*;
 use antumbra_capi::error::AntumbraResult::Ok;
 use antumbra_capi::layout::Versioned;
 use cull::{
-    Aabb, Answer, ClipY, CullConfig, Culler, DepthConvention, FramePlan, Hierarchy, Strategy,
-    TesterSupport, View, ViewProjection,
+    Aabb, Answer, ClipY, CullConfig, CullView, Culler, DepthConvention, FramePlan, Hierarchy,
+    Strategy, ViewProjection, VisibilityTestSupport,
 };
 use glam::{Mat4, Vec3, vec3};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
@@ -97,7 +97,7 @@ impl Drop for Interface {
 }
 
 /// Returns the view of a frame for both.
-fn view(frame: u32) -> (AntumbraCamera, View) {
+fn view(frame: u32) -> (AntumbraCamera, CullView) {
     let eye = vec3(f32::from(frame as u16 / 10 % 3) * 6.0 - 6.0, 0.0, 3.0);
     let projection = Mat4::from_cols_array(&[
         1.0, 0.0, 0.0, 0.0, 0.0, -2.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.1, 0.0,
@@ -112,7 +112,7 @@ fn view(frame: u32) -> (AntumbraCamera, View) {
     };
     let matrix = Mat4::from_cols_array(&clip_from_world);
     let projection = ViewProjection { matrix, depth: DepthConvention::Reversed, y: ClipY::Down };
-    (desc, View::from_matrix(&projection, [160, 80], 8).unwrap())
+    (desc, CullView::from_matrix(&projection, [160, 80], 8).unwrap())
 }
 
 /// Answers the queries of a plan: those at the wall and far to the right show.
@@ -150,7 +150,7 @@ fn plans_are_those_of_the_culler_and_allocate_nothing_when_calm() {
     let boxes = boxes();
     let interface = Interface::new(&boxes);
     let hierarchy = Hierarchy::build(&boxes).unwrap();
-    let support = TesterSupport { flags: true, ..Default::default() };
+    let support = VisibilityTestSupport { flags: true, ..Default::default() };
     let mut culler = Culler::with_testers(CullConfig { seed: 5, ..Default::default() }, support);
     let mut expected = FramePlan::default();
     let mut late: VecDeque<(Vec<AntumbraAnswer>, Vec<Answer>)> = VecDeque::new();

@@ -8,8 +8,8 @@
 use std::cell::RefCell;
 
 use antumbra_cull::{
-    Aabb, Answer, Camera, CullConfig, Culler, FramePlan, Hierarchy, ObjectId, Projection, Strategy,
-    View,
+    Aabb, Answer, Camera, CullConfig, CullView, Culler, FramePlan, Hierarchy, ObjectId, Projection,
+    Strategy,
 };
 use divan::Bencher;
 use divan::counter::ItemsCount;
@@ -121,7 +121,7 @@ impl Walk {
     }
 
     fn plan(&mut self) {
-        let view = View::new(&self.camera, [1280, 720], 8);
+        let view = CullView::new(&self.camera, [1280, 720], 8);
         self.culler.plan(&self.hierarchy, Strategy::ANTUMBRA, &view, QUERIES, &mut self.plan);
     }
 }

@@ -4,7 +4,7 @@
 use std::error::Error;
 
 use antumbra_cull::{
-    Aabb, Answer, Camera, CullConfig, Culler, FramePlan, Hierarchy, Projection, Strategy, View,
+    Aabb, Answer, Camera, CullConfig, CullView, Culler, FramePlan, Hierarchy, Projection, Strategy,
 };
 use glam::{Vec3, vec3};
 
@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             projection: Projection::perspective(1.0),
             near: 0.1,
         };
-        let view = View::new(&camera, [1280, 720], 8);
+        let view = CullView::new(&camera, [1280, 720], 8);
         culler.plan(&hierarchy, Strategy::ANTUMBRA, &view, 4096, &mut plan);
 
         let drawn = plan.draws.len() + plan.queried_draws.len();

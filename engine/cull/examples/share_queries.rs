@@ -7,8 +7,8 @@ use std::error::Error;
 use std::time::{Duration, Instant};
 
 use antumbra_cull::{
-    Aabb, Answer, Camera, CullConfig, Culler, FramePlan, Hierarchy, Projection, QueryShares,
-    Strategy, View,
+    Aabb, Answer, Camera, CullConfig, CullView, Culler, FramePlan, Hierarchy, Projection,
+    QueryShares, Strategy,
 };
 use glam::{Vec3, vec3};
 
@@ -22,13 +22,13 @@ struct Face {
 }
 
 impl Face {
-    fn plan(&mut self, hierarchy: &Hierarchy, view: &View, queries: usize) {
+    fn plan(&mut self, hierarchy: &Hierarchy, view: &CullView, queries: usize) {
         self.culler.ingest(hierarchy, self.answers.drain(..));
         self.culler.plan(hierarchy, Strategy::ANTUMBRA, view, queries, &mut self.plan);
     }
 
     /// Answers in place of a GPU: what is near shows.
-    fn answer(&mut self, hierarchy: &Hierarchy, view: &View) {
+    fn answer(&mut self, hierarchy: &Hierarchy, view: &CullView) {
         let Self { plan, answers, .. } = self;
         let tested = plan.tests.iter().map(|test| test.tag);
         answers.extend(
@@ -51,14 +51,14 @@ fn houses(count: usize) -> Vec<Aabb> {
 }
 
 /// Returns the faces around a place on a walk through the houses.
-fn views(count: usize, frame: usize) -> [View; 6] {
+fn views(count: usize, frame: usize) -> [CullView; 6] {
     let middle = count.isqrt() as f32 * 2.0;
     let step = frame as f32 * 0.1;
     FACES.map(|forward| {
         let up = if forward.y == 0.0 { Vec3::Y } else { Vec3::X };
         let projection = Projection::perspective(std::f32::consts::FRAC_PI_2);
         let eye = vec3(middle + 3.5, 1.7, middle + step);
-        View::new(&Camera { eye, forward, up, projection, near: 0.1 }, [512, 512], 8)
+        CullView::new(&Camera { eye, forward, up, projection, near: 0.1 }, [512, 512], 8)
     })
 }
 

@@ -2,10 +2,10 @@
 
 use glam::Vec3;
 
-use crate::cost::cost_model::CostModel;
+use crate::cost::learned_costs::LearnedCosts;
 use crate::cost::table::{BadCost, CostTable, SceneCosts};
 use crate::geom::multi_view::MultiView;
-use crate::geom::view::View;
+use crate::geom::view::CullView;
 use crate::hierarchy::{Hierarchy, HierarchyError};
 use crate::history::answers;
 use crate::history::record::{FrameStamp, NodeState};
@@ -15,7 +15,9 @@ use crate::plan::candidates::Scratch;
 use crate::plan::config::CullConfig;
 use crate::plan::cost_filter::CostFilter;
 use crate::plan::explain::{self, LeafExplanation, NodeHistory};
-use crate::plan::frame_plan::{Answer, DrawPhases, FramePlan, PlanStats, Tester, TesterSupport};
+use crate::plan::frame_plan::{
+    Answer, DrawPhases, FramePlan, PlanStats, VisibilityTest, VisibilityTestSupport,
+};
 use crate::plan::fronts::Fronts;
 use crate::plan::next_frame::NextFrame;
 use crate::plan::phases;
@@ -33,13 +35,13 @@ use crate::rng::SplitMix64;
 #[derive(Debug)]
 pub struct Culler {
     config: CullConfig,
-    testers: TesterSupport,
+    testers: VisibilityTestSupport,
     history: History,
     next_frame: NextFrame,
     scratch: Scratch,
     grouping: Grouping,
     fronts: Fronts,
-    cost_model: Option<CostModel>,
+    learned_costs: Option<LearnedCosts>,
     /// Samples of a query that count as none.
     sample_threshold: u32,
     /// The configuration as tuned by the cost model.
@@ -61,13 +63,14 @@ impl Culler {
     /// Creates a culler that knows nothing yet and has nothing but queries.
     #[must_use]
     pub fn new(config: CullConfig) -> Self {
-        Self::with_testers(config, TesterSupport::default())
+        Self::with_testers(config, VisibilityTestSupport::default())
     }
 
     /// Creates a culler without history, for a device that can do more than queries, or less. In
-    /// place of a strategy whose tester is not there it plans [another](TesterSupport::strategy).
+    /// place of a strategy whose tester is not there it plans
+    /// [another](VisibilityTestSupport::strategy).
     #[must_use]
-    pub fn with_testers(config: CullConfig, testers: TesterSupport) -> Self {
+    pub fn with_testers(config: CullConfig, testers: VisibilityTestSupport) -> Self {
         Self {
             config,
             testers,
@@ -76,7 +79,7 @@ impl Culler {
             scratch: Scratch::default(),
             grouping: Grouping::default(),
             fronts: Fronts::default(),
-            cost_model: None,
+            learned_costs: None,
             sample_threshold: 0,
             tuned: config,
             visible: 0,
@@ -114,25 +117,25 @@ impl Culler {
         self.sample_threshold
     }
 
-    /// Leaves out tests that cost more than they save, from now on. Without prices everything is
+    /// Leaves out tests that cost more than they save, from now on. Without costs everything is
     /// tested that may be hidden.
     ///
     /// # Errors
-    /// [`BadCost`] for impossible prices; the culler is then as it was.
+    /// [`BadCost`] for impossible costs; the culler is then as it was.
     pub fn set_costs(&mut self, table: CostTable, scene: SceneCosts) -> Result<(), BadCost> {
-        self.cost_model = Some(CostModel::new(table, scene)?);
+        self.learned_costs = Some(LearnedCosts::new(table, scene)?);
         Ok(())
     }
 
     /// Returns the cost model that weighs costs against savings, if there is one.
     #[must_use]
-    pub fn cost_model(&self) -> Option<&CostModel> {
-        self.cost_model.as_ref()
+    pub fn learned_costs(&self) -> Option<&LearnedCosts> {
+        self.learned_costs.as_ref()
     }
 
-    /// Returns the same, to pass it the times of frames ([`CostModel::observe`]).
-    pub fn cost_model_mut(&mut self) -> Option<&mut CostModel> {
-        self.cost_model.as_mut()
+    /// Returns the same, to pass it the times of frames ([`LearnedCosts::observe`]).
+    pub fn cost_model_mut(&mut self) -> Option<&mut LearnedCosts> {
+        self.learned_costs.as_mut()
     }
 
     /// Returns the constants in use.
@@ -162,8 +165,8 @@ impl Culler {
         self.turned = FrameStamp::NEVER;
         self.forward = None;
         self.coarseness = 0;
-        if let Some(cost_model) = &mut self.cost_model {
-            cost_model.reset();
+        if let Some(learned_costs) = &mut self.learned_costs {
+            learned_costs.reset();
         }
     }
 
@@ -183,9 +186,10 @@ impl Culler {
             self.next_frame.take(hierarchy, &tag, samples);
             let samples = samples.saturating_sub(tag.sample_threshold);
             let record = self.history.record(tag.node.0);
-            if let Some(cost_model) = self.cost_model.as_mut().filter(|_| record.answered < tested)
+            if let Some(learned_costs) =
+                self.learned_costs.as_mut().filter(|_| record.answered < tested)
             {
-                cost_model.learn(tag.kind, record.state, record.retest_reason, samples > 0);
+                learned_costs.learn(tag.kind, record.state, record.retest_reason, samples > 0);
                 self.history.answered_assumed(tag.node.0);
             }
             answers::Ingest {
@@ -229,7 +233,7 @@ impl Culler {
         let strategy = testers.strategy(strategy);
         let mut tester = tester(strategy, testers);
         let config = self.tune(strategy, &mut plan.stats);
-        let mut costs = CostFilter::new(self.cost_model.as_ref(), strategy, tester, testers);
+        let mut costs = CostFilter::new(self.learned_costs.as_ref(), strategy, tester, testers);
         let scratch = &mut self.scratch;
         let has_leaf_tests = testers.leaf_tests;
         let mut walk = Walk {
@@ -238,7 +242,7 @@ impl Culler {
             config: &config,
             knowledge: Knowledge::of(&self.history, strategy),
             now,
-            can_flag: tester != Tester::Query,
+            can_flag: tester != VisibilityTest::Query,
             has_leaf_tests,
             is_turning: self.turned.is_within(now, config.turning_frames),
             // Begins with the coarseness of last time: each attempt is a walk.
@@ -278,8 +282,8 @@ impl Culler {
         if has_leaf_tests {
             shared_proxies::share_proxies(plan, &scratch.tests, views, &mut self.fronts);
         }
-        let prices = costs.map(|cost| cost.round_prices(tester, scratch.revealed_ns));
-        rounds::schedule(plan, tester, testers.draw_phases, slabs, prices, &config);
+        let device_costs = costs.map(|cost| cost.round_costs(tester, scratch.revealed_ns));
+        rounds::schedule(plan, tester, testers.draw_phases, slabs, device_costs, &config);
         if let Some(costs) = costs {
             plan.stats.rounds_by_compute = costs.hand_to_compute(views, plan);
         }
@@ -298,16 +302,23 @@ impl Culler {
     /// Notes the expected saving of this frame for the next.
     fn note_prospect(&mut self, strategy: Strategy, visible: u32) {
         self.visible = visible;
-        if let Some(cost_model) = self.cost_model.as_mut().filter(|_| strategy.uses_cost_model()) {
+        if let Some(learned_costs) =
+            self.learned_costs.as_mut().filter(|_| strategy.uses_cost_model())
+        {
             let [saving_ns, break_ns] = self.scratch.prospect_ns;
-            cost_model.note_prospect(saving_ns, break_ns, visible);
+            learned_costs.note_prospect(saving_ns, break_ns, visible);
         }
     }
 
     /// Plans a frame of next-frame queries (GPU Gems, 29.4) into `plan`: what was visible at its
     /// last test is drawn, every object is tested, and no draw depends on the tests of the frame.
     /// Not exact: an object that comes into view is missing until its result is read back.
-    pub fn plan_next_frame(&mut self, hierarchy: &Hierarchy, view: &View, plan: &mut FramePlan) {
+    pub fn plan_next_frame(
+        &mut self,
+        hierarchy: &Hierarchy,
+        view: &CullView,
+        plan: &mut FramePlan,
+    ) {
         let now = self.begin(hierarchy, plan);
         self.watch(view, now);
         self.next_frame.plan(hierarchy, view, plan);
@@ -358,9 +369,11 @@ impl Culler {
     /// Returns the constants for the next frame.
     fn tune(&mut self, strategy: Strategy, stats: &mut PlanStats) -> CullConfig {
         self.tuned = self.config;
-        if let Some(cost_model) = self.cost_model.as_mut().filter(|_| strategy.uses_cost_model()) {
-            cost_model.begin_frame(self.visible);
-            self.tuned = cost_model.tuned(&self.config);
+        if let Some(learned_costs) =
+            self.learned_costs.as_mut().filter(|_| strategy.uses_cost_model())
+        {
+            learned_costs.begin_frame(self.visible);
+            self.tuned = learned_costs.tuned(&self.config);
             stats.retest_interval_frames = self.tuned.retest_max;
         }
         self.tuned
@@ -384,7 +397,7 @@ impl Culler {
     }
 
     /// Notes if the view turns.
-    fn watch(&mut self, view: &View, now: FrameStamp) {
+    fn watch(&mut self, view: &CullView, now: FrameStamp) {
         if let Some(before) = self.forward.replace(view.rays.forward) {
             let sine = before.cross(view.rays.forward).length();
             if sine > self.config.turning_sine || before.dot(view.rays.forward) < 0.0 {
@@ -395,7 +408,7 @@ impl Culler {
 }
 
 /// Returns the tester of proxies under a strategy whose tester is there.
-fn tester(strategy: Strategy, testers: TesterSupport) -> Tester {
-    let usual = if testers.flags { Tester::Flag } else { Tester::Query };
+fn tester(strategy: Strategy, testers: VisibilityTestSupport) -> VisibilityTest {
+    let usual = if testers.flags { VisibilityTest::Flag } else { VisibilityTest::Query };
     strategy.tester().unwrap_or(usual)
 }

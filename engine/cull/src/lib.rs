@@ -12,11 +12,11 @@
 //! equal plans.
 //!
 //! - [`Hierarchy`]: the tree over the objects' boxes. Every subtree is one range of leaves.
-//! - [`View`]: the matrix and the volumes of one camera and image; [`Margin`] makes proxies large
-//!   enough, with the proof.
+//! - [`CullView`]: the matrix and the volumes of one camera and image; [`Margin`] makes proxies
+//!   large enough, with the proof.
 //! - [`Culler::plan`] and [`Culler::ingest`]: the loop, once per frame.
 //! - [`QueryShares`]: the loop for several views with histories of their own, on one budget.
-//! - [`CostModel`]: leaves out tests that cost more than they save, by the prices of a
+//! - [`LearnedCosts`]: leaves out tests that cost more than they save, by the costs of a
 //!   [`CostTable`].
 //! - [`BlockingCuller`]: the methods of the literature that wait for results within the frame, for
 //!   comparison.
@@ -29,7 +29,8 @@
 //!
 //! ```
 //! use antumbra_cull::{
-//!     Aabb, Answer, Camera, CullConfig, Culler, FramePlan, Hierarchy, Projection, Strategy, View,
+//!     Aabb, Answer, Camera, CullConfig, CullView, Culler, FramePlan, Hierarchy, Projection,
+//!     Strategy,
 //! };
 //! use glam::Vec3;
 //!
@@ -47,7 +48,7 @@
 //!     projection: Projection::perspective(1.0),
 //!     near: 0.1,
 //! };
-//! let view = View::new(&camera, [1280, 720], 8);
+//! let view = CullView::new(&camera, [1280, 720], 8);
 //!
 //! let mut culler = Culler::new(CullConfig::default());
 //! let mut plan = FramePlan::default();
@@ -84,12 +85,12 @@ mod rng;
 
 pub use blocking::{
     Batch, BatchDraw, BatchTest, BatchedOptions, BlockingCuller, BlockingFrame, BlockingKind,
-    BlockingStats, CoherentOptions, FirstPass, LeafTest, NextAction, TestAnswer, TestToken,
+    BlockingStats, ChcOptions, FirstPass, LeafTest, NextAction, TestAnswer, TestToken,
 };
 pub use cost::contents::FrameContents;
 pub use cost::corrections::Corrections;
-pub use cost::cost_model::CostModel;
-pub use cost::skip_prices::{MeasuredSkip, SkipPrices, SkipTimes, SkippedWork};
+pub use cost::learned_costs::LearnedCosts;
+pub use cost::predication_costs::{MeasuredSkip, PredicationCosts, SkipTimes, SkippedWork};
 pub use cost::table::{BadCost, CostTable, SceneCosts};
 pub use culler::Culler;
 pub use geom::bounds::{Aabb, MAX_COORDINATE};
@@ -102,7 +103,7 @@ pub use geom::multi_view::{MultiView, MultiViewError};
 pub use geom::projection::{ClipY, DepthConvention, ViewError, ViewProjection};
 pub use geom::rays::{ProjectionKind, Rays};
 pub use geom::section::{SectionError, SectionMember, SectionMode, SectionPlane, SectionPlanes};
-pub use geom::view::{Anchor, View};
+pub use geom::view::{Anchor, CullView};
 pub use hierarchy::{
     BUILD_BYTES_PER_OBJECT, BoxChange, Hierarchy, HierarchyError, HierarchyWork, MAX_OBJECTS,
 };
@@ -112,7 +113,8 @@ pub use ids::{FrameId, Generation, HierarchyId, LeafIndex, LeafRange, NodeId, Ob
 pub use plan::config::CullConfig;
 pub use plan::explain::{Decision, LeafExplanation, NodeHistory, Outcome};
 pub use plan::frame_plan::{
-    Answer, DrawPhases, FramePlan, PlanStats, ProxyTest, QueryKind, QueryTag, Tester, TesterSupport,
+    Answer, DrawPhases, FramePlan, PlanStats, ProxyTest, QueryKind, QueryTag, VisibilityTest,
+    VisibilityTestSupport,
 };
 pub use plan::query_shares::QueryShares;
 pub use plan::strategy::Strategy;

@@ -9,8 +9,8 @@
 use std::alloc::System;
 
 use antumbra_cull::{
-    Aabb, Answer, Camera, CullConfig, Culler, FramePlan, Hierarchy, ObjectId, Projection, Strategy,
-    View,
+    Aabb, Answer, Camera, CullConfig, CullView, Culler, FramePlan, Hierarchy, ObjectId, Projection,
+    Strategy,
 };
 use glam::Vec3;
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
@@ -42,9 +42,9 @@ fn steady_frames_do_not_allocate() {
         hierarchy.refit([(ObjectId(7), boxes[8]), (ObjectId(7), boxes[7])]).unwrap();
         hierarchy.remove(ObjectId(9)).unwrap();
         hierarchy.insert(boxes[9]).unwrap();
-        hierarchy.restructure(&mut reordered);
+        hierarchy.rebuild_subtrees(&mut reordered);
         culler.ingest(&hierarchy, answers.drain(..));
-        let view = View::new(&camera, [320, 180], 8);
+        let view = CullView::new(&camera, [320, 180], 8);
         culler.plan(&hierarchy, Strategy::ANTUMBRA, &view, 1_000, &mut plan);
         // The first rows show, the others do not.
         let shows = |node| hierarchy.bounds(node).max.z > -20.0;

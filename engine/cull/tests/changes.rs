@@ -144,7 +144,7 @@ let mut reordered = Vec::new();
                         prop_assert!(is_told || before.get(leaf.0 as usize) == Some(object));
                     }
                 }
-                NextAction::Restructure => hierarchy.restructure(&mut Vec::new()),
+                NextAction::Restructure => hierarchy.rebuild_subtrees(&mut Vec::new()),
                 NextAction::Rebuild => {
                     hierarchy.rebuild(&boxes).unwrap();
                 }
@@ -227,7 +227,7 @@ fn worn_parts_are_rebuilt_a_bounded_number_of_leaves_at_a_time() {
     loop {
         let before = hierarchy.work().rebuilt_leaves;
         reordered.clear();
-        hierarchy.restructure(&mut reordered);
+        hierarchy.rebuild_subtrees(&mut reordered);
         let rebuilt = hierarchy.work().rebuilt_leaves - before;
         assert!(rebuilt <= 1024, "{rebuilt} leaves at once");
         assert_eq!(rebuilt, reordered.iter().map(|range| u64::from(range.count)).sum::<u64>());
@@ -254,11 +254,11 @@ fn a_worn_whole_is_rebuilt_if_it_is_small() {
     }
     let moved = boxes.iter().enumerate().map(|(o, bounds)| (ObjectId(o as u32), *bounds));
     hierarchy.refit(moved).unwrap();
-    assert!(hierarchy.is_worn());
+    assert!(hierarchy.is_degraded());
     let mut reordered = Vec::new();
-    hierarchy.restructure(&mut reordered);
+    hierarchy.rebuild_subtrees(&mut reordered);
     assert_eq!(reordered, [hierarchy.leaves(NodeId(0))]);
-    assert!(!hierarchy.is_worn() && cost(&hierarchy) < 1.1 * good);
+    assert!(!hierarchy.is_degraded() && cost(&hierarchy) < 1.1 * good);
     check(&hierarchy, &boxes);
 }
 
@@ -281,7 +281,11 @@ fn who_comes_gets_the_leaf_that_fits_so_that_coming_and_going_wears_nothing() {
         }
     }
     check(&hierarchy, &boxes);
-    assert!(cost(&hierarchy) < 1.1 * good && !hierarchy.is_worn(), "{good} {}", cost(&hierarchy));
+    assert!(
+        cost(&hierarchy) < 1.1 * good && !hierarchy.is_degraded(),
+        "{good} {}",
+        cost(&hierarchy)
+    );
 }
 
 #[test]
@@ -408,7 +412,7 @@ fn nothing_is_changed_by_an_insertion_that_is_refused() {
 #[test]
 fn nothing_and_everything_gone_are_no_special_cases() {
     let mut nothing = Hierarchy::build(&[]).unwrap();
-    nothing.restructure(&mut Vec::new());
+    nothing.rebuild_subtrees(&mut Vec::new());
     assert_eq!(nothing.insert(grid(1)[0]), Err(HierarchyError::NoFreeLeaf));
     let object = ObjectId(0);
     assert_eq!(nothing.remove(object), Err(HierarchyError::UnknownObject { object }));
@@ -418,7 +422,7 @@ fn nothing_and_everything_gone_are_no_special_cases() {
     for object in 0..50 {
         hierarchy.remove(ObjectId(object)).unwrap();
         boxes[object as usize] = Aabb::EMPTY;
-        hierarchy.restructure(&mut Vec::new());
+        hierarchy.rebuild_subtrees(&mut Vec::new());
     }
     check(&hierarchy, &boxes);
     assert!(hierarchy.bounds(NodeId(0)).is_empty());
@@ -426,7 +430,7 @@ fn nothing_and_everything_gone_are_no_special_cases() {
     for bounds in grid(50) {
         let object = hierarchy.insert(bounds).unwrap();
         boxes[object.0 as usize] = bounds;
-        hierarchy.restructure(&mut Vec::new());
+        hierarchy.rebuild_subtrees(&mut Vec::new());
     }
     check(&hierarchy, &boxes);
     assert_eq!(hierarchy.free_leaves(), 0);

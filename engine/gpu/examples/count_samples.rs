@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     queries.submitted(frame.submit(None)?);
 
     // A frame loop reads them when they are there; this waits.
-    device.drain()?;
+    device.wait_idle()?;
     queries.collect(device.completed()?, |tag, samples| println!("{tag}: {samples} samples"));
     let red = image.rgba8()?.chunks_exact(4).filter(|pixel| pixel[0] > 0).count();
     println!("{red} of {} pixels are red", SIZE[0] * SIZE[1]);

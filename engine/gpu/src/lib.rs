@@ -63,7 +63,7 @@ pub use crate::api::open::open;
 pub use crate::api::open::open_with_window;
 pub use crate::core::adapter::Adapter;
 pub use crate::core::cancellation::CancellationToken;
-pub use crate::core::capabilities::{Capabilities, Optional, Purpose, Required};
+pub use crate::core::capabilities::{Capabilities, OptionalFeature, Purpose, RequiredFeature};
 pub use crate::core::deletion::RecordingId;
 pub use crate::core::device::{Device, WaitCounts};
 pub use crate::core::error::Error;
@@ -88,7 +88,7 @@ pub use crate::memory::instance_numbers::NUMBER_LOCATION;
 pub use crate::memory::readback::{Pixels, Readback};
 pub use crate::memory::resample::resampled;
 pub use crate::memory::sampled_texture::SampledTexture;
-pub use crate::memory::texture_array::{MipMaking, TextureArray, TextureArrayInfo};
+pub use crate::memory::texture_array::{MipGeneration, TextureArray, TextureArrayInfo};
 pub use crate::memory::texture_set::TextureSet;
 pub use crate::memory::texture_table::{TextureNumber, TextureTable};
 pub use crate::memory::texture_uploads::TextureUploads;
@@ -112,7 +112,8 @@ pub use crate::query::leaf_draw_ring::{
 };
 pub use crate::query::occlusion_pool::{Counting, QueryIndex};
 pub use crate::query::predicates::{
-    BOX_VERTICES, LINKED, Predicate, PredicatedRange, Predicates, Predication, ResultSource, Reveal,
+    BOX_VERTICES, LINKED, Predicate, PredicatedRange, Predicates, PredicationMode, ResultSource,
+    Reveal,
 };
 pub use crate::query::query_ring::QueryRing;
 pub use crate::record::access::{Access, MemoryBarrier};

@@ -4,10 +4,10 @@ use gltf::json::extensions::scene::khr_lights_punctual as khr;
 use gltf::json::mesh::{MorphTarget, Primitive};
 use gltf::json::{Node, Root};
 
-use crate::blank::Blank;
 use crate::element::{Element, Kind};
 use crate::error::Fault;
 use crate::extensions::instance_accessors;
+use crate::placeholder::Placeholder;
 use crate::reach::accessors_of;
 use crate::verdict::Verdict;
 
@@ -34,7 +34,7 @@ fn textures(root: &mut Root, verdict: &mut Verdict) -> Result<(), Fault> {
             continue;
         }
         if let Some(fault) = verdict.take_fault(element) {
-            *texture = Blank::blank();
+            *texture = Placeholder::blank();
             verdict.repair(fault, "what has it is shown without it")?;
         }
         let sampler = texture.sampler.map(|sampler| Kind::Sampler.at(sampler.value()));
@@ -53,7 +53,7 @@ fn meshes(root: &mut Root, verdict: &mut Verdict) -> Result<(), Fault> {
             continue;
         }
         if let Some(fault) = verdict.take_fault(element) {
-            root.meshes.get_mut(mesh).into_iter().for_each(|mesh| *mesh = Blank::blank());
+            root.meshes.get_mut(mesh).into_iter().for_each(|mesh| *mesh = Placeholder::blank());
             verdict.leave_out(fault, "it is left out")?;
         }
         let count = root.meshes.get(mesh).map_or(0, |mesh| mesh.primitives.len());
@@ -154,14 +154,14 @@ mod tests {
 
     #[test]
     fn whatever_is_noted_as_left_out_is_empty() {
-        let mesh = gltf::json::Mesh { weights: Some(vec![1.0]), ..Blank::blank() };
+        let mesh = gltf::json::Mesh { weights: Some(vec![1.0]), ..Placeholder::blank() };
         let broken = Node { children: Some(vec![Index::new(1)]), ..Node::default() };
         let shown = Node { mesh: Some(Index::new(0)), ..Node::default() };
         let nodes = vec![Index::new(0), Index::new(2)];
         let mut root = Root {
             meshes: vec![mesh],
             nodes: vec![broken, Node::default(), shown],
-            scenes: vec![gltf::json::Scene { nodes, ..Blank::blank() }],
+            scenes: vec![gltf::json::Scene { nodes, ..Placeholder::blank() }],
             ..Root::default()
         };
         let mut verdict = Verdict::new(Reach::of(&root), Losses::default(), Notes::default());

@@ -32,7 +32,6 @@
 //! ```
 #![forbid(unsafe_code)]
 
-mod blank;
 mod buffers;
 mod check;
 mod convert;
@@ -55,6 +54,7 @@ mod memory;
 mod mesh_files;
 mod meshopt;
 mod notes;
+mod placeholder;
 mod progress;
 mod prune;
 mod reach;

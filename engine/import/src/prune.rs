@@ -7,9 +7,9 @@ use gltf::animation::Property;
 use gltf::json::Root;
 use gltf::json::validation::Checked;
 
-use crate::blank::Blank;
 use crate::element::{Element, Kind};
 use crate::notes::Note;
+use crate::placeholder::Placeholder;
 use crate::reach::shown_scene;
 use crate::verdict::Verdict;
 
@@ -109,12 +109,12 @@ pub(crate) fn elements(root: &mut Root, verdict: &Verdict) {
     for image in &mut root.images {
         let view = image.buffer_view.map(|view| Kind::View.at(view.value()));
         if view.is_some_and(|view| !is_kept(view)) {
-            *image = Blank::blank();
+            *image = Placeholder::blank();
         }
     }
 }
 
-fn empty<T: Blank>(list: &mut [T], kind: Kind, is_kept: impl Fn(Element) -> bool) {
+fn empty<T: Placeholder>(list: &mut [T], kind: Kind, is_kept: impl Fn(Element) -> bool) {
     for (index, element) in list.iter_mut().enumerate() {
         if !is_kept(kind.at(index)) {
             *element = T::blank();

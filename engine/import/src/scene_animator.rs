@@ -13,7 +13,7 @@ mod tests;
 use std::collections::HashSet;
 
 use animation::{Clip, Pose, Rig, RigNodeId};
-use cull::{Aabb, View};
+use cull::{Aabb, CullView};
 use glam::Affine3A;
 use parts::{Movers, Parts, Touched};
 use playing::Playing;
@@ -182,11 +182,11 @@ impl SceneAnimator {
     /// that none of them can show, whichever of the clips play and however they are mixed, moves
     /// but takes no pose until a view can show it. The bound of this ([`animation::Extents`]) holds
     /// for the clips of the file, and not for poses from elsewhere.
-    pub fn changes_in(&mut self, seconds: f64, views: &[View]) -> &SceneUpdate {
+    pub fn changes_in(&mut self, seconds: f64, views: &[CullView]) -> &SceneUpdate {
         self.change(seconds, Some(views))
     }
 
-    fn change(&mut self, seconds: f64, views: Option<&[View]>) -> &SceneUpdate {
+    fn change(&mut self, seconds: f64, views: Option<&[CullView]>) -> &SceneUpdate {
         self.pose(seconds);
         self.changes.clear();
         self.parts.begin();

@@ -15,17 +15,17 @@ use std::collections::VecDeque;
 use std::ops::Range;
 
 use cull::{
-    Batch, BatchDraw, BlockingCuller, BlockingKind, BlockingStats, FirstPass, LeafIndex,
-    NextAction, PlanStats, Strategy, TestAnswer, TestToken, View,
+    Batch, BatchDraw, BlockingCuller, BlockingKind, BlockingStats, CullView, FirstPass, LeafIndex,
+    NextAction, PlanStats, Strategy, TestAnswer, TestToken,
 };
 use gpu::{
-    BlockingQueryPool, BufferSlice, Commands, Counting, Frame, IndirectDraw, Optional, QueryIndex,
-    Tick,
+    BlockingQueryPool, BufferSlice, Commands, Counting, Frame, IndirectDraw, OptionalFeature,
+    QueryIndex, Tick,
 };
 use occlusion::{
     BucketId, Error, LeafTable, Method, MethodConstructor, MethodRequest, MethodScene, MethodState,
-    MethodStats, MethodSupport, ObjectPass, ProxyBox, ProxyIo, Rendering, UpcomingDraws,
-    VisibilityState, render,
+    MethodStats, MethodSupport, ObjectPass, OcclusionState, ProxyBox, ProxyIo, Rendering,
+    UpcomingDraws, render,
 };
 
 const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
@@ -71,10 +71,10 @@ impl Method for BlockingMethod {
 
     fn supports(&self, strategy: Strategy, support: &MethodSupport<'_>) -> Result<(), Error> {
         support.needs_one_draw_per_leaf(strategy)?;
-        let is_precise = support.device.capabilities().has(Optional::PreciseQueries);
+        let is_precise = support.device.capabilities().has(OptionalFeature::PreciseQueries);
         match self.counting() {
             Counting::Samples if !is_precise => {
-                Err(support.missing(Optional::PreciseQueries, strategy))
+                Err(support.missing(OptionalFeature::PreciseQueries, strategy))
             }
             _ => Ok(()),
         }
@@ -91,7 +91,7 @@ impl Method for BlockingMethod {
     fn record(
         &mut self,
         frame: &mut Frame<'_>,
-        state: &mut VisibilityState,
+        state: &mut OcclusionState,
         scene: &mut MethodScene<'_>,
         request: &MethodRequest<'_>,
     ) -> Result<MethodStats, Error> {
@@ -131,7 +131,7 @@ impl BlockingMethod {
     fn record_batches(
         &self,
         frame: &mut Frame<'_>,
-        state: &mut VisibilityState,
+        state: &mut OcclusionState,
         kept: &mut BlockingState,
         scene: &mut MethodScene<'_>,
         request: &MethodRequest<'_>,
@@ -185,7 +185,7 @@ impl BlockingMethod {
         recorded: &RecordedBatch<'_>,
         queries: &BlockingQueryPool,
         scene: &mut MethodScene<'_>,
-        view: &View,
+        view: &CullView,
     ) {
         let RecordedBatch { batch, io, rendering } = *recorded;
         let counting = self.counting();

@@ -3,10 +3,10 @@
 //! for comparison only.
 
 use cull::Strategy;
-use gpu::{Frame, Optional};
+use gpu::{Frame, OptionalFeature};
 use occlusion::{
     Error, Method, MethodConstructor, MethodRequest, MethodScene, MethodStats, MethodSupport,
-    VisibilityState, execute,
+    OcclusionState, execute,
 };
 
 /// The strategy of this method.
@@ -28,16 +28,16 @@ impl Method for Ideal {
 
     /// Checks that fragment shaders can write to buffers, which finding the visible objects takes.
     fn supports(&self, strategy: Strategy, support: &MethodSupport<'_>) -> Result<(), Error> {
-        if support.device.capabilities().has(Optional::FragmentStores) {
+        if support.device.capabilities().has(OptionalFeature::FragmentStores) {
             return Ok(());
         }
-        Err(support.missing(Optional::FragmentStores, strategy))
+        Err(support.missing(OptionalFeature::FragmentStores, strategy))
     }
 
     fn record(
         &mut self,
         frame: &mut Frame<'_>,
-        state: &mut VisibilityState,
+        state: &mut OcclusionState,
         scene: &mut MethodScene<'_>,
         request: &MethodRequest<'_>,
     ) -> Result<MethodStats, Error> {

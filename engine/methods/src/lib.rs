@@ -9,25 +9,25 @@
 //! ```
 //! # use antumbra_methods as methods;
 //! let mut all = methods::all().into_iter().map(|constructor| constructor.construct());
-//! assert!(all.any(|method| method.strategies() == [methods::COHERENT]));
+//! assert!(all.any(|method| method.strategies() == [methods::CHC]));
 //! ```
 #![forbid(unsafe_code)]
 
 mod batched;
 mod blocking;
 mod chc;
-mod depth_pyramid;
+mod hzb;
 mod ideal;
 mod naive;
 mod next_frame;
 mod stop_and_wait;
 
-use cull::{BatchedOptions, CoherentOptions, Strategy};
+use cull::{BatchedOptions, ChcOptions, Strategy};
 use occlusion::MethodConstructor;
 
 pub use batched::{BATCHED, batched};
-pub use chc::{COHERENT, coherent};
-pub use depth_pyramid::{PYRAMID, PyramidLevel, PyramidPass, pyramid_levels};
+pub use chc::{CHC, chc};
+pub use hzb::{HZB, HzbLevel, HzbPass, hzb_levels};
 
 pub use ideal::IDEAL;
 pub use naive::NAIVE;
@@ -42,8 +42,8 @@ pub fn all() -> Vec<MethodConstructor> {
         batched(BatchedOptions::default()),
         next_frame::method(),
         stop_and_wait::method(),
-        coherent(CoherentOptions::default()),
-        depth_pyramid::method(),
+        chc(ChcOptions::default()),
+        hzb::method(),
         ideal::method(),
     ]
 }

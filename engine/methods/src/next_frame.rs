@@ -4,7 +4,7 @@
 use cull::Strategy;
 use gpu::Frame;
 use occlusion::{
-    Error, Method, MethodConstructor, MethodRequest, MethodScene, MethodStats, VisibilityState,
+    Error, Method, MethodConstructor, MethodRequest, MethodScene, MethodStats, OcclusionState,
     execute,
 };
 
@@ -28,7 +28,7 @@ impl Method for NextFrame {
     fn record(
         &mut self,
         frame: &mut Frame<'_>,
-        state: &mut VisibilityState,
+        state: &mut OcclusionState,
         scene: &mut MethodScene<'_>,
         request: &MethodRequest<'_>,
     ) -> Result<MethodStats, Error> {

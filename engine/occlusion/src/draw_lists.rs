@@ -4,15 +4,15 @@
 use std::ops::Range;
 
 use gpu::{
-    Buffer, BufferSlice, Device, DrawRange, Frame, IndirectDraw, MemoryKind, Optional, Predication,
-    ResultSource, Reveal, vk,
+    Buffer, BufferSlice, Device, DrawRange, Frame, IndirectDraw, MemoryKind, OptionalFeature,
+    PredicationMode, ResultSource, Reveal, vk,
 };
 
 use crate::error::Error;
 use crate::leaf_table::{BucketId, LeafTable};
 use crate::passes::{ListDrawsIo, ListedRange, RANGE_SIZE_BYTES};
+use crate::quirks::DriverQuirks;
 use crate::test_layout::{RevealedRange, StepRounds, TestLayout, take_bucket};
-use crate::trust::Trust;
 
 /// The indirect draws of one bucket in one phase of a frame. Their buffers live until the frame is
 /// over.
@@ -25,8 +25,8 @@ pub struct DrawList {
     /// The most commands that there may be; `commands` has room for so many.
     pub most: u32,
     /// The number of commands, 32 bits in a buffer. `None` where the device cannot count so many
-    /// ([`Optional::DrawIndirectCount`]), or cannot be trusted with it: some of all commands are
-    /// empty then.
+    /// ([`OptionalFeature::DrawIndirectCount`]), or cannot be trusted with it: some of all commands
+    /// are empty then.
     pub count: Option<BufferSlice>,
 }
 
@@ -36,9 +36,9 @@ struct CountLimit(u32);
 
 impl CountLimit {
     /// Returns that of a device; 0 where draw counts are missing or not trusted.
-    fn of(device: &Device, trust: &Trust) -> Self {
-        let has_counts = device.capabilities().has(Optional::DrawIndirectCount);
-        if has_counts && trust.allows_executor(Predication::Counts) {
+    fn of(device: &Device, quirks: &DriverQuirks) -> Self {
+        let has_counts = device.capabilities().has(OptionalFeature::DrawIndirectCount);
+        if has_counts && quirks.allows_executor(PredicationMode::Counts) {
             Self(device.adapter().limits.max_draw_indirect_count)
         } else {
             Self(0)
@@ -118,9 +118,9 @@ impl DrawLists {
         layout: &TestLayout,
         leaves: &LeafTable,
         visible: BufferSlice,
-        trust: &Trust,
+        quirks: &DriverQuirks,
     ) -> Result<Option<ListDrawsIo>, Error> {
-        let limit = CountLimit::of(device, trust);
+        let limit = CountLimit::of(device, quirks);
         self.visible.clear();
         // Lavapipe (Mesa 22.3) lets a draw without a count take that of the counted one before it.
         let buckets = layout.visible.buckets();
@@ -156,7 +156,7 @@ impl DrawLists {
         for step in 0..layout.step_count() {
             self.lay_out(layout, layout.step(step));
         }
-        let limit = CountLimit::of(device, &Trust::default());
+        let limit = CountLimit::of(device, &DriverQuirks::default());
         self.write_revealed(frame, device, leaves, limit)
     }
 

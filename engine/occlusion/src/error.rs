@@ -75,17 +75,17 @@ pub struct NotUploaded;
 pub enum PlanError {
     /// No plan, or none that was not executed.
     #[error(
-        "the view has no plan that was not executed yet: call `VisibilityState::plan_frame` once before each `execute` or `list_draws`"
+        "the view has no plan that was not executed yet: call `OcclusionState::plan_frame` once before each `execute` or `list_draws`"
     )]
     Missing,
     /// A scene that changed after the plan was made.
     #[error(
-        "the scene has changed since the frame was planned: change it and call `HostScene::upload` first, then `VisibilityState::plan_frame`"
+        "the scene has changed since the frame was planned: change it and call `HostScene::upload` first, then `OcclusionState::plan_frame`"
     )]
     SceneChanged,
     /// Views that the plan was not made for.
     #[error(
-        "the plan was made for other views: give `execute` the views that `VisibilityState::plan_frame` got"
+        "the plan was made for other views: give `execute` the views that `OcclusionState::plan_frame` got"
     )]
     OtherViews,
 }

@@ -4,15 +4,15 @@ mod io;
 mod listing;
 mod recording;
 
-use cull::{MultiView, View};
-use gpu::{Frame, Predication, Target};
+use cull::{CullView, MultiView};
+use gpu::{Frame, PredicationMode, Target};
 
 use crate::error::{Error, TargetError, WrongAttachments};
 use crate::executor::PlanExecutor;
 use crate::object_renderer::ObjectRenderer;
+use crate::occlusion_state::OcclusionState;
 use crate::passes::{ComputeTest, ListDrawsPass};
 use crate::shader_set::ShaderSet;
-use crate::visibility_state::VisibilityState;
 use io::FrameIo;
 pub use listing::{ListedTests, list_draws};
 use recording::Recording;
@@ -27,7 +27,7 @@ use recording::Recording;
 pub fn execute<'v>(
     frame: &mut Frame<'_>,
     executor: &mut PlanExecutor,
-    state: &mut VisibilityState,
+    state: &mut OcclusionState,
     objects: &mut dyn ObjectRenderer,
     shaders: &ShaderSet,
     views: impl Into<MultiView<'v>>,
@@ -37,7 +37,7 @@ pub fn execute<'v>(
     check_target(executor, state, objects.target(), views)?;
     make_compute_test(executor, state, shaders, objects.target().size())?;
     let mut io = FrameIo::write(frame, state, &mut executor.leaves, views)?;
-    if executor.leaves.predicates.predication() == Predication::Compacted {
+    if executor.leaves.predicates.predication() == PredicationMode::Compacted {
         make_list_pass(executor, state, shaders)?;
         io.lists = state.compact(frame, &executor.leaves)?;
     }
@@ -48,7 +48,7 @@ pub fn execute<'v>(
 /// Refuses a target that does not fit the passes, the views or the tests of the plan.
 fn check_target(
     executor: &PlanExecutor,
-    state: &VisibilityState,
+    state: &OcclusionState,
     target: &Target,
     views: MultiView<'_>,
 ) -> Result<(), Error> {
@@ -64,7 +64,7 @@ fn check_target(
         let target = attachments.views;
         return Err(TargetError::Views { views, target }.into());
     }
-    let is_inside = |view: &&View| {
+    let is_inside = |view: &&CullView| {
         let end = |side: usize| u64::from(view.origin[side]) + u64::from(view.size[side]);
         (0..2).all(|side| end(side) <= u64::from(target.size()[side]))
     };
@@ -83,7 +83,7 @@ fn check_target(
 /// Creates the pass that tests boxes by a compute shader, for the first plan with such tests.
 fn make_compute_test(
     executor: &mut PlanExecutor,
-    state: &VisibilityState,
+    state: &OcclusionState,
     shaders: &ShaderSet,
     size: [u32; 2],
 ) -> Result<(), Error> {
@@ -98,7 +98,7 @@ fn make_compute_test(
 /// Creates the passes that list draws, for the first frame with lists.
 fn make_list_pass(
     executor: &mut PlanExecutor,
-    state: &VisibilityState,
+    state: &OcclusionState,
     shaders: &ShaderSet,
 ) -> Result<(), Error> {
     if executor.passes.list_draws.is_none() {

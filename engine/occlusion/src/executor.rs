@@ -1,7 +1,7 @@
 //! The executor of plans over the leaves of one scene.
 
-use cull::{DrawPhases, TesterSupport};
-use gpu::{Device, Predication, Target};
+use cull::{DrawPhases, VisibilityTestSupport};
+use gpu::{Device, PredicationMode, Target};
 
 use crate::error::Error;
 use crate::leaf_table::LeafTable;
@@ -18,24 +18,24 @@ pub struct PlanExecutor {
 
 impl PlanExecutor {
     /// Returns the testers that plans may use on `device`, for views that are drawn to `target` in
-    /// these phases: those of the device that can be [trusted](OcclusionPasses::with_trust), and
+    /// these phases: those of the device that can be [trusted](OcclusionPasses::with_quirks), and
     /// none where something that skips hidden draws cannot.
     pub fn testers(
         &self,
         device: &Device,
         target: &Target,
         draw_phases: DrawPhases,
-    ) -> TesterSupport {
+    ) -> VisibilityTestSupport {
         let own = self.leaves.predicates.predication();
-        let executors: &[Predication] = match draw_phases {
+        let executors: &[PredicationMode] = match draw_phases {
             DrawPhases::PerRound => &[own],
             // The host draws compacted lists, whose commands lack instances where their number is
             // not counted; boxes of leaves are drawn by the table.
-            DrawPhases::Two => &[own, Predication::Compacted, Predication::Instances],
+            DrawPhases::Two => &[own, PredicationMode::Compacted, PredicationMode::Instances],
         };
-        let offered = TesterSupport { draw_phases, ..self.passes.testers(device, target) };
-        let trust = self.passes.trust();
-        executors.iter().fold(offered, |offered, executor| trust.testers(offered, *executor))
+        let offered = VisibilityTestSupport { draw_phases, ..self.passes.testers(device, target) };
+        let quirks = self.passes.quirks();
+        executors.iter().fold(offered, |offered, executor| quirks.testers(offered, *executor))
     }
 
     /// Refuses a change of the target's size, from the first to the second, that takes away a

@@ -7,12 +7,12 @@ use cull::{
 };
 use gpu::{Device, Frame, Target, Tick};
 
-use crate::costs::device_prices::{ChoiceRequest, DevicePrices, PriceChoice};
+use crate::costs::device_costs::{ChoiceRequest, CullingSetup, DeviceCosts};
 use crate::error::Error;
 use crate::executor::PlanExecutor;
 use crate::leaf_table::{BucketDraw, BucketTableInfo, LeafTable};
+use crate::occlusion_state::OcclusionState;
 use crate::passes::OcclusionPasses;
-use crate::visibility_state::VisibilityState;
 
 /// An object of a host.
 #[derive(Clone, Copy, Debug)]
@@ -30,16 +30,16 @@ pub struct HostScene {
     frames_in_flight: usize,
     hierarchy: Hierarchy,
     executor: PlanExecutor,
-    choice: PriceChoice,
+    choice: CullingSetup,
     /// The ranges of a change; kept to allocate nothing.
     reordered: Vec<LeafRange>,
 }
 
 impl HostScene {
     /// Creates a scene with room for `object_capacity` objects; more room is made as objects come.
-    /// Without prices everything that may be hidden is tested, and the way that hidden draws are
+    /// Without costs everything that may be hidden is tested, and the way that hidden draws are
     /// skipped is the device's usual one, if none is wanted. It is another one in either case where
-    /// the driver cannot be [trusted](OcclusionPasses::with_trust) with that.
+    /// the driver cannot be [trusted](OcclusionPasses::with_quirks) with that.
     ///
     /// # Errors
     /// [`gpu::Error::Unsupported`] for a way to skip draws that the device lacks;
@@ -54,25 +54,25 @@ impl HostScene {
         Self::by(device, passes, draws, object_capacity, None)
     }
 
-    /// Creates the same, and decides by the [measured](crate::measure) prices of the device: about
+    /// Creates the same, and decides by the [measured](crate::measure) costs of the device: about
     /// the way that hidden draws are skipped, for as many objects as there is room for, and in each
     /// frame of its [views](HostScene::new_view) about what is tested, and by which tester.
     ///
     /// A device that was adopted without a queue cannot be measured, since nothing submits there.
-    /// Before its first frame, measure the same device adopted with a queue. Prices of tests are
+    /// Before its first frame, measure the same device adopted with a queue. Costs of tests are
     /// those with the way that is taken; where a host draws from lists, they are those of lists
-    /// with [`Predication::Compacted`](gpu::Predication::Compacted).
+    /// with [`PredicationMode::Compacted`](gpu::Predication::Compacted).
     ///
     /// # Errors
     /// Those of [`HostScene::new`].
-    pub fn with_prices(
+    pub fn with_costs(
         device: &Device,
         passes: OcclusionPasses,
         object_capacity: usize,
         draws: BucketTableInfo,
-        prices: &DevicePrices,
+        device_costs: &DeviceCosts,
     ) -> Result<Self, Error> {
-        Self::by(device, passes, draws, object_capacity, Some(prices))
+        Self::by(device, passes, draws, object_capacity, Some(device_costs))
     }
 
     fn by(
@@ -80,19 +80,19 @@ impl HostScene {
         passes: OcclusionPasses,
         draws: BucketTableInfo,
         object_capacity: usize,
-        prices: Option<&DevicePrices>,
+        device_costs: Option<&DeviceCosts>,
     ) -> Result<Self, Error> {
         check_memory(object_capacity)?;
         let hierarchy = Hierarchy::build(&vec![Aabb::EMPTY; object_capacity])?;
         let cells_draws = u64::from(draws.cell_capacity());
         let executors =
-            passes.trust().usable_executors(device, draws.predication, cells_draws, 0)?;
+            passes.quirks().usable_executors(device, draws.predication, cells_draws, 0)?;
         let leaves = (object_capacity as u32).max(draws.draw_capacity);
         let work = SkippedWork::of_leaves(leaves).in_buckets(draws.bucket_count);
         let request = ChoiceRequest { executors: &executors, work };
-        let choice = match prices {
-            Some(prices) => PriceChoice::of_prices(&request, prices),
-            None => PriceChoice::usual(&request, None),
+        let choice = match device_costs {
+            Some(device_costs) => CullingSetup::of_costs(&request, device_costs),
+            None => CullingSetup::usual(&request, None),
         };
         let frames_in_flight = draws.frames_in_flight;
         let draws = BucketTableInfo { predication: Some(choice.predication), ..draws };
@@ -108,8 +108,8 @@ impl HostScene {
     }
 
     /// Creates a view that knows nothing yet, drawn to `target` in these phases. It weighs tests by
-    /// the prices of the scene, if there are any, and by the triangles per draw that it has now.
-    /// Frames of a host are not timed, so that nothing corrects the prices.
+    /// the costs of the scene, if there are any, and by the triangles per draw that it has now.
+    /// Frames of a host are not timed, so that nothing corrects the costs.
     ///
     /// # Errors
     /// A failed call.
@@ -118,17 +118,17 @@ impl HostScene {
         target: &Target,
         config: CullConfig,
         draw_phases: DrawPhases,
-    ) -> Result<VisibilityState, Error> {
+    ) -> Result<OcclusionState, Error> {
         let Self { device, hierarchy, executor, .. } = self;
         let testers = executor.testers(device, target, draw_phases);
         let mut culler = Culler::with_testers(config, testers);
         self.choice.steer(&mut culler, executor.leaves.scene_costs(hierarchy));
-        VisibilityState::new(device, hierarchy, &executor.leaves, self.frames_in_flight, culler)
+        OcclusionState::new(device, hierarchy, &executor.leaves, self.frames_in_flight, culler)
     }
 
     /// Returns what was decided about the device and the scene when it was made: the way that
-    /// hidden draws are skipped, and by which prices.
-    pub fn price_choice(&self) -> &PriceChoice {
+    /// hidden draws are skipped, and by which costs.
+    pub fn culling_setup(&self) -> &CullingSetup {
         &self.choice
     }
 
@@ -228,7 +228,7 @@ impl HostScene {
     /// tries again.
     pub fn upload(&mut self, frame: &mut Frame<'_>) -> Result<(), Error> {
         self.reordered.clear();
-        self.hierarchy.restructure(&mut self.reordered);
+        self.hierarchy.rebuild_subtrees(&mut self.reordered);
         let PlanExecutor { passes, leaves } = &mut self.executor;
         leaves.reorder(&self.hierarchy, &self.reordered)?;
         leaves.begin()?;

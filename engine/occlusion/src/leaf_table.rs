@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use cull::{Aabb, Hierarchy, HierarchyId, LeafIndex, LeafRange, ObjectId, SceneCosts};
 use gpu::{
-    Buffer, BufferSlice, Device, DrawLink, Frame, IndirectDraw, Predicates, Predication,
+    Buffer, BufferSlice, Device, DrawLink, Frame, IndirectDraw, Predicates, PredicationMode,
     RecordingId, Tick, vk,
 };
 
@@ -37,7 +37,7 @@ pub struct LeafTableInfo {
     /// The meshes that leaves can draw.
     pub mesh_draws: Arc<[MeshDraw]>,
     /// The way that hidden draws are skipped; `None` takes the device's best.
-    pub predication: Option<Predication>,
+    pub predication: Option<PredicationMode>,
     /// Frames that may be in flight at once.
     pub frames_in_flight: usize,
 }

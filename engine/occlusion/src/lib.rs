@@ -12,16 +12,16 @@
 //! | [`TransparentList`] | objects that hide nothing, drawn in their order where they show |
 //! | [`PlanExecutor`] | records the rounds of a plan: draws, tests, predicates, results |
 //! | [`list_draws`] | hands the draws of a plan to a host that records them itself |
-//! | [`VisibilityState`] | one view: its culler, its tests on their way, its newest plan |
-//! | [`Method`] | the trait of all methods: [`PlannedMethod`] is Antumbra's own |
-//! | [`Costs`], [`measure`] | prices of tests and draws on this device |
-//! | [`Trust`] | the parts of a driver that may be used, after a self-test |
+//! | [`OcclusionState`] | one view: its culler, its tests on their way, its newest plan |
+//! | [`Method`] | the trait of all methods: [`AntumbraMethod`] is Antumbra's own |
+//! | [`CostModel`], [`measure`] | costs of tests and draws on this device |
+//! | [`DriverQuirks`] | the parts of a driver that may be used, after a self-test |
 //!
 //! A frame of somebody's own objects, each a box and an indexed draw:
 //!
 //! ```no_run
 //! # use antumbra_occlusion as occlusion;
-//! use cull::{Aabb, Camera, CullConfig, Culler, DrawPhases, Hierarchy, Strategy, View};
+//! use cull::{Aabb, Camera, CullConfig, Culler, DrawPhases, Hierarchy, Strategy, CullView};
 //! use occlusion::*;
 //!
 //! fn walk(
@@ -43,11 +43,11 @@
 //!     let mut executor = PlanExecutor { passes, leaves };
 //!     let testers = executor.testers(device, objects.target(), DrawPhases::PerRound);
 //!     let culler = Culler::with_testers(CullConfig::default(), testers);
-//!     let mut state = VisibilityState::new(device, &hierarchy, &executor.leaves, slots, culler)?;
+//!     let mut state = OcclusionState::new(device, &hierarchy, &executor.leaves, slots, culler)?;
 //!     let mut frames = gpu::FrameRing::new(device, slots)?;
 //!     for camera in cameras {
 //!         let bits = device.adapter().limits.sub_pixel_precision_bits;
-//!         let view = View::new(camera, size, bits);
+//!         let view = CullView::new(camera, size, bits);
 //!         let mut frame = frames.begin()?; // waits for the frame of two frames ago
 //!         state.collect(device.completed()?, &hierarchy, &executor.leaves);
 //!         state.plan_frame(&hierarchy, &executor.leaves, Strategy::ANTUMBRA, &view, 4096);
@@ -60,6 +60,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod antumbra_method;
 mod costs;
 mod draw_lists;
 mod error;
@@ -70,19 +71,21 @@ mod leaf_table;
 mod method;
 mod method_state;
 mod object_renderer;
+mod occlusion_state;
 mod outcomes;
 mod passes;
-mod planned;
+mod quirks;
 mod rect;
 mod shader_set;
 mod test_layout;
 mod transparent_list;
-mod trust;
-mod visibility_state;
 mod visible_draws;
 
+pub use antumbra_method::AntumbraMethod;
 pub use costs::calibration::{CalibrationScene, PATCH_TRIANGLES, measure};
-pub use costs::device_prices::{ChoiceRequest, Costs, DevicePrices, PriceChoice, ResetPrices};
+pub use costs::device_costs::{
+    ChoiceRequest, CostModel, CullingSetup, DeviceCosts, QueryResetCosts,
+};
 pub use costs::frame_times::FrameTimes;
 pub use costs::skipped_ranges::SkippedRanges;
 pub use draw_lists::DrawList;
@@ -104,16 +107,15 @@ pub use method_state::MethodState;
 pub use object_renderer::{
     DrawBuckets, ObjectPass, ObjectRenderer, Rendering, UpcomingDraws, render, render_last,
 };
-pub use outcomes::{FrameOutcome, Outcomes};
+pub use occlusion_state::OcclusionState;
+pub use outcomes::{FrameStats, Outcomes};
 pub use passes::{
     BoxVolume, BoxVolumeConstants, BoxVolumeIo, BoxVolumePass, ComputeTest, ComputeTestIo,
     EyeConstants, LeafBoxIo, LeafBoxPass, LeafLinks, ListDrawsIo, ListDrawsPass, ListedRange,
     OcclusionPasses, ProxyBox, ProxyConstants, ProxyEyes, ProxyIo, ProxyPass, RANGE_SIZE_BYTES,
     ScatterIo, ScatterPass,
 };
-pub use planned::PlannedMethod;
+pub use quirks::{DriverAssumption, DriverQuirks};
 pub use rect::Rect;
 pub use shader_set::{SectionShaders, ShaderSet};
 pub use transparent_list::TransparentList;
-pub use trust::{Assumption, Trust};
-pub use visibility_state::VisibilityState;

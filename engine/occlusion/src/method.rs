@@ -3,14 +3,14 @@
 use std::fmt;
 use std::sync::Arc;
 
-use cull::{FramePlan, Hierarchy, LeafIndex, Strategy, View};
-use gpu::{Device, Frame, Optional, Tick, Timeline};
+use cull::{CullView, FramePlan, Hierarchy, LeafIndex, Strategy};
+use gpu::{Device, Frame, OptionalFeature, Tick, Timeline};
 
 use crate::error::{BucketError, Error};
 use crate::executor::PlanExecutor;
 use crate::object_renderer::ObjectRenderer;
+use crate::occlusion_state::OcclusionState;
 use crate::shader_set::ShaderSet;
-use crate::visibility_state::VisibilityState;
 
 /// A method to decide what a view draws. One method serves all views of a scene; its data per view
 /// is a [`MethodState`](crate::MethodState).
@@ -39,7 +39,7 @@ pub trait Method: Send {
     /// ([`QueryShares`](cull::QueryShares)). Methods that decide while they record do nothing here.
     fn plan(
         &mut self,
-        _state: &mut VisibilityState,
+        _state: &mut OcclusionState,
         _scene: &mut MethodScene<'_>,
         _request: &MethodRequest<'_>,
         _query_budget: usize,
@@ -53,7 +53,7 @@ pub trait Method: Send {
     fn record(
         &mut self,
         frame: &mut Frame<'_>,
-        state: &mut VisibilityState,
+        state: &mut OcclusionState,
         scene: &mut MethodScene<'_>,
         request: &MethodRequest<'_>,
     ) -> Result<MethodStats, Error>;
@@ -119,7 +119,7 @@ impl MethodSupport<'_> {
     }
 
     /// Returns the error for a strategy that the device lacks something for.
-    pub fn missing(&self, missing: Optional, strategy: Strategy) -> Error {
+    pub fn missing(&self, missing: OptionalFeature, strategy: Strategy) -> Error {
         let device = self.device.adapter().name.clone();
         gpu::Error::Unsupported { device, missing: missing.name(), wanted: strategy.name() }.into()
     }
@@ -145,7 +145,7 @@ pub struct MethodRequest<'a> {
     /// The strategy to use, one of the method's.
     pub strategy: Strategy,
     /// The camera's matrix, its volumes and its part of the image.
-    pub view: &'a View,
+    pub view: &'a CullView,
     /// The leaves that own a pixel, for strategies with [objects found
     /// beforehand](Strategy::needs_still_scene); empty for others.
     pub visible: &'a [LeafIndex],

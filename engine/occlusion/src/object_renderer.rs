@@ -1,6 +1,6 @@
 //! The seam between the executor and the owner of the objects.
 
-use cull::{FramePlan, View};
+use cull::{CullView, FramePlan};
 use gpu::{Commands, Predicate, RenderTarget, Target, Viewport};
 
 use crate::error::Error;
@@ -50,12 +50,17 @@ pub trait ObjectRenderer {
     fn target(&mut self) -> &mut Target;
 
     /// Returns the attachments of a rendering of a view that decides what is visible.
-    fn rendering(&self, view: &View, rendering: Rendering) -> RenderTarget;
+    fn rendering(&self, view: &CullView, rendering: Rendering) -> RenderTarget;
 
     /// Begins a rendering of a view that decides what is visible. An owner with a render pass of
     /// its own begins that, with the depth that the last rendering of the view left. Returns false
     /// if nothing can be drawn.
-    fn begin_rendering(&mut self, commands: &Commands, view: &View, rendering: Rendering) -> bool {
+    fn begin_rendering(
+        &mut self,
+        commands: &Commands,
+        view: &CullView,
+        rendering: Rendering,
+    ) -> bool {
         commands.begin_rendering(self.rendering(view, rendering))
     }
 
@@ -66,7 +71,7 @@ pub trait ObjectRenderer {
     fn begin_last_rendering(
         &mut self,
         commands: &Commands,
-        view: &View,
+        view: &CullView,
         rendering: Rendering,
     ) -> bool {
         self.begin_rendering(commands, view, rendering)
@@ -78,12 +83,12 @@ pub trait ObjectRenderer {
     }
 
     /// Returns the viewport of a view, the same in all its renderings.
-    fn viewport(&self, view: &View) -> Viewport {
+    fn viewport(&self, view: &CullView) -> Viewport {
         Viewport::covering(view.origin, view.size)
     }
 
     /// Returns the attachments of a rendering of a view that adds colour to the contents.
-    fn colour_rendering(&self, view: &View) -> RenderTarget {
+    fn colour_rendering(&self, view: &CullView) -> RenderTarget {
         self.rendering(view, Rendering::Next)
     }
 
@@ -109,7 +114,7 @@ pub trait ObjectRenderer {
     /// Binds the objects that the draws of a bucket in a pass need. Called before the draws of each
     /// bucket in each rendering, in the order of the buckets. No query and no condition may be left
     /// open: the draws that follow have their own.
-    fn bind(&self, commands: &Commands, view: &View, bucket: BucketId, pass: ObjectPass);
+    fn bind(&self, commands: &Commands, view: &CullView, bucket: BucketId, pass: ObjectPass);
 
     /// Returns true if [`ObjectRenderer::shade`] adds the colours, so that the draws before it are
     /// kept.
@@ -123,7 +128,7 @@ pub trait ObjectRenderer {
         &mut self,
         _executor: &PlanExecutor,
         _commands: &Commands,
-        _view: &View,
+        _view: &CullView,
         _draw: DrawBuckets<'_>,
     ) {
     }
@@ -141,20 +146,21 @@ pub trait ObjectRenderer {
         &mut self,
         _executor: &PlanExecutor,
         _commands: &Commands,
-        _view: &View,
+        _view: &CullView,
         _draw: DrawBuckets<'_>,
     ) {
     }
 
     /// Draws what follows the colours of a view, after that rendering.
-    fn finish_shading(&mut self, _executor: &PlanExecutor, _commands: &Commands, _view: &View) {}
+    fn finish_shading(&mut self, _executor: &PlanExecutor, _commands: &Commands, _view: &CullView) {
+    }
 }
 
 /// Records the last rendering of a view that decides what is visible, as [`render`] does others.
 pub fn render_last(
     objects: &mut dyn ObjectRenderer,
     commands: &Commands,
-    view: &View,
+    view: &CullView,
     rendering: Rendering,
     record: impl FnOnce(&Commands, &mut dyn ObjectRenderer),
 ) {
@@ -168,7 +174,7 @@ pub fn render_last(
 pub fn render(
     objects: &mut dyn ObjectRenderer,
     commands: &Commands,
-    view: &View,
+    view: &CullView,
     rendering: Rendering,
     record: impl FnOnce(&Commands, &mut dyn ObjectRenderer),
 ) {

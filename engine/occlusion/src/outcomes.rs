@@ -8,7 +8,7 @@ use crate::leaf_table::LeafCount;
 
 /// The outcome of a frame, known once its results are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct FrameOutcome {
+pub struct FrameStats {
     /// The number of the frame in its view.
     pub frame: FrameId,
     /// Objects the GPU drew: those taken as visible and those whose proxy showed.
@@ -26,7 +26,7 @@ pub struct FrameOutcome {
 /// An outcome that is not known yet: frames are reported in their order.
 #[derive(Clone, Copy, Debug)]
 struct Pending {
-    outcome: FrameOutcome,
+    outcome: FrameStats,
     /// True if nothing was tested, so that no result is to come.
     is_known: bool,
 }
@@ -39,12 +39,12 @@ const OUTCOMES_KEPT: usize = 1024;
 #[derive(Debug, Default)]
 pub struct Outcomes {
     pending: VecDeque<Pending>,
-    known: VecDeque<FrameOutcome>,
+    known: VecDeque<FrameStats>,
 }
 
 impl Outcomes {
     /// Adds a frame that was submitted. Returns its outcome if that and all earlier ones are known.
-    pub(crate) fn push(&mut self, outcome: FrameOutcome, is_known: bool) -> Option<FrameOutcome> {
+    pub(crate) fn push(&mut self, outcome: FrameStats, is_known: bool) -> Option<FrameStats> {
         if is_known && self.pending.is_empty() {
             self.keep(outcome);
             return Some(outcome);
@@ -54,7 +54,7 @@ impl Outcomes {
     }
 
     /// Returns the outcome of a frame that is not known yet.
-    pub fn of(&mut self, frame: FrameId) -> Option<&mut FrameOutcome> {
+    pub fn of(&mut self, frame: FrameId) -> Option<&mut FrameStats> {
         let mut outcomes = self.pending.iter_mut().map(|pending| &mut pending.outcome);
         outcomes.find(|outcome| outcome.frame == frame)
     }
@@ -76,7 +76,7 @@ impl Outcomes {
     }
 
     /// Takes the next known outcome: the results of all frames up to `newest` have been read.
-    pub(crate) fn settle(&mut self, newest: Option<FrameId>) -> Option<FrameOutcome> {
+    pub(crate) fn settle(&mut self, newest: Option<FrameId>) -> Option<FrameStats> {
         let is_over = |pending: &mut Pending| {
             pending.is_known || newest.is_some_and(|newest| pending.outcome.frame <= newest)
         };
@@ -91,11 +91,11 @@ impl Outcomes {
     }
 
     /// Takes all known outcomes: the latest 1024, if there are more.
-    pub(crate) fn take(&mut self) -> std::collections::vec_deque::Drain<'_, FrameOutcome> {
+    pub(crate) fn take(&mut self) -> std::collections::vec_deque::Drain<'_, FrameStats> {
         self.known.drain(..)
     }
 
-    fn keep(&mut self, outcome: FrameOutcome) {
+    fn keep(&mut self, outcome: FrameStats) {
         if self.known.len() == OUTCOMES_KEPT {
             self.known.pop_front();
         }

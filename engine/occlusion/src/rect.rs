@@ -1,6 +1,6 @@
 //! Rectangles of pixels.
 
-use cull::View;
+use cull::CullView;
 
 /// A part of the image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,7 +27,7 @@ impl Rect {
     }
 
     /// Returns the part of the image that a view is drawn to.
-    pub fn of(view: &View) -> Self {
+    pub fn of(view: &CullView) -> Self {
         Self { origin: view.origin, size: view.size }
     }
 

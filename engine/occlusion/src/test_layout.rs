@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use cull::{FramePlan, ProxyTest, QueryKind, Tester};
+use cull::{FramePlan, ProxyTest, QueryKind, VisibilityTest};
 use gpu::{DrawRange, PredicatedRange, ResultSource, Reveal};
 
 use crate::leaf_table::{BucketId, LeafCount, LeafTable, draw_range};
@@ -80,14 +80,20 @@ impl TestLayout {
         self.clear();
         let Self { visible, query_tags, .. } = self;
         // Drawn with any result: nothing depends on it.
-        let own = |tag| PendingTest { tag, tester: Tester::Query, contents: LeafCount::default() };
+        let own = |tag| PendingTest {
+            tag,
+            tester: VisibilityTest::Query,
+            contents: LeafCount::default(),
+        };
         visible.lay_out(plan, &leaves.layout, |tag| query_tags.push(own(tag)));
         self.visible_draw_queries = self.query_tags.len() as u32;
         for round in &plan.rounds {
             self.lay_out_round(plan, round.clone(), leaves);
         }
-        let lists =
-            [(Tester::Flag, &mut self.flag_tags), (Tester::Compute, &mut self.compute_tags)];
+        let lists = [
+            (VisibilityTest::Flag, &mut self.flag_tags),
+            (VisibilityTest::Compute, &mut self.compute_tags),
+        ];
         for (tester, tags) in lists {
             if plan.tests.iter().any(|test| test.tester == tester) {
                 tags.extend(plan.tests.iter().map(|test| pending_test(test, leaves)));
@@ -114,13 +120,13 @@ impl TestLayout {
         };
         for (number, test) in (tests.start as u32..).zip(&plan.tests[tests.clone()]) {
             match test.tester {
-                Tester::Query => {
+                VisibilityTest::Query => {
                     self.query_tags.push(pending_test(test, leaves));
                     extend(&mut round.queried_tests, number);
                 }
-                Tester::Compute => extend(&mut round.computed, number),
-                Tester::Flag => extend(&mut round.flags, number),
-                Tester::SharedProxy(_) => {}
+                VisibilityTest::Compute => extend(&mut round.computed, number),
+                VisibilityTest::Flag => extend(&mut round.flags, number),
+                VisibilityTest::SharedProxy(_) => {}
             }
             round.has_leaf_tests |= test.tag.kind == QueryKind::PerLeaf;
         }
@@ -157,13 +163,13 @@ impl TestLayout {
         let Self { revealed, decided, .. } = self;
         for (number, test) in (tests.start as u32..).zip(&plan.tests[tests]) {
             let (source, result) = match test.tester {
-                Tester::Query => {
+                VisibilityTest::Query => {
                     next_query += 1;
                     (ResultSource::Queries, next_query - 1)
                 }
-                Tester::Compute => (ResultSource::Compute, number),
-                Tester::Flag => (ResultSource::Fragments, number),
-                Tester::SharedProxy(front) => (ResultSource::Fragments, front),
+                VisibilityTest::Compute => (ResultSource::Compute, number),
+                VisibilityTest::Flag => (ResultSource::Fragments, number),
+                VisibilityTest::SharedProxy(front) => (ResultSource::Fragments, front),
             };
             let is_per_leaf = test.tag.kind == QueryKind::PerLeaf;
             if is_per_leaf == (reveal == Reveal::Draws) {

@@ -14,7 +14,7 @@
 
 use std::ops::Range;
 
-use cull::{Aabb, View};
+use cull::{Aabb, CullView};
 use gpu::{
     Access, BOX_VERTICES, Buffer, BufferSlice, Commands, Device, DrawLink, Frame, IndirectDraw,
     LeafDrawBuffers, MemoryBarrier, MemoryKind, Predicates, Viewport, vk,
@@ -91,7 +91,7 @@ impl TransparentList {
 
     /// Adds an object behind which all that were added before are drawn. Without a box it is drawn
     /// untested, and so it is where the near plane of `view` cuts the box.
-    pub fn push(&mut self, view: &View, bounds: Option<Aabb>, draws: &[BucketDraw]) {
+    pub fn push(&mut self, view: &CullView, bounds: Option<Aabb>, draws: &[BucketDraw]) {
         let bounds = bounds.filter(|bounds| view.margin.proxy(bounds).is_some());
         let first = self.commands.len() as u32;
         let drawn = |bucket_draw: &&BucketDraw| {
@@ -182,7 +182,7 @@ impl TransparentList {
         &self,
         passes: &OcclusionPasses,
         commands: &Commands,
-        view: &View,
+        view: &CullView,
         viewport: Viewport,
     ) {
         let (Some((_, tested, leaf_draws)), Some(pass)) = (self.tested(), &passes.leaf_boxes)

@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ..FrameRequest::new(Strategy::ANTUMBRA, camera)
     };
     renderer.render(&mut view, &request)?;
-    renderer.drain(&mut view)?;
+    renderer.wait_idle(&mut view)?;
     let pixels = whole.rgba8()?;
     let green = |image: &[u8]| image.chunks(4).filter(|pixel| *pixel == [0, 255, 0, 255]).count();
     println!("over the image: {} green pixels", green(&pixels));

@@ -3,7 +3,7 @@
 
 use std::error::Error;
 
-use antumbra_render::{Costs, FrameRequest, Renderer, RendererOptions};
+use antumbra_render::{CostModel, FrameRequest, Renderer, RendererOptions};
 use cull::{Camera, Decision, ObjectId, Projection, Strategy};
 use glam::{Affine3A, Vec3, vec3};
 use scene::{Mesh, MeshId, Object, ObjectChange, Scene, SceneUpdate};
@@ -28,8 +28,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let device = gpu::open()?;
     // Tests are made whether they pay or not: on some devices 2 triangles are drawn faster.
     let size = [640, 360];
-    let costs = Costs::Ignored;
-    let options = RendererOptions { size, costs, ..Default::default() };
+    let cost_model = CostModel::Off;
+    let options = RendererOptions { size, cost_model, ..Default::default() };
     let mut renderer = Renderer::new(&device, &scene, &options)?;
     let mut view = renderer.new_view()?;
     let camera = Camera {
@@ -46,8 +46,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         for _ in 0..20 {
             renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, camera))?;
         }
-        renderer.drain(&mut view)?;
-        let drawn = view.take_outcomes().next_back().map_or(0, |outcome| outcome.draws);
+        renderer.wait_idle(&mut view)?;
+        let drawn = view.drain_stats().next_back().map_or(0, |outcome| outcome.draws);
         println!("wall at {aside} m: {drawn} of 401 objects drawn");
         let tile = renderer.explain_object(&view, &renderer.view_of(&camera), ObjectId(1));
         match tile.ok_or("the scene has no tile")?.0.decision {

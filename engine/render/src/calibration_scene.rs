@@ -1,12 +1,14 @@
-//! The objects that prices are measured with: a triangle and a patch of many, drawn as the scene's
+//! The objects that costs are measured with: a triangle and a patch of many, drawn as the scene's
 //! are.
 
-use cull::{Hierarchy, View};
+use cull::{CullView, Hierarchy};
 use glam::{Affine3A, Vec3};
-use gpu::{CancellationToken, Commands, Device, IndirectDraw, Predication, RenderTarget, Target};
+use gpu::{
+    CancellationToken, Commands, Device, IndirectDraw, PredicationMode, RenderTarget, Target,
+};
 use occlusion::{
-    BucketId, CalibrationScene, Costs, DevicePrices, ObjectPass, ObjectRenderer, OcclusionPasses,
-    PATCH_TRIANGLES, Rendering, ShaderSet,
+    BucketId, CalibrationScene, CostModel, DeviceCosts, ObjectPass, ObjectRenderer,
+    OcclusionPasses, PATCH_TRIANGLES, Rendering, ShaderSet,
 };
 use scene::{Mesh, MeshId, Object, Scene, Vertex, bounds_of_vertices, pack_normal, pack_unorm};
 
@@ -26,38 +28,38 @@ const QUADS: u32 = 16;
 
 const _: () = assert!(2 * QUADS * QUADS == PATCH_TRIANGLES);
 
-/// Measures the prices of tests and draws on a device, and of the executors that it has and that
-/// can be trusted ([`RendererOptions::distrusted`]; the usual one where none can, and one alone
-/// where [`RendererOptions::predication`] names it), for scenes of hosts that draw themselves
-/// (`occlusion::HostScene::with_prices`). A [renderer](crate::Renderer) measures by itself. Size,
-/// samples and shaders are those of `options`. Takes as long as [`Costs::Measured`] says, and waits
-/// for the device again and again: call it before the first frame.
+/// Measures the costs of tests and draws on a device, and of the executors that it has and that
+/// can be trusted ([`RendererOptions::disabled`]; the usual one where none can, and one alone where
+/// [`RendererOptions::predication`] names it), for scenes of hosts that draw themselves
+/// (`occlusion::HostScene::with_costs`). A [renderer](crate::Renderer) measures by itself. Size,
+/// samples and shaders are those of `options`. Takes as long as [`CostModel::Measured`] says, and
+/// waits for the device again and again: call it before the first frame.
 ///
 /// # Errors
 /// Impossible options, no memory, a shader that does not compile, a failed call; a device that was
 /// adopted without a queue.
-pub fn measure_prices(device: &Device, options: &RendererOptions) -> Result<DevicePrices, Error> {
-    let untested = RendererOptions { costs: Costs::Ignored, ..options.clone() };
+pub fn measure_costs(device: &Device, options: &RendererOptions) -> Result<DeviceCosts, Error> {
+    let untested = RendererOptions { cost_model: CostModel::Off, ..options.clone() };
     let mut renderer = Renderer::new(device, &scene(), &untested)?;
     let Renderer { passes, executor, shaders, .. } = &mut renderer;
-    let trust = executor.passes.trust();
+    let quirks = executor.passes.quirks();
 
     let executors =
-        trust.usable_executors(device, options.predication, 1, options.threshold_samples)?;
+        quirks.usable_executors(device, options.predication, 1, options.threshold_samples)?;
     measure(passes, &executor.passes, &executors, shaders, &options.cancellation)
 }
 
-/// Measures the prices of tests and draws on the device of `passes`, and of these executors.
+/// Measures the costs of tests and draws on the device of `passes`, and of these executors.
 ///
 /// # Errors
 /// No memory, a failed call, [`gpu::Error::Cancelled`].
 pub(crate) fn measure(
     passes: &mut FramePasses,
     occlusion_passes: &OcclusionPasses,
-    executors: &[Predication],
+    executors: &[PredicationMode],
     shaders: &ShaderSet,
     cancellation: &CancellationToken,
-) -> Result<DevicePrices, Error> {
+) -> Result<DeviceCosts, Error> {
     let device = passes.device.clone();
     let scene = scene();
     let hierarchy = Hierarchy::build(&object_bounds(&scene)?)?;
@@ -88,15 +90,15 @@ impl ObjectRenderer for CalibrationObjects<'_> {
         &mut self.passes.target
     }
 
-    fn rendering(&self, view: &View, rendering: Rendering) -> RenderTarget {
+    fn rendering(&self, view: &CullView, rendering: Rendering) -> RenderTarget {
         self.passes.rendering(view, rendering)
     }
 
-    fn colour_rendering(&self, view: &View) -> RenderTarget {
+    fn colour_rendering(&self, view: &CullView) -> RenderTarget {
         self.passes.colour_rendering(view)
     }
 
-    fn bind(&self, commands: &Commands, view: &View, _bucket: BucketId, _pass: ObjectPass) {
+    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId, _pass: ObjectPass) {
         let io = OpaqueIo {
             section: None,
             vertices: self.geometry.vertices.whole(),

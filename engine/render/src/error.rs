@@ -1,7 +1,7 @@
 //! The errors of the engine.
 
 /// The name of a view in [`Error::ForeignRenderer`].
-pub(crate) const FOREIGN_VIEW: &str = "a view (`ViewState`)";
+pub(crate) const FOREIGN_VIEW: &str = "a view (`RenderView`)";
 
 /// An error of the engine. Its text is a sentence for the user.
 #[derive(Debug, thiserror::Error)]
@@ -14,7 +14,7 @@ pub enum Error {
     Hierarchy(#[from] cull::HierarchyError),
     /// A matrix that is no projection.
     #[error(transparent)]
-    View(#[from] cull::ViewError),
+    CullView(#[from] cull::ViewError),
     /// A matrix whose depth is not reversed.
     #[error(
         "the renderer draws with reversed depth: give it a matrix whose depth is 1 at the near plane"
@@ -67,7 +67,7 @@ pub enum Error {
     #[error(transparent)]
     CannotCount(occlusion::CannotCount),
     /// A strategy that tests what is hidden, several samples per pixel, and a device without
-    /// [`gpu::Optional::SampleDepths`].
+    /// [`gpu::OptionalFeature::SampleDepths`].
     #[error(
         "the device {device} takes the depth of a sample from another place than its coverage, so `{strategy}` could lose some: draw with one sample per pixel, or with `frustum`"
     )]
@@ -88,7 +88,7 @@ pub enum Error {
         /// The largest number.
         most: usize,
     },
-    /// A table of costs with an impossible price.
+    /// A table of costs with an impossible cost.
     #[error(transparent)]
     Cost(#[from] cull::BadCost),
     /// Options of shadows that no device can fulfil.
@@ -113,7 +113,7 @@ pub enum Error {
     )]
     NoSurfacesForEnvironment,
     /// A frame without a view.
-    #[error("a frame needs a view, or there is nothing to draw: name at least one `ViewTarget`")]
+    #[error("a frame needs a view, or there is nothing to draw: name at least one `ViewRequest`")]
     NoView,
     /// An object that another renderer made.
     #[error("{thing} was made by another renderer: each renderer uses only what it made itself")]
@@ -216,7 +216,7 @@ pub enum Error {
     #[error(
         "there is no room for {wanted} {what}, at most {left} in one piece, so nothing was added: give the renderer more with `RendererOptions::spare`, or remove others"
     )]
-    NoRoom {
+    CapacityExceeded {
         /// The elements without room.
         what: &'static str,
         /// The requested number.
@@ -234,7 +234,7 @@ pub enum Error {
     },
     /// A light that cannot be added with its picture.
     #[error("light {index} of those named cannot be added, so none was: {reason}")]
-    LightPicture {
+    LightCookie {
         /// Its place among those of the call.
         index: usize,
         /// The reason, and the advice.

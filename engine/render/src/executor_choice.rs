@@ -2,7 +2,7 @@
 //! trusted the one that costs least.
 
 use cull::SkippedWork;
-use occlusion::{ChoiceRequest, DevicePrices, OcclusionPasses, PriceChoice, ShaderSet};
+use occlusion::{ChoiceRequest, CullingSetup, DeviceCosts, OcclusionPasses, ShaderSet};
 
 use crate::calibration_scene;
 use crate::error::Error;
@@ -10,7 +10,7 @@ use crate::frame_passes::FramePasses;
 use crate::renderer::RendererOptions;
 use crate::shadows::{can_skip, caster_executor};
 
-/// Decides for a scene of so many draws, one per leaf, those for spare objects too, by prices that
+/// Decides for a scene of so many draws, one per leaf, those for spare objects too, by costs that
 /// are measured if that is asked for. Casters are skipped alike, each range by itself.
 pub(crate) fn decide(
     passes: &mut FramePasses,
@@ -18,15 +18,15 @@ pub(crate) fn decide(
     shaders: &ShaderSet,
     draws: u64,
     options: &RendererOptions,
-) -> Result<PriceChoice, Error> {
+) -> Result<CullingSetup, Error> {
     let device = passes.device.clone();
-    let trust = occlusion_passes.trust();
+    let quirks = occlusion_passes.quirks();
 
     let executors =
-        trust.usable_executors(&device, options.predication, draws, options.threshold_samples)?;
+        quirks.usable_executors(&device, options.predication, draws, options.threshold_samples)?;
     let work = SkippedWork::of_leaves(draws as u32);
     let request = ChoiceRequest { executors: &executors, work };
-    let choice = PriceChoice::by(options.costs, &request, || {
+    let choice = CullingSetup::by(options.cost_model, &request, || {
         let of_executors = &executors[..];
         let measured = calibration_scene::measure(
             passes,
@@ -36,11 +36,11 @@ pub(crate) fn decide(
             &options.cancellation,
         );
         // What is given up is no failure of the device to warn of: the renderer is refused below.
-        if options.cancellation.is_cancelled() { Ok(DevicePrices::default()) } else { measured }
+        if options.cancellation.is_cancelled() { Ok(DeviceCosts::default()) } else { measured }
     });
     options.cancellation.check()?;
     let can = |predication| can_skip(&device, predication);
-    if let Some(executor) = caster_executor(trust, choice.predication, can) {
+    if let Some(executor) = caster_executor(quirks, choice.predication, can) {
         passes.shadows.skip_by(executor, options.frames_in_flight.max(1))?;
     }
     Ok(choice)

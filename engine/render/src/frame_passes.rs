@@ -3,7 +3,7 @@
 mod api;
 
 use ::shadows::{ShadowMethod, ShadowOptions};
-use cull::{Aabb, Containment, Hierarchy, PlaneMask, Strategy, View};
+use cull::{Aabb, Containment, CullView, Hierarchy, PlaneMask, Strategy};
 use glam::Affine3A;
 use gpu::{Commands, Device, Frame, RenderTarget, Target, Tick};
 use occlusion::{
@@ -12,6 +12,7 @@ use occlusion::{
 };
 use scene::{Light, Scene, TransparentId};
 
+use crate::attachment_schedule::{AttachmentSchedule, ViewScopes};
 use crate::debug::depth_complexity::LayerCounts;
 use crate::edges::state::Edges;
 use crate::passes::pipelines::{DepthFirst, PassNeeds, Pipelines};
@@ -27,7 +28,6 @@ use crate::shading::surfaces::SurfaceOptions;
 use crate::shading::surfaces::SurfaceResources;
 use crate::shading::transparent::{Transparent, TransparentObject};
 use crate::shadows::{MapUses, Shadows};
-use crate::view_scopes::{ViewScope, ViewScopes};
 
 /// The passes and data that the objects of a scene are drawn with.
 pub(crate) struct FramePasses {
@@ -73,7 +73,7 @@ impl ObjectRenderer for FramePasses {
         &mut self.target
     }
 
-    fn rendering(&self, view: &View, rendering: Rendering) -> RenderTarget {
+    fn rendering(&self, view: &CullView, rendering: Rendering) -> RenderTarget {
         let target = match rendering {
             // Caps were the first.
             Rendering::First if self.section.uploaded_caps.is_some() => self.target_of(view, None),
@@ -86,20 +86,20 @@ impl ObjectRenderer for FramePasses {
     fn begin_last_rendering(
         &mut self,
         commands: &Commands,
-        view: &View,
+        view: &CullView,
         rendering: Rendering,
     ) -> bool {
         let target = self.rendering(view, rendering);
-        let within = ViewScope::ShadedRound;
+        let within = AttachmentSchedule::ShadedRound;
         let target = if self.scopes.is_some_and(|scopes| scopes.has(within)) {
             self.scope_target(commands, within, target.cleared_to(DARK))
         } else {
-            self.scope_target(commands, ViewScope::LastRound, target)
+            self.scope_target(commands, AttachmentSchedule::LastRound, target)
         };
         commands.begin_rendering(target)
     }
 
-    fn colour_rendering(&self, view: &View) -> RenderTarget {
+    fn colour_rendering(&self, view: &CullView) -> RenderTarget {
         self.target_of(view, None)
     }
 
@@ -122,7 +122,7 @@ impl ObjectRenderer for FramePasses {
         }
     }
 
-    fn bind(&self, commands: &Commands, view: &View, _bucket: BucketId, pass: ObjectPass) {
+    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId, pass: ObjectPass) {
         let pass = match (pass, self.pipelines.depth_first.get()) {
             (ObjectPass::Depth, Some(DepthFirst { depth, .. })) => depth,
             (ObjectPass::Colour, Some(DepthFirst { colour, .. })) => colour,
@@ -139,7 +139,7 @@ impl ObjectRenderer for FramePasses {
         &mut self,
         executor: &PlanExecutor,
         commands: &Commands,
-        view: &View,
+        view: &CullView,
         draw: DrawBuckets<'_>,
     ) {
         // Bound already: there is one bucket.
@@ -163,7 +163,7 @@ impl ObjectRenderer for FramePasses {
         &mut self,
         executor: &PlanExecutor,
         commands: &Commands,
-        view: &View,
+        view: &CullView,
         draw: DrawBuckets<'_>,
     ) {
         let draw = |commands: &Commands| draw(commands, &|_, _| {});
@@ -172,7 +172,7 @@ impl ObjectRenderer for FramePasses {
         });
     }
 
-    fn finish_shading(&mut self, executor: &PlanExecutor, commands: &Commands, view: &View) {
+    fn finish_shading(&mut self, executor: &PlanExecutor, commands: &Commands, view: &CullView) {
         self.record_transparent(executor, commands, view);
     }
 }
@@ -258,7 +258,7 @@ impl FramePasses {
     }
 
     /// Returns the attachments of a view: its part of the target.
-    pub(crate) fn target_of(&self, view: &View, clear: Option<[f32; 4]>) -> RenderTarget {
+    pub(crate) fn target_of(&self, view: &CullView, clear: Option<[f32; 4]>) -> RenderTarget {
         self.target.render_target(clear).within(view.origin, view.size)
     }
 
@@ -267,7 +267,7 @@ impl FramePasses {
     pub(crate) fn scope_target(
         &mut self,
         commands: &Commands,
-        scope: ViewScope,
+        scope: AttachmentSchedule,
         target: RenderTarget,
     ) -> RenderTarget {
         let Some(scopes) = self.scopes else { return target };
@@ -292,7 +292,7 @@ impl FramePasses {
     }
 
     /// Returns the attachments of [`FramePasses::draw_all`], cleared to a backdrop.
-    pub(crate) fn image_target(&self, view: &View, backdrop: [f32; 3]) -> RenderTarget {
+    pub(crate) fn image_target(&self, view: &CullView, backdrop: [f32; 3]) -> RenderTarget {
         let [red, green, blue] = backdrop;
         let plain = [red, green, blue, 1.0];
         self.target_of(view, Some(self.pipelines.shading.as_ref().map_or(plain, |_| DARK)))
@@ -300,7 +300,7 @@ impl FramePasses {
 
     /// Binds the pass that the rounds draw objects with: the one with colours where no other pass
     /// adds them.
-    pub(crate) fn bind_visibility(&self, commands: &Commands, view: &View) {
+    pub(crate) fn bind_visibility(&self, commands: &Commands, view: &CullView) {
         let Pipelines { opaque, shading, .. } = &self.pipelines;
         let pass = match (shading.as_ref().map(|shading| &shading.depth), self.surface_io()) {
             (Some(DepthPass::Masked(pass)), Some(io)) => {
@@ -333,7 +333,7 @@ impl FramePasses {
         &mut self,
         frame: &mut Frame<'_>,
         executor: &PlanExecutor,
-        view: &View,
+        view: &CullView,
         strategy: Strategy,
     ) -> Result<u32, crate::Error> {
         let Some(transparent) = &mut self.transparent else { return Ok(0) };
@@ -369,7 +369,7 @@ impl FramePasses {
         hierarchy: &Hierarchy,
         executor: &mut PlanExecutor,
         uploads: PoseUploads<'_>,
-        views: &[View],
+        views: &[CullView],
         uses: MapUses,
     ) -> Result<(), crate::Error> {
         self.geometry.relight(hierarchy, &mut executor.leaves);
@@ -405,7 +405,7 @@ impl FramePasses {
             Some(id) => transparent.as_ref()?.transform(id),
             None => geometry.transform(geometry.owner(state.mesh)?),
         };
-        let is_in = |views: &[View], bounds: &Aabb, transform: &Affine3A| {
+        let is_in = |views: &[CullView], bounds: &Aabb, transform: &Affine3A| {
             let Some(bounds) = bounds_in_world(bounds, transform) else { return true };
             let is_outside = |(containment, _)| containment == Containment::Outside;
             views.iter().any(|view| !is_outside(view.frustum.classify(&bounds, PlaneMask::ALL)))

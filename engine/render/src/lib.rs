@@ -29,14 +29,16 @@
 //!     };
 //!     renderer.render(&mut view, &request)?;
 //! }
-//! renderer.drain(&mut view)?;
+//! renderer.wait_idle(&mut view)?;
 //! println!("{} bytes of RGBA", image.rgba8()?.len());
 //! # Ok(()) }
 //! ```
 #![forbid(unsafe_code)]
 
 mod api;
+mod attachment_schedule;
 mod calibration_scene;
+mod cost_list;
 mod debug;
 mod edges;
 mod error;
@@ -45,8 +47,8 @@ mod flares;
 mod frame_passes;
 mod host_overlay;
 pub mod passes;
-mod price_list;
 mod probe_recording;
+mod render_view;
 mod renderer;
 mod resources;
 mod section;
@@ -55,11 +57,10 @@ mod shading;
 mod shadows;
 mod tessellation;
 mod update;
-mod view_scopes;
-mod view_state;
 mod views;
 
-pub use calibration_scene::measure_prices;
+pub use calibration_scene::measure_costs;
+pub use cost_list::{BoxSize, CostItem, CostListOptions, ItemCost, PredicateResult, cost_list};
 pub use debug::debug_overlay::{DebugOverlay, OVERLAY_PASSES};
 pub use debug::palette;
 pub use debug::pointer::{Pointed, PointedSurface};
@@ -71,13 +72,15 @@ pub use error::Error;
 pub use flares::{FlareBlock, FlareSamples, FlareState};
 pub use host_overlay::HostOverlay;
 pub use occlusion::{
-    Assumption, Costs, DevicePrices, FrameOutcome, PriceChoice, Rect, ResetPrices, ShaderSet, Trust,
+    CostModel, CullingSetup, DeviceCosts, DriverAssumption, DriverQuirks, FrameStats,
+    QueryResetCosts, Rect, ShaderSet,
 };
-pub use price_list::{BoxSize, PredicateResult, Price, PriceListOptions, PricedItem, price_list};
+pub use passes::EdgePath;
+pub use render_view::RenderView;
 pub use renderer::{MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions};
 pub use resources::object_bounds::object_bounds;
-pub use resources::spare_room::{SpareRoom, TextureRoom};
-pub use self_test::{Finding, SelfTest, self_test};
+pub use resources::spare_capacity::{SpareCapacity, TextureCapacity};
+pub use self_test::{CheckResult, SelfTest, self_test};
 pub use shading::scene_degradations::SceneDegradations;
 pub use shading::surfaces;
 pub use shading::transparency::{
@@ -86,5 +89,4 @@ pub use shading::transparency::{
 pub use shadows::{LightShadow, ShadowIo, ShadowMapIo, ShadowMaskIo};
 pub use tessellation::{TessellationPath, Tessellator};
 pub use update::UpdateReport;
-pub use view_state::ViewState;
-pub use views::{FrameReport, FrameRequest, ViewTarget, Viewpoint, ViewsRequest};
+pub use views::{FrameReport, FrameRequest, ViewRequest, Viewpoint, ViewsRequest};

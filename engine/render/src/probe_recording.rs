@@ -1,6 +1,6 @@
-//! Renderings that the self-test and the price list record by hand.
+//! Renderings that the self-test and the cost list record by hand.
 
-use cull::View;
+use cull::CullView;
 use gpu::{Access, Commands, Load, MemoryBarrier};
 use occlusion::{BucketId, ObjectPass, ObjectRenderer};
 
@@ -26,7 +26,7 @@ pub(crate) fn rendering(
 }
 
 /// Binds the pass that rounds draw objects with.
-pub(crate) fn bind(passes: &FramePasses, commands: &Commands, view: &View) {
+pub(crate) fn bind(passes: &FramePasses, commands: &Commands, view: &CullView) {
     passes.bind(commands, view, BucketId(0), ObjectPass::Visibility);
 }
 

@@ -2,17 +2,17 @@
 
 use ::shadows::{ShadowMethod, ShadowOptions};
 use cull::{
-    Aabb, Camera, CostTable, CullConfig, Culler, DrawPhases, Hierarchy, ObjectId, QueryShares,
-    SkippedWork, Strategy, Tester, TesterSupport, View,
+    Aabb, Camera, CostTable, CullConfig, CullView, Culler, DrawPhases, Hierarchy, ObjectId,
+    QueryShares, SkippedWork, Strategy, VisibilityTest, VisibilityTestSupport,
 };
 use gpu::{
-    CancellationToken, Device, FrameRing, Optional, PassTime, Predication, SampleCount, Target,
-    Tick,
+    CancellationToken, Device, FrameRing, OptionalFeature, PassTime, PredicationMode, SampleCount,
+    Target, Tick,
 };
 use occlusion::{
-    Assumption, Costs, FrameTimes, LeafTable, LeafTableInfo, Method, MethodConstructor,
-    MethodSupport, OcclusionPasses, PlanExecutor, PlannedMethod, PriceChoice, Rect, ShaderSet,
-    Trust, VisibilityState,
+    AntumbraMethod, CostModel, CullingSetup, DriverAssumption, DriverQuirks, FrameTimes, LeafTable,
+    LeafTableInfo, Method, MethodConstructor, MethodSupport, OcclusionPasses, OcclusionState,
+    PlanExecutor, Rect, ShaderSet,
 };
 use scene::{LensFlare, Scene};
 
@@ -22,15 +22,15 @@ use crate::debug::visible_set::{SceneRevision, SeenLeaves};
 use crate::error::Error;
 use crate::executor_choice::decide;
 use crate::frame_passes::{FrameOptions, FramePasses};
+use crate::render_view::{RenderView, RendererId};
 use crate::resources::limits::{check_leaves, check_memory};
 use crate::resources::object_bounds::{check_hierarchy, object_bounds};
-use crate::resources::spare_room::SpareRoom;
+use crate::resources::spare_capacity::SpareCapacity;
 use crate::resources::sprites::has_sprites;
 use crate::shading::surfaces::{SurfaceOptions, TextureStorage};
-use crate::shading::transparency::{TransparencyOptions, trusted_transparency};
-use crate::shadows::{can_skip, trusted_shadows};
+use crate::shading::transparency::{TransparencyOptions, usable_transparency};
+use crate::shadows::{can_skip, usable_shadows};
 use crate::update::UpdateScratch;
-use crate::view_state::{RendererId, ViewState};
 use crate::views::view_in;
 
 /// The most frames that may be in flight: each has memory of its own for everything that a frame
@@ -49,8 +49,8 @@ pub struct RendererOptions {
     /// more than 4 only make results older.
     pub frames_in_flight: usize,
     /// The way that hidden draws are skipped; `None` takes the one that costs least by the measured
-    /// prices ([`Renderer::price_choice`]), else the device's usual one.
-    pub predication: Option<Predication>,
+    /// costs ([`Renderer::culling_setup`]), else the device's usual one.
+    pub predication: Option<PredicationMode>,
     /// The shaders; `None` takes the embedded ones.
     pub shaders: Option<ShaderSet>,
     /// The configuration of the culler.
@@ -62,20 +62,20 @@ pub struct RendererOptions {
     pub query_budget: usize,
     /// The number of samples up to which a test counts as hidden, so that its leaves are not drawn:
     /// at 0 the image is exact. Above, each test that is left out may cost as many pixels
-    /// ([`FrameOutcome::samples_below_threshold`](crate::FrameOutcome::samples_below_threshold)
+    /// ([`FrameStats::samples_below_threshold`](crate::FrameStats::samples_below_threshold)
     /// bounds them). All tests are then queries, which must count samples, and conditional
     /// rendering is not available. For [`Strategy::ANTUMBRA`] and [`Strategy::ANTUMBRA_QUERIES`];
     /// other methods have their own.
     pub threshold_samples: u32,
-    /// The prices of tests and draws, so that nothing is tested at a loss. Where the device has
+    /// The costs of tests and draws, so that nothing is tested at a loss. Where the device has
     /// timestamps, the times of frames correct them.
-    pub costs: Costs,
+    pub cost_model: CostModel,
     /// Room for objects that are [added later](Renderer::update), beside the room of removed ones.
     /// Together with the scene's objects they must fit into a hierarchy and the device.
     pub spare_objects: usize,
     /// Room for what is added later beside objects ([`Renderer::add_meshes`],
     /// [`Renderer::add_textures`], [`Renderer::add_materials`], [`Renderer::add_lights`]).
-    pub spare: SpareRoom,
+    pub spare: SpareCapacity,
     /// The way that textures lie on the GPU; `None` takes the device's best.
     /// [`Renderer::degradations`] says which it is.
     pub textures: Option<TextureStorage>,
@@ -88,7 +88,7 @@ pub struct RendererOptions {
     pub transparency: TransparencyOptions,
     /// The assumptions about the driver that a [self-test](crate::self_test) found broken: tests
     /// and executors that rest on them are replaced by the safest that is left, with a warning.
-    pub distrusted: Vec<Assumption>,
+    pub disabled: Vec<DriverAssumption>,
     /// The request to give up creating the renderer, which may take long: another thread or a
     /// signal asks for it. It is checked between the pieces of the upload, and then the renderer
     /// is refused with [`gpu::Error::Cancelled`]. A renderer that is made heeds it no more.
@@ -107,14 +107,14 @@ impl Default for RendererOptions {
             methods: Vec::new(),
             query_budget: 8192,
             threshold_samples: 0,
-            costs: Costs::default(),
+            cost_model: CostModel::default(),
             spare_objects: 0,
-            spare: SpareRoom::default(),
+            spare: SpareCapacity::default(),
             textures: None,
             upload_bytes_per_frame: 1 << 20,
             shadows: ShadowOptions::default(),
             transparency: TransparencyOptions::default(),
-            distrusted: Vec::new(),
+            disabled: Vec::new(),
             cancellation: CancellationToken::default(),
         }
     }
@@ -122,7 +122,7 @@ impl Default for RendererOptions {
 
 /// Creates Antumbra's own method, and the given ones.
 fn methods_of(options: &RendererOptions) -> Vec<Box<dyn Method>> {
-    let ours: Box<dyn Method> = Box::new(PlannedMethod);
+    let ours: Box<dyn Method> = Box::new(AntumbraMethod);
     let given = options.methods.iter().map(MethodConstructor::construct);
     std::iter::once(ours).chain(given).collect()
 }
@@ -153,7 +153,7 @@ impl RendererOptions {
                 most: MAX_FRAMES_IN_FLIGHT,
             });
         }
-        if let Costs::Table(table) = self.costs {
+        if let CostModel::Table(table) = self.cost_model {
             table.checked()?;
         }
         self.shadows.check()?;
@@ -161,7 +161,7 @@ impl RendererOptions {
             return Err(Error::MultisampledVolumes);
         }
         Target::check(device, self.size, self.samples)?;
-        Predication::choose(device, self.predication, 1, self.threshold_samples)?;
+        PredicationMode::choose(device, self.predication, 1, self.threshold_samples)?;
         Ok(())
     }
 }
@@ -185,7 +185,7 @@ pub struct Renderer {
     pub(crate) revision: SceneRevision,
     pub(crate) update_scratch: UpdateScratch,
     /// The views of the newest frame, kept to allocate nothing.
-    pub(crate) views: Vec<View>,
+    pub(crate) views: Vec<CullView>,
     pub(crate) pass_times: Vec<PassTime>,
     pub(crate) frame_times: FrameTimes,
     cull_config: CullConfig,
@@ -195,7 +195,7 @@ pub struct Renderer {
     pub(crate) transparency: TransparencyOptions,
     pub(crate) query_budget: usize,
     pub(crate) query_shares: QueryShares,
-    choice: PriceChoice,
+    choice: CullingSetup,
 }
 
 impl Renderer {
@@ -237,12 +237,12 @@ impl Renderer {
         // First what fails on bad input, then what takes long.
         let target = Target::multisampled(device, options.size, options.samples, "target")?;
         let attachments = target.attachments();
-        let trust = Trust::without(&options.distrusted);
-        trust.texts().iter().for_each(|text| tracing::warn!("{text}"));
+        let quirks = DriverQuirks::without(&options.disabled);
+        quirks.texts().iter().for_each(|text| tracing::warn!("{text}"));
         let shadows =
-            trusted_shadows(&trust, options.shadows, |predication| can_skip(device, predication));
-        let transparency = trusted_transparency(&trust, options.transparency);
-        let occlusion_passes = OcclusionPasses::with_trust(device, &shaders, attachments, trust)?;
+            usable_shadows(&quirks, options.shadows, |predication| can_skip(device, predication));
+        let transparency = usable_transparency(&quirks, options.transparency);
+        let occlusion_passes = OcclusionPasses::with_quirks(device, &shaders, attachments, quirks)?;
         check_hierarchy(scene, &hierarchy)?;
         let slots = options.frames_in_flight.max(1);
         let surfaces = SurfaceOptions { transparency, ..options.surfaces() };
@@ -303,50 +303,49 @@ impl Renderer {
     ///
     /// # Errors
     /// A failed call.
-    pub fn new_view(&self) -> Result<ViewState, Error> {
+    pub fn new_view(&self) -> Result<RenderView, Error> {
         let mut culler = Culler::with_testers(self.cull_config, self.testers());
         culler.set_sample_threshold(self.threshold_samples);
         let leaves = &self.executor.leaves;
         self.choice.steer(&mut culler, leaves.scene_costs(&self.hierarchy));
         let slots = self.frames_in_flight();
-        let visibility =
-            VisibilityState::new(&self.device, &self.hierarchy, leaves, slots, culler)?;
-        Ok(ViewState::new(self.id, visibility))
+        let visibility = OcclusionState::new(&self.device, &self.hierarchy, leaves, slots, culler)?;
+        Ok(RenderView::new(self.id, visibility))
     }
 
-    /// Returns the prices on this device, as given or measured.
+    /// Returns the costs on this device, as given or measured.
     pub fn costs(&self) -> Option<CostTable> {
         self.choice.table
     }
 
     /// Returns what was decided about the device and the scene when the renderer was made: the way
-    /// that hidden draws are skipped, and by which prices.
-    pub fn price_choice(&self) -> &PriceChoice {
+    /// that hidden draws are skipped, and by which costs.
+    pub fn culling_setup(&self) -> &CullingSetup {
         &self.choice
     }
 
     /// Returns the tester that is expected to cost least in a frame of the scene.
-    pub fn cheapest_tester(&self) -> Tester {
+    pub fn cheapest_tester(&self) -> VisibilityTest {
         let work = SkippedWork::of_leaves(self.hierarchy.leaf_objects().len() as u32);
         self.choice.tester(&work, self.size(), self.testers())
     }
 
     /// Returns the testers that plans may use on this device.
-    fn testers(&self) -> TesterSupport {
+    fn testers(&self) -> VisibilityTestSupport {
         self.executor.testers(&self.device, &self.passes.target, DrawPhases::PerRound)
     }
 
     /// Returns the strategy to use in place of the wanted one, which the device supports, on a
     /// driver that cannot be trusted with what that one rests on.
-    pub(crate) fn trusted(&self, wanted: Strategy) -> Strategy {
+    pub(crate) fn usable(&self, wanted: Strategy) -> Strategy {
         self.testers().counting(self.threshold_samples).strategy(wanted)
     }
 
     /// Returns a sentence for each assumption about the driver that does not hold, and for what is
     /// used instead; none on a driver that is trusted
-    /// ([`RendererOptions::distrusted`]).
-    pub fn distrust(&self) -> Vec<String> {
-        self.executor.passes.trust().texts()
+    /// ([`RendererOptions::disabled`]).
+    pub fn driver_quirks(&self) -> Vec<String> {
+        self.executor.passes.quirks().texts()
     }
 
     /// Refuses a strategy that the device lacks something for, with this scene and size.
@@ -363,7 +362,7 @@ impl Renderer {
         let place = self.methods.iter().position(|method| method.strategies().contains(&strategy));
         let place = place.ok_or(Error::NoMethod(strategy))?;
         let needs_depths = self.samples != SampleCount::One && strategy != Strategy::FRUSTUM;
-        if needs_depths && !self.device.capabilities().has(Optional::SampleDepths) {
+        if needs_depths && !self.device.capabilities().has(OptionalFeature::SampleDepths) {
             return Err(Error::SampleDepths {
                 device: self.device.adapter().name.clone(),
                 strategy,
@@ -412,15 +411,15 @@ impl Renderer {
     }
 
     /// Returns the way that hidden draws are skipped.
-    pub fn predication(&self) -> Predication {
+    pub fn predication(&self) -> PredicationMode {
         self.executor.leaves.predicates().predication()
     }
 
     /// Draws a debug overlay over the images from now on; an empty one costs nothing.
     ///
     /// # Errors
-    /// Wires on a device that lacks [`gpu::Optional::Wireframe`], the depth complexity on one that
-    /// lacks [`gpu::Optional::FragmentStores`]; an area that is not within the
+    /// Wires on a device that lacks [`gpu::OptionalFeature::Wireframe`], the depth complexity on
+    /// one that lacks [`gpu::OptionalFeature::FragmentStores`]; an area that is not within the
     /// image; a failed call. The former overlay then stays.
     pub fn set_debug_overlay(&mut self, debug_overlay: DebugOverlay) -> Result<(), Error> {
         debug_overlay.top_down.map_or(Ok(()), |area| self.check_area(area))?;
@@ -457,9 +456,9 @@ impl Renderer {
     }
 
     /// Returns the view of `camera` on this renderer's image.
-    pub fn view_of(&self, camera: &Camera) -> View {
+    pub fn view_of(&self, camera: &Camera) -> CullView {
         let view = view_in(&self.device, camera, Rect::whole(self.size()));
-        View { section: self.passes.section.planes, ..view }
+        CullView { section: self.passes.section.planes, ..view }
     }
 
     /// Waits until every frame is over and reads its results. Not for a frame loop: it counts as a
@@ -467,9 +466,9 @@ impl Renderer {
     ///
     /// # Errors
     /// A view of another renderer, a lost device, or a frame that takes too long.
-    pub fn drain(&mut self, state: &mut ViewState) -> Result<(), Error> {
+    pub fn wait_idle(&mut self, state: &mut RenderView) -> Result<(), Error> {
         self.check_view(state)?;
-        self.device.drain()?;
+        self.device.wait_idle()?;
         let completed = self.device.completed()?;
         state.collect(completed, &self.hierarchy, &self.executor.leaves);
         if let Some(fragments) = self.passes.fragments_mut() {

@@ -5,7 +5,7 @@ use std::iter::repeat_n;
 use bytemuck::{Pod, Zeroable};
 use gpu::{
     Access, CapturePipeline, CapturePipelineInfo, Commands, ComputePipeline, Device, FlagRing,
-    FrameRing, MemoryBarrier, Optional, ResultSource, StorageLayout, Tick,
+    FrameRing, MemoryBarrier, OptionalFeature, ResultSource, StorageLayout, Tick,
 };
 use occlusion::ShaderSet;
 use scene::limits::STORAGE_BYTES_ANYWHERE;
@@ -32,7 +32,7 @@ const GROUPS_MAX: u32 = 4096;
 #[non_exhaustive]
 pub enum TessellationPath {
     /// Tessellation shaders, whose triangles transform feedback captures. For devices with
-    /// [`Optional::TessellationCapture`].
+    /// [`OptionalFeature::TessellationCapture`].
     Hardware,
     /// A compute pass, on every device.
     Compute,
@@ -41,7 +41,7 @@ pub enum TessellationPath {
 impl TessellationPath {
     /// Returns the path for a device.
     pub fn of(device: &Device) -> Self {
-        if device.capabilities().has(Optional::TessellationCapture) {
+        if device.capabilities().has(OptionalFeature::TessellationCapture) {
             Self::Hardware
         } else {
             Self::Compute

@@ -26,7 +26,7 @@ pub struct UpdateReport {
     /// True if the hierarchy is worn as a whole and too large to be rebuilt within a frame: frames
     /// cost more than necessary until
     /// [`Renderer::rebuild_hierarchy`](crate::Renderer::rebuild_hierarchy) was called.
-    pub is_worn: bool,
+    pub is_degraded: bool,
 }
 
 /// Lists of an update in the making, kept to allocate nothing.

@@ -8,17 +8,17 @@
 
 use std::time::Duration;
 
-use cull::{Camera, Corrections, DepthConvention, Strategy, View, ViewProjection};
+use cull::{Camera, Corrections, CullView, DepthConvention, Strategy, ViewProjection};
 use gpu::{Device, Frame, Readback, Tick, Timeline};
-use occlusion::{Rect, VisibilityState};
+use occlusion::{OcclusionState, Rect};
 
 use crate::debug::visible_set::VisibleSet;
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::host_overlay::{HOST_OVERLAY, HostOverlay};
+use crate::render_view::RenderView;
 use crate::resources::skinned_meshes::Skinned;
 use crate::shading::transparency::FragmentCounts;
-use crate::view_state::ViewState;
 
 /// The place that a view is seen from, and its projection.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,7 +49,7 @@ impl From<ViewProjection> for Viewpoint {
 
 impl Viewpoint {
     /// Returns the view on a part of the image.
-    pub(crate) fn view(&self, device: &Device, area: Rect) -> Result<View, Error> {
+    pub(crate) fn view(&self, device: &Device, area: Rect) -> Result<CullView, Error> {
         let projection = match self {
             Self::Camera(camera) => return Ok(view_in(device, camera, area)),
             Self::Matrix(projection) => projection,
@@ -58,15 +58,15 @@ impl Viewpoint {
             return Err(Error::StandardDepth);
         }
         let bits = device.adapter().limits.sub_pixel_precision_bits;
-        let view = View::from_matrix(projection, area.size, bits)?;
-        Ok(View { origin: area.origin, ..view })
+        let view = CullView::from_matrix(projection, area.size, bits)?;
+        Ok(CullView { origin: area.origin, ..view })
     }
 }
 
 /// One view of a frame.
-pub struct ViewTarget<'a> {
+pub struct ViewRequest<'a> {
     /// The state of the view. Every view needs one of its own, the same in each frame.
-    pub state: &'a mut ViewState,
+    pub state: &'a mut RenderView,
     /// The camera, whose image is as high as `rect`, or a matrix for an image of this size.
     pub viewpoint: Viewpoint,
     /// The objects that own a pixel, for strategies with [objects found
@@ -77,21 +77,21 @@ pub struct ViewTarget<'a> {
     pub rect: Rect,
 }
 
-impl ViewTarget<'_> {
+impl ViewRequest<'_> {
     /// Returns its view of the scene.
-    pub(crate) fn view(&self, device: &Device) -> Result<View, Error> {
+    pub(crate) fn view(&self, device: &Device) -> Result<CullView, Error> {
         self.viewpoint.view(device, self.rect)
     }
 }
 
-impl AsRef<VisibilityState> for ViewTarget<'_> {
-    fn as_ref(&self) -> &VisibilityState {
+impl AsRef<OcclusionState> for ViewRequest<'_> {
+    fn as_ref(&self) -> &OcclusionState {
         &self.state.visibility
     }
 }
 
-impl AsMut<VisibilityState> for ViewTarget<'_> {
-    fn as_mut(&mut self) -> &mut VisibilityState {
+impl AsMut<OcclusionState> for ViewRequest<'_> {
+    fn as_mut(&mut self) -> &mut OcclusionState {
         &mut self.state.visibility
     }
 }
@@ -189,7 +189,7 @@ pub struct FrameReport {
     pub shadows: ::shadows::ShadowStats,
     /// The counts of the culler.
     pub plan: cull::PlanStats,
-    /// Corrections of the prices ([`Renderer::costs`](crate::Renderer::costs)) by the cost model;
+    /// Corrections of the costs ([`Renderer::costs`](crate::Renderer::costs)) by the cost model;
     /// `None` without one.
     pub corrections: Option<Corrections>,
 }
@@ -204,7 +204,7 @@ impl FrameReport {
     }
 
     /// Adds the counts of a view.
-    pub(crate) fn add(&mut self, state: &ViewState) {
+    pub(crate) fn add(&mut self, state: &RenderView) {
         let plan = state.plan();
         let predicated = plan.tests.iter().filter(|test| test.leaves.count > 0);
         self.predicated_draws += predicated.count() as u32;
@@ -254,7 +254,7 @@ pub(crate) fn finish_image(
     Ok(())
 }
 
-pub(crate) fn view_in(device: &Device, camera: &Camera, area: Rect) -> View {
+pub(crate) fn view_in(device: &Device, camera: &Camera, area: Rect) -> CullView {
     let bits = device.adapter().limits.sub_pixel_precision_bits;
-    View { origin: area.origin, ..View::new(camera, area.size, bits) }
+    CullView { origin: area.origin, ..CullView::new(camera, area.size, bits) }
 }

@@ -60,7 +60,7 @@ pub(super) fn check_surfaces(scene: &Scene, surfaces: &Surfaces) -> Result<(), S
         checked.or_else(|fault| broken(part_of("material", index), fault))?;
     }
     for (index, light) in surfaces.lights.iter().enumerate() {
-        let checked = light.check_picture(surfaces.textures.len());
+        let checked = light.check_cookie(surfaces.textures.len());
         checked.or_else(|fault| broken(part_of("light", index), fault))?;
     }
     if !surfaces.exposure.is_finite() {

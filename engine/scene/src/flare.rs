@@ -92,7 +92,7 @@ mod tests {
             range_m: None,
             position: Vec3::new(1.0, 2.0, 3.0),
             direction: Vec3::NEG_Y,
-            picture: None,
+            cookie: None,
         }
     }
 

@@ -25,7 +25,6 @@ mod flare;
 mod image;
 pub mod limits;
 mod mesh;
-mod outwardness;
 mod patches;
 mod pieces;
 mod pose_bounds;
@@ -33,6 +32,7 @@ mod prepared_mesh;
 mod prepared_texture;
 mod punctual_light;
 mod shell;
+mod signed_volume;
 mod sprites;
 mod surface;
 #[cfg(test)]
@@ -57,7 +57,6 @@ pub use mesh::{
     Mesh, MeshId, Object, Vertex, bounds_of_transformed, bounds_of_vertices, pack_normal,
     pack_unorm, unpack_normal, unpack_unorm,
 };
-pub use outwardness::{ENCLOSING, outwardness};
 pub use patches::{
     EvaluatedPoint, MAX_LEVEL, MAX_PATCHES, Patch, PatchEdge, PatchError, PatchSides, PatchSurface,
     SurfaceGrid, SurfacePoint, TessellationLevels, TessellationView, captured_mesh,
@@ -67,8 +66,9 @@ pub use pieces::{PieceLimits, PieceMap, spatial_pieces};
 pub use pose_bounds::PoseBounds;
 pub use prepared_mesh::PreparedMesh;
 pub use prepared_texture::PreparedTexture;
-pub use punctual_light::{LightKind, LightPicture, PunctualLight};
+pub use punctual_light::{LightCookie, LightKind, PunctualLight};
 pub use shell::Shell;
+pub use signed_volume::{ENCLOSING, signed_volume};
 pub use sprites::{MAX_SPRITES, SpriteEnd, SpriteShape, Sprites, pack_sprite_colour};
 pub use surface::{
     Alpha, Encoding, Filter, ImageId, LightId, LodLevel, Material, MaterialId, MorphTarget,

@@ -25,7 +25,7 @@ pub enum LightKind {
 /// The square of the picture stands across the direction of the light, and the edge of the cone
 /// touches its four sides. Who looks along the light sees it upright and not mirrored.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LightPicture {
+pub struct LightCookie {
     /// The texture, one of the scene's; its alpha plays no part.
     pub texture: TextureId,
     /// The direction in the world towards its upper edge. The part along the light plays no part;
@@ -50,7 +50,7 @@ pub struct PunctualLight {
     /// Unit vector along which it shines, in the world.
     pub direction: Vec3,
     /// The picture that a spot projects.
-    pub picture: Option<LightPicture>,
+    pub cookie: Option<LightCookie>,
 }
 
 impl PunctualLight {
@@ -59,8 +59,8 @@ impl PunctualLight {
     /// # Errors
     /// A picture of a light that is no spot, a texture that the scene does not have, a direction
     /// that is not finite.
-    pub fn check_picture(&self, texture_count: usize) -> Result<(), &'static str> {
-        let Some(LightPicture { texture, up }) = self.picture else { return Ok(()) };
+    pub fn check_cookie(&self, texture_count: usize) -> Result<(), &'static str> {
+        let Some(LightCookie { texture, up }) = self.cookie else { return Ok(()) };
         if !matches!(self.kind, LightKind::Spot { .. }) {
             return Err("only spots project a picture");
         }
@@ -81,7 +81,7 @@ mod tests {
 
     #[test]
     fn pictures_are_of_spots_and_of_textures_that_are_there() {
-        let picture = LightPicture { texture: TextureId(2), up: Vec3::Y };
+        let picture = LightCookie { texture: TextureId(2), up: Vec3::Y };
         let light = |kind, picture| PunctualLight {
             kind,
             colour: [1.0; 3],
@@ -89,20 +89,20 @@ mod tests {
             range_m: None,
             position: Vec3::ZERO,
             direction: Vec3::NEG_Z,
-            picture: Some(picture),
+            cookie: Some(picture),
         };
         let spot = LightKind::Spot { inner_rad: 0.1, outer_rad: 0.2 };
-        assert_eq!(light(spot, picture).check_picture(3), Ok(()));
-        let refused = |light: PunctualLight| light.check_picture(2).unwrap_err();
+        assert_eq!(light(spot, picture).check_cookie(3), Ok(()));
+        let refused = |light: PunctualLight| light.check_cookie(2).unwrap_err();
         assert!(refused(light(spot, picture)).contains("does not have the texture"));
         for kind in [LightKind::Point, LightKind::Directional] {
             assert!(refused(light(kind, picture)).contains("only spots"));
             assert_eq!(
-                PunctualLight { picture: None, ..light(kind, picture) }.check_picture(0),
+                PunctualLight { cookie: None, ..light(kind, picture) }.check_cookie(0),
                 Ok(())
             );
         }
-        let lost = LightPicture { texture: TextureId(0), up: Vec3::NAN };
+        let lost = LightCookie { texture: TextureId(0), up: Vec3::NAN };
         assert!(refused(light(spot, lost)).contains("not finite"));
     }
 }

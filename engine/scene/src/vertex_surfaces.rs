@@ -39,7 +39,7 @@ fn sun_of(towards_sun: Vec3, sun: [f32; 3]) -> Option<PunctualLight> {
         range_m: None,
         position: Vec3::ZERO,
         direction,
-        picture: None,
+        cookie: None,
     })
 }
 

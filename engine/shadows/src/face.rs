@@ -3,7 +3,8 @@
 use std::f32::consts::PI;
 
 use cull::{
-    Aabb, Anchor, Camera, Containment, Hierarchy, LeafIndex, NodeId, PlaneMask, Projection, View,
+    Aabb, Anchor, Camera, Containment, CullView, Hierarchy, LeafIndex, NodeId, PlaneMask,
+    Projection,
 };
 use glam::{DVec3, Vec3};
 
@@ -28,7 +29,7 @@ pub struct Face {
     /// Its identity.
     pub id: FaceId,
     /// The light's view: depth is reversed; the image is as large as the face's map.
-    pub view: View,
+    pub view: CullView,
     /// The sphere that its shadows matter in, of a local light: centre and radius in metres.
     pub reach: Option<(Vec3, f32)>,
 }
@@ -136,7 +137,7 @@ pub fn faces_of(
     let id = |view, number| FaceId { light: light.id, view, number };
     let local = |number, camera: Camera, reach| Face {
         id: id(0, number),
-        view: View::new(&camera, [side; 2], bits),
+        view: CullView::new(&camera, [side; 2], bits),
         reach: Some(reach),
     };
     match light.shape {
@@ -147,7 +148,7 @@ pub fn faces_of(
                     let reach_m = reach_m + light.penumbra_m;
                     let place = cascade(-towards, *eye, reach_m, side, &around.scene);
                     let Cascade { camera, anchor } = place;
-                    let view_of_sun = View::anchored(&camera, Some(anchor), [side; 2], bits);
+                    let view_of_sun = CullView::anchored(&camera, Some(anchor), [side; 2], bits);
                     found(Face { id: id(view, number), view: view_of_sun, reach: None });
                 }
             }
@@ -197,7 +198,7 @@ struct Cascade {
 /// precision lacks of that is many texels in a million metres. The anchor lies near the eye, and
 /// changes with the middle, or as the eye moves by a side of the square along the light.
 fn cascade(forward: Vec3, eye: Vec3, reach_m: f32, side: u32, scene: &Aabb) -> Cascade {
-    // The axes that `View::new` gives this direction.
+    // The axes that `CullView::new` gives this direction.
     let right = forward.cross(forward.any_orthonormal_vector()).normalize();
     let camera_up = right.cross(forward);
     let forward_64 = forward.as_dvec3().normalize();

@@ -103,7 +103,7 @@ impl World {
             self.change(object, Aabb::EMPTY);
         }
         if random.below(8) == 0 {
-            self.hierarchy.restructure(&mut Vec::new());
+            self.hierarchy.rebuild_subtrees(&mut Vec::new());
         }
     }
 

@@ -13,8 +13,8 @@ use clap::{Args, Parser, value_parser};
 use crate::Options;
 use crate::args::values::{StrategyList, TopDown};
 use crate::choices::{
-    CostsChoice, DeviceChoice, EdgesChoice, GeneratorChoice, PredicatesChoice, ProjectionChoice,
-    TrustChoice, ValidationChoice, Verify, enumerate, parse_named,
+    CostModelChoice, DeviceChoice, EdgesChoice, GeneratorChoice, PredicatesChoice,
+    ProjectionChoice, QuirksChoice, ValidationChoice, Verify, enumerate, parse_named, parse_path,
 };
 use crate::file_args::FileArguments;
 use crate::light_args::LightArguments;
@@ -51,7 +51,7 @@ Examples:
       Jumps about, compares every frame with frustum culling, leaves images.
   walkthrough --objects 1000000 --frames 10 --report million.json
       A large city: how long it takes to build and how much memory it needs.
-  walkthrough --moving 10 --verify every
+  walkthrough --moving-percent 10 --verify every
       Every tenth object moves or comes and goes; each frame is compared.
   walkthrough --scene rooms.glb --path walk
       With the camera \"walk\" of a glTF file, all of whose clips play.
@@ -119,9 +119,9 @@ pub struct Arguments {
     pub transparency: TransparencyChoice,
     /// Share of the objects that move, come and go, 0 to 100, in scenes that are made. In a file
     /// its clips play
-    #[arg(long, value_name = "PERCENT", default_value = "0", help_heading = "Walk")]
-    #[arg(value_parser = value_parser!(u32).range(0..=100))]
-    pub moving: u32,
+    #[arg(long, alias = "moving", value_name = "PERCENT", default_value = "0")]
+    #[arg(help_heading = "Walk", value_parser = value_parser!(u32).range(0..=100))]
+    pub moving_percent: u32,
     /// Timed frames of each strategy, 1 to 1000000
     #[arg(long, value_name = "N", default_value = "120", help_heading = "Walk")]
     #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_FRAMES)))]
@@ -150,7 +150,7 @@ pub struct Arguments {
     #[arg(long, value_name = "1..4", default_value = "2", help_heading = "Compare")]
     #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_FRAMES_IN_FLIGHT)))]
     pub frames_in_flight: u32,
-    /// Way to skip draws that turn out hidden; auto takes what costs least by measured prices
+    /// Way to skip draws that turn out hidden; auto takes what costs least by measured costs
     #[arg(long, value_name = "WAY", default_value = "auto", help_heading = "Compare")]
     pub predicates: PredicatesChoice,
 
@@ -158,11 +158,11 @@ pub struct Arguments {
     /// coherent: above 0 they are not exact, and the most pixels that can be wrong are counted
     #[arg(long, value_name = "PIXELS", default_value = "0", help_heading = "Compare")]
     pub threshold: u32,
-    /// Costs in the cost model. measured: on the device before the walk, corrected by the
-    /// times of the frames; tests that cost more than they save are left out. ignored: everything
-    /// is tested [default: measured]
-    #[arg(long, value_name = "COSTS", help_heading = "Compare")]
-    pub costs: Option<CostsChoice>,
+    /// Cost model. measured: costs are measured on the device before the walk and corrected by the
+    /// times of the frames; tests that cost more than they save are left out. off: everything is
+    /// tested [default: measured]
+    #[arg(long, alias = "costs", value_name = "MODEL", help_heading = "Compare")]
+    pub cost_model: Option<CostModelChoice>,
 
     /// Measure the GPU time of every pass too. It costs time, most of all on a software driver:
     /// leave it off for ratios
@@ -180,9 +180,10 @@ pub struct Arguments {
     /// code 1 if no tester or no way to skip draws can be trusted
     #[arg(long, help_heading = "Device", conflicts_with_all = FILES)]
     pub self_test: bool,
-    /// Trust in the driver: as it is, or tested first, and what is found broken is not used
-    #[arg(long, value_name = "HOW", default_value = "driver", help_heading = "Device")]
-    pub trust: TrustChoice,
+    /// Quirks of the driver: none, or tested first, and what is found broken is not used
+    #[arg(long, alias = "trust", value_name = "HOW", default_value = "none")]
+    #[arg(help_heading = "Device")]
+    pub quirks: QuirksChoice,
 
     /// Folder for images; made if it is missing [default: no images]
     #[arg(long, value_name = "DIR", help_heading = "Output")]
@@ -277,7 +278,7 @@ impl Arguments {
     /// # Errors
     /// The first arguments that do not go together.
     pub fn options(&self) -> Result<Options, UsageError> {
-        let Self { frames, size, views, moving, predicates, threshold, .. } = *self;
+        let Self { frames, size, views, moving_percent, predicates, threshold, .. } = *self;
         let (scene, path) = self.walk()?;
         if size.width < views {
             return usage(format!(
@@ -290,7 +291,7 @@ impl Arguments {
                 "--threshold {threshold} and --predicates conditional do not go together: conditional rendering cannot compare; say auto, count, instances or compacted"
             ));
         }
-        let costs = self.costs(&strategies)?;
+        let cost_model = self.cost_model(&strategies)?;
         if threshold > 0 {
             refuse_unheeded(
                 &format!("--threshold {threshold}"),
@@ -301,7 +302,9 @@ impl Arguments {
         let shadows = self.lighting.choices(&self.scene)?;
         let section = self.section.planes()?;
         // A piece of a solid is no solid, and would have no cap.
-        let cut_above_triangles = self.file.cut_above_triangles().filter(|_| section.is_empty());
+        // Pieces are objects: their borders would be open, and edges of the model.
+        let is_whole = section.is_empty() && self.edges == EdgesChoice::Off;
+        let cut_above_triangles = self.file.cut_above_triangles().filter(|_| is_whole);
         Ok(Options {
             scene,
             broken_parts: self.file.broken_parts(),
@@ -309,7 +312,7 @@ impl Arguments {
             lights: self.lighting.lights,
             shadows,
             path,
-            moving_percent: moving,
+            moving_percent,
             frames,
             views,
             projection: self.projection,
@@ -321,11 +324,11 @@ impl Arguments {
             left_out,
             verify: self.verify,
             frames_in_flight: self.frames_in_flight,
-            costs,
+            cost_model,
             time_passes: self.time_passes,
             device: self.device.choice(),
             validation: self.device.validation,
-            trust: self.trust,
+            quirks: self.quirks,
             predicates,
             threshold_pixels: threshold,
             section,
@@ -369,7 +372,11 @@ impl Arguments {
         for (option, is_there, why) in [
             ("--objects", self.made.objects.is_some(), "the file has its own number of objects"),
             ("--seed", self.made.seed.is_some(), "nothing in a file is random"),
-            ("--moving", self.moving > 0, "only its clips move the objects of a file"),
+            (
+                "--moving-percent",
+                self.moving_percent > 0,
+                "only its clips move the objects of a file",
+            ),
         ] {
             if is_there {
                 return usage(format!(
@@ -390,12 +397,13 @@ impl Arguments {
             Some(StrategyList::These(strategies)) => strategies.clone(),
         };
         let mut left_out = Vec::new();
-        let is_refused = |strategy: &Strategy| self.moving > 0 && strategy.needs_still_scene();
+        let is_refused =
+            |strategy: &Strategy| self.moving_percent > 0 && strategy.needs_still_scene();
         for refused in strategies.extract_if(.., |strategy| is_refused(strategy)) {
             if matches!(self.strategy, Some(StrategyList::These(_))) {
                 return usage(format!(
-                    "--strategy {refused} and --moving {} do not go together: {STANDS_STILL}",
-                    self.moving
+                    "--strategy {refused} and --moving-percent {} do not go together: {STANDS_STILL}",
+                    self.moving_percent
                 ));
             }
             let reason = STANDS_STILL.to_owned();
@@ -412,17 +420,17 @@ impl Arguments {
         }
     }
 
-    /// Returns the costs to use. Costs that none of the strategies uses are not measured;
+    /// Returns the cost model to use. Costs that none of the strategies uses are not measured;
     /// asking for them explicitly is an error.
-    fn costs(&self, strategies: &[Strategy]) -> Result<CostsChoice, UsageError> {
-        let Some(costs) = self.costs else {
+    fn cost_model(&self, strategies: &[Strategy]) -> Result<CostModelChoice, UsageError> {
+        let Some(cost_model) = self.cost_model else {
             let is_heeded = strategies.iter().any(|strategy| strategy.uses_cost_model());
-            return Ok(if is_heeded { CostsChoice::Measured } else { CostsChoice::Ignored });
+            return Ok(if is_heeded { CostModelChoice::Measured } else { CostModelChoice::Off });
         };
-        if costs == CostsChoice::Measured {
-            refuse_unheeded("--costs measured", strategies, Strategy::uses_cost_model)?;
+        if cost_model == CostModelChoice::Measured {
+            refuse_unheeded("--cost-model measured", strategies, Strategy::uses_cost_model)?;
         }
-        Ok(costs)
+        Ok(cost_model)
     }
 
     fn top_down(&self) -> Result<Option<u32>, UsageError> {
@@ -471,27 +479,6 @@ fn refuse_unheeded(
     usage(format!(
         "{option} changes nothing for --strategy {asked}: leave it out, or name one that uses it ({heeding})"
     ))
-}
-
-/// Returns the path file that is meant, if one is: its name ends in .txt, or has a slash.
-pub fn path_file(text: &str) -> Option<PathBuf> {
-    let is_file = text.ends_with(".txt") || text.contains(['/', std::path::MAIN_SEPARATOR]);
-    is_file.then(|| PathBuf::from(text))
-}
-
-/// Reads a path of a made scene, or the name of a recorded one.
-///
-/// # Errors
-/// A name that is neither.
-pub fn parse_path(text: &str) -> Result<PathChoice, String> {
-    if let Some(file) = path_file(text) {
-        return Ok(PathChoice::Recorded(file));
-    }
-    parse_named("path", text).map(PathChoice::Made).map_err(|message| {
-        format!(
-            "{message}; a file ends in .txt, or has a slash in its name (cameras have names in glTF files only)"
-        )
-    })
 }
 
 #[cfg(test)]

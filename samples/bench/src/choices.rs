@@ -2,11 +2,13 @@
 
 use std::fmt;
 use std::num::NonZeroU32;
+use std::path::PathBuf;
 use std::str::FromStr;
 
 use antumbra::render::{self, EdgeMode, EdgeOptions};
 use clap::ValueEnum;
 
+use crate::options::PathChoice;
 use crate::strategy::{self, Strategy};
 
 /// The scene that the camera walks through.
@@ -120,7 +122,7 @@ pub enum ValidationChoice {
 /// The way in which the GPU skips hidden draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum PredicatesChoice {
-    /// The one that costs least by the prices measured at the start.
+    /// The one that costs least by the costs measured at the start.
     Auto,
     /// `VK_EXT_conditional_rendering`: the device skips draws by itself.
     Conditional,
@@ -132,29 +134,31 @@ pub enum PredicatesChoice {
     Compacted,
 }
 
-/// The trust in the driver.
+/// The quirks of the driver that are looked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum TrustChoice {
+pub enum QuirksChoice {
     /// Everything is used as it is.
-    Driver,
+    #[value(alias = "driver")]
+    None,
     /// A self-test comes first, and what it finds broken is not used.
     Tested,
 }
 
-/// The costs that the engine's cost model uses.
+/// The cost model of the engine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum CostsChoice {
+pub enum CostModelChoice {
     /// None: everything that may be hidden is tested.
-    Ignored,
+    #[value(alias = "ignored")]
+    Off,
     /// Costs measured on the device at the start: tests that do not pay are left out.
     Measured,
 }
 
-impl From<CostsChoice> for render::Costs {
-    fn from(costs: CostsChoice) -> Self {
-        match costs {
-            CostsChoice::Ignored => Self::Ignored,
-            CostsChoice::Measured => Self::Measured,
+impl From<CostModelChoice> for render::CostModel {
+    fn from(choice: CostModelChoice) -> Self {
+        match choice {
+            CostModelChoice::Off => Self::Off,
+            CostModelChoice::Measured => Self::Measured,
         }
     }
 }
@@ -235,9 +239,36 @@ pub fn parse_named<T: ValueEnum>(what: &str, text: &str) -> Result<T, String> {
 /// # Errors
 /// As [`parse_named`].
 pub fn parse_strategy(text: &str) -> Result<Strategy, String> {
-    strategy::named(text).ok_or_else(|| {
+    // The names of an earlier version.
+    let name = match text {
+        "coherent" => antumbra::methods::CHC.name(),
+        "pyramid" => antumbra::methods::HZB.name(),
+        name => name,
+    };
+    strategy::named(name).ok_or_else(|| {
         let names: Vec<&str> = strategy::strategies().into_iter().map(Strategy::name).collect();
         unknown("strategy", text, &names)
+    })
+}
+
+/// Returns the path file that is meant, if one is: its name ends in .txt, or has a slash.
+pub fn path_file(text: &str) -> Option<PathBuf> {
+    let is_file = text.ends_with(".txt") || text.contains(['/', std::path::MAIN_SEPARATOR]);
+    is_file.then(|| PathBuf::from(text))
+}
+
+/// Reads a path of a made scene, or the name of a recorded one.
+///
+/// # Errors
+/// A name that is neither.
+pub fn parse_path(text: &str) -> Result<PathChoice, String> {
+    if let Some(file) = path_file(text) {
+        return Ok(PathChoice::Recorded(file));
+    }
+    parse_named("path", text).map(PathChoice::Made).map_err(|message| {
+        format!(
+            "{message}; a file ends in .txt, or has a slash in its name (cameras have names in glTF files only)"
+        )
     })
 }
 

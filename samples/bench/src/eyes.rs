@@ -1,9 +1,9 @@
 //! The eyes of a walk: one, or a stereo pair side by side in one image.
 
-use antumbra::cull::{Camera, FrameId, Strategy, View};
+use antumbra::cull::{Camera, CullView, FrameId, Strategy};
 use antumbra::gpu::Readback;
 use antumbra::render::{
-    FrameOutcome, FrameReport, Rect, Renderer, ViewState, ViewTarget, ViewsRequest, VisibleSet,
+    FrameReport, FrameStats, Rect, RenderView, Renderer, ViewRequest, ViewsRequest, VisibleSet,
 };
 
 use crate::camera_path::FrameCamera;
@@ -16,7 +16,7 @@ const BETWEEN_EYES_M: f32 = 0.065;
 
 /// One strategy's eyes, each with its history.
 pub struct Eyes {
-    histories: Vec<ViewState>,
+    histories: Vec<RenderView>,
     projection: ProjectionChoice,
 }
 
@@ -53,9 +53,9 @@ impl Eyes {
         let eye = |((number, history), rect)| {
             let viewpoint = viewpoint(&camera_of(middle, number, views), projection, rect);
             let visible = visible.get(number as usize);
-            ViewTarget { state: history, viewpoint, visible, rect }
+            ViewRequest { state: history, viewpoint, visible, rect }
         };
-        let mut eyes: Vec<ViewTarget<'_>> =
+        let mut eyes: Vec<ViewRequest<'_>> =
             (0..).zip(&mut self.histories).zip(areas).map(eye).collect();
         let request = ViewsRequest { strategy, image, overlay: None, after: None };
         Ok(renderer.render_views(&mut eyes, &request)?)
@@ -84,9 +84,9 @@ impl Eyes {
     ///
     /// # Errors
     /// When the device fails.
-    pub fn drain(&mut self, renderer: &mut Renderer) -> Result<(), RunError> {
+    pub fn wait_idle(&mut self, renderer: &mut Renderer) -> Result<(), RunError> {
         for history in &mut self.histories {
-            renderer.drain(history)?;
+            renderer.wait_idle(history)?;
         }
         Ok(())
     }
@@ -97,8 +97,8 @@ impl Eyes {
     }
 
     /// Returns the outcomes of the frames whose results were read back: one per eye and frame.
-    pub fn take_outcomes(&mut self) -> impl Iterator<Item = FrameOutcome> {
-        self.histories.iter_mut().flat_map(ViewState::take_outcomes)
+    pub fn drain_stats(&mut self) -> impl Iterator<Item = FrameStats> {
+        self.histories.iter_mut().flat_map(RenderView::drain_stats)
     }
 
     /// Returns the first eye's history, and its view where the middle of the eyes is at `middle`.
@@ -109,7 +109,7 @@ impl Eyes {
         &mut self,
         renderer: &Renderer,
         middle: &FrameCamera,
-    ) -> Result<Option<(&mut ViewState, View)>, RunError> {
+    ) -> Result<Option<(&mut RenderView, CullView)>, RunError> {
         let views = self.histories.len() as u32;
         let area = Rect::side_by_side(renderer.size(), views).next();
         let Some((area, history)) = area.zip(self.histories.first_mut()) else {

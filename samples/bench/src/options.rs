@@ -12,8 +12,8 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::choices::{
-    CameraPathChoice, CostsChoice, DeviceChoice, EdgesChoice, GeneratorChoice, PredicatesChoice,
-    ProjectionChoice, TrustChoice, ValidationChoice, Verify,
+    CameraPathChoice, CostModelChoice, DeviceChoice, EdgesChoice, GeneratorChoice,
+    PredicatesChoice, ProjectionChoice, QuirksChoice, ValidationChoice, Verify,
 };
 use crate::shadow_choice::ShadowChoice;
 use crate::strategy::Strategy;
@@ -185,16 +185,16 @@ pub struct Options {
     pub verify: Verify,
     /// The number of frames that the CPU may be ahead of the GPU: 1 to [`MAX_FRAMES_IN_FLIGHT`].
     pub frames_in_flight: u32,
-    /// The costs of the cost model.
-    pub costs: CostsChoice,
+    /// The cost model.
+    pub cost_model: CostModelChoice,
     /// True if the GPU time of every pass is measured.
     pub time_passes: bool,
     /// The device that draws.
     pub device: DeviceChoice,
     /// The checks of the validation layer.
     pub validation: ValidationChoice,
-    /// The trust in the driver.
-    pub trust: TrustChoice,
+    /// The quirks of the driver that are looked for.
+    pub quirks: QuirksChoice,
     /// The way in which hidden draws are skipped.
     pub predicates: PredicatesChoice,
     /// The largest number of visible pixels that counts as hidden; 0 where all is exact.

@@ -1,6 +1,6 @@
 //! The projection of a walk's cameras: their own, orthographic, or jittered.
 
-use antumbra::cull::{Camera, ClipY, DepthConvention, Projection, View, ViewProjection};
+use antumbra::cull::{Camera, ClipY, CullView, DepthConvention, Projection, ViewProjection};
 use antumbra::glam::{Mat4, Vec2, Vec4};
 use antumbra::render::{Rect, Viewpoint};
 
@@ -31,7 +31,7 @@ pub fn viewpoint(of: &FrameCamera, projection: ProjectionChoice, area: Rect) -> 
             let moved = jitter_pixels(of.frame) * 2.0 / Vec2::new(width, height);
             // Clip space is moved by a share of w.
             let jitter = Mat4::from_cols(Vec4::X, Vec4::Y, Vec4::Z, moved.extend(0.0).extend(1.0));
-            let plain = View::new(&camera, area.size, ANY_BITS).view_proj;
+            let plain = CullView::new(&camera, area.size, ANY_BITS).view_proj;
             let depth = DepthConvention::Reversed;
             let y = ClipY::Down;
             ViewProjection { matrix: jitter * plain, depth, y }.into()
@@ -89,7 +89,7 @@ mod tests {
         let Viewpoint::Matrix(jittered) = viewpoint(&of, ProjectionChoice::Jittered, area) else {
             panic!("a matrix");
         };
-        let plain = View::new(&camera, area.size, ANY_BITS).view_proj;
+        let plain = CullView::new(&camera, area.size, ANY_BITS).view_proj;
         for point in [Vec3::new(1.0, 2.0, -5.0), Vec3::new(-30.0, 4.0, -80.0)] {
             let pixel = |matrix: Mat4| {
                 let at = matrix * point.extend(1.0);

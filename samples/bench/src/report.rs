@@ -70,9 +70,9 @@ pub struct Report {
     pub build_ms: BuildReport,
     /// Strategies that could not run, and the reasons.
     pub left_out: Vec<LeftOut>,
-    /// The assumptions about the driver that do not hold, a sentence each; only `--trust tested`
+    /// The assumptions about the driver that do not hold, a sentence each; only `--quirks tested`
     /// finds any.
-    pub distrust: Vec<String>,
+    pub driver_quirks: Vec<String>,
     /// The order of transparent objects; absent where fragments were not asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub transparency: Option<TransparencyReport>,

@@ -3,18 +3,18 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use antumbra::cull::{CoherentOptions, Hierarchy, Strategy};
+use antumbra::cull::{ChcOptions, Hierarchy, Strategy};
 use antumbra::gpu::{
-    Adapter, Device, DeviceOptions, Instance, InstanceOptions, Predication, WindowSystem,
+    Adapter, Device, DeviceOptions, Instance, InstanceOptions, PredicationMode, WindowSystem,
 };
 use antumbra::occlusion::MethodConstructor;
 use antumbra::render::{
-    Renderer, RendererOptions, ResetPrices, SelfTest, ShaderSet, object_bounds,
+    QueryResetCosts, Renderer, RendererOptions, SelfTest, ShaderSet, object_bounds,
 };
 use antumbra::scene::Scene;
 use antumbra::{gpu, methods, render};
 
-use crate::choices::{DeviceChoice, PredicatesChoice, TrustChoice, ValidationChoice};
+use crate::choices::{DeviceChoice, PredicatesChoice, QuirksChoice, ValidationChoice};
 use crate::options::{LeftOut, PathChoice, SceneChoice};
 use crate::progress::WalkProgress;
 use crate::provenance::Provenance;
@@ -208,7 +208,7 @@ pub fn walk_on(
         build_ms,
         ratios: ratios(&runs),
         paired_ratios: paired_ratios(&runs),
-        distrust: renderer.distrust(),
+        driver_quirks: renderer.driver_quirks(),
         transparency: TransparencyReport::of(&renderer),
         left_out: options.left_out.clone(),
         provenance: Provenance::of_this_process(),
@@ -242,11 +242,11 @@ fn upload(
     options: &Options,
     renderer_options: RendererOptions,
 ) -> Result<Renderer, RunError> {
-    let distrusted = match options.trust {
-        TrustChoice::Driver => Vec::new(),
-        TrustChoice::Tested => render::self_test(device, &renderer_options)?.broken(),
+    let disabled = match options.quirks {
+        QuirksChoice::None => Vec::new(),
+        QuirksChoice::Tested => render::self_test(device, &renderer_options)?.broken(),
     };
-    let renderer_options = RendererOptions { distrusted, ..renderer_options };
+    let renderer_options = RendererOptions { disabled, ..renderer_options };
     let renderer = Renderer::with_hierarchy(device, scene, hierarchy, &renderer_options);
     let drawing = renderer.and_then(|mut renderer| {
         renderer.set_edges(options.edges.options())?;
@@ -352,8 +352,8 @@ fn scene_report(
 }
 
 fn skip_report(renderer: &Renderer) -> BTreeMap<String, Option<f64>> {
-    let skip_ns = &renderer.price_choice().skip_ns;
-    let entry = |(executor, ns): &(Predication, f64)| {
+    let skip_ns = &renderer.culling_setup().skip_ns;
+    let entry = |(executor, ns): &(PredicationMode, f64)| {
         (executor.name().to_owned(), ns.is_finite().then(|| kept(*ns)))
     };
     skip_ns.iter().map(entry).collect()
@@ -361,7 +361,7 @@ fn skip_report(renderer: &Renderer) -> BTreeMap<String, Option<f64>> {
 
 /// Returns the measured times of resets.
 fn reset_report(renderer: &Renderer) -> BTreeMap<String, Option<f64>> {
-    let ResetPrices { command_ns, cpu_ns } = renderer.price_choice().reset_ns;
+    let QueryResetCosts { command_ns, cpu_ns } = renderer.culling_setup().reset_ns;
     [("command", command_ns), ("cpu", cpu_ns)]
         .map(|(name, ns)| (name.to_owned(), ns.is_finite().then(|| kept(ns.into()))))
         .into()
@@ -370,11 +370,11 @@ fn reset_report(renderer: &Renderer) -> BTreeMap<String, Option<f64>> {
 /// Returns all methods; coherent hierarchical culling, the one method of the literature that has a
 /// threshold, with the same threshold.
 fn all_methods(options: &Options) -> Vec<MethodConstructor> {
-    let coherent = methods::coherent(CoherentOptions {
+    let chc = methods::chc(ChcOptions {
         visibility_threshold_samples: options.threshold_pixels,
-        ..CoherentOptions::default()
+        ..ChcOptions::default()
     });
-    std::iter::once(coherent).chain(methods::all()).collect()
+    std::iter::once(chc).chain(methods::all()).collect()
 }
 
 fn renderer_options(options: &Options) -> Result<RendererOptions, RunError> {
@@ -389,14 +389,14 @@ fn renderer_options(options: &Options) -> Result<RendererOptions, RunError> {
         frames_in_flight,
         predication: match options.predicates {
             PredicatesChoice::Auto => None,
-            PredicatesChoice::Conditional => Some(Predication::Conditional),
-            PredicatesChoice::Count => Some(Predication::Counts),
-            PredicatesChoice::Instances => Some(Predication::Instances),
-            PredicatesChoice::Compacted => Some(Predication::Compacted),
+            PredicatesChoice::Conditional => Some(PredicationMode::Conditional),
+            PredicatesChoice::Count => Some(PredicationMode::Counts),
+            PredicatesChoice::Instances => Some(PredicationMode::Instances),
+            PredicatesChoice::Compacted => Some(PredicationMode::Compacted),
         },
         shaders,
         threshold_samples: options.threshold_pixels,
-        costs: options.costs.into(),
+        cost_model: options.cost_model.into(),
         ..Default::default()
     })
 }

@@ -91,7 +91,7 @@ impl From<render::Error> for RunError {
             | render::Error::NoVisibleSet(_)
             | render::Error::OldVisibleSet
             | render::Error::NoView
-            | render::Error::View(_)
+            | render::Error::CullView(_)
             | render::Error::StandardDepth
             | render::Error::Buckets(_)
             | render::Error::Attachments(_)
@@ -104,11 +104,11 @@ impl From<render::Error> for RunError {
             | render::Error::Transparent { .. }
             | render::Error::Pose { .. }
             | render::Error::Light { .. }
-            | render::Error::LightPicture { .. }
+            | render::Error::LightCookie { .. }
             | render::Error::Mesh { .. }
             | render::Error::Material { .. }
             | render::Error::Texture { .. }
-            | render::Error::NoRoom { .. }
+            | render::Error::CapacityExceeded { .. }
             | render::Error::DrawsAmongTests(_)
             | render::Error::NotUploaded(_)
             | render::Error::Plan(_)

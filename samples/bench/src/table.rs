@@ -166,8 +166,8 @@ fn more_lines(report: &Report) -> String {
     if let Some(transparency) = &report.transparency {
         lines += &format!("\ntransparent objects: {}", transparency.text());
     }
-    for distrust in &report.distrust {
-        lines += &format!("\n{distrust}");
+    for driver_quirks in &report.driver_quirks {
+        lines += &format!("\n{driver_quirks}");
     }
     for LeftOut { strategy, reason } in &report.left_out {
         lines += &format!("\nwithout {strategy}: {reason}");

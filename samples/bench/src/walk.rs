@@ -199,7 +199,7 @@ impl<'a> Walk<'a> {
             }
             progress.frame_done(run.strategy.name());
         }
-        run.eyes.drain(self.renderer)?;
+        run.eyes.wait_idle(self.renderer)?;
         let drawn = walked.len();
         book(run, walked);
         let compared = turn.iter().take(drawn).filter(|step| verify.includes(step.frame));
@@ -236,7 +236,7 @@ impl<'a> Walk<'a> {
             let camera = self.path.frame_camera(frame);
             let wanted = Some(&image);
             self.reference.render(self.renderer, Strategy::FRUSTUM, &camera, &[], wanted)?;
-            self.reference.drain(self.renderer)?;
+            self.reference.wait_idle(self.renderer)?;
             self.references.insert((number, frame), copy_of(&image.rgba8()?)?);
         }
         Ok(number)
@@ -278,7 +278,7 @@ fn measurement_of(report: &FrameReport, strategy: Strategy) -> FrameMeasurement 
 
 /// Adds the results that were read back to the frames of a turn, and the frames to the run.
 fn book(run: &mut Run, mut walked: Vec<Walked>) {
-    for outcome in run.eyes.take_outcomes() {
+    for outcome in run.eyes.drain_stats() {
         if let Some(walked) = walked.iter_mut().find(|walked| walked.frame == outcome.frame) {
             walked.measurement.draws += outcome.draws;
             walked.measurement.triangles += outcome.triangles;

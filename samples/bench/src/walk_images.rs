@@ -126,6 +126,6 @@ fn walk_to(
         let image = (walked == frame).then_some(image);
         eyes.render(renderer, strategy, &path.frame_camera(walked), &[], image)?;
     }
-    renderer.device().drain().map_err(RunError::from)?;
+    renderer.device().wait_idle().map_err(RunError::from)?;
     Ok(eyes)
 }

@@ -166,7 +166,7 @@ impl Way {
         };
         let wanted = wanted.as_deref();
         let is_camera = |name: &str| cameras.iter().any(|camera| camera.name == name);
-        let recorded = wanted.filter(|name| !is_camera(name)).and_then(crate::args::path_file);
+        let recorded = wanted.filter(|name| !is_camera(name)).and_then(crate::choices::path_file);
         if let Some(path) = recorded {
             return Ok(Self::Recorded(RecordedPath::read(&path)?));
         }

@@ -10,7 +10,7 @@ use std::f32::consts::{FRAC_PI_2, TAU};
 use cull::{Camera, ObjectId, Projection};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use scene::{
-    FOV_Y_RAD, LightId, LightKind, LightMove, LightPicture, Mesh, MeshId, NEAR_M, Object,
+    FOV_Y_RAD, LightCookie, LightId, LightKind, LightMove, Mesh, MeshId, NEAR_M, Object,
     ObjectChange, PunctualLight, Scene, SceneUpdate, TextureId,
 };
 
@@ -190,7 +190,7 @@ fn camera() -> Camera {
 fn turn_light(light: &mut PunctualLight) {
     light.position = yard().transform_point3(light.position);
     light.direction = yard().transform_vector3(light.direction).normalize_or(Vec3::NEG_Y);
-    if let Some(picture) = &mut light.picture {
+    if let Some(picture) = &mut light.cookie {
         picture.up = yard().transform_vector3(picture.up);
     }
 }
@@ -205,7 +205,7 @@ fn spot(side: f32, colour: [f32; 3]) -> PunctualLight {
         range_m: Some(36.0),
         position,
         direction: (vec3(side, 0.0, 1.0) - position).normalize_or(Vec3::NEG_Y),
-        picture: None,
+        cookie: None,
     }
 }
 
@@ -232,7 +232,7 @@ fn projector(texture: TextureId) -> PunctualLight {
         range_m: Some(40.0),
         position,
         direction: (vec3(0.4, 0.0, 4.6) - position).normalize_or(Vec3::NEG_Y),
-        picture: Some(LightPicture { texture, up: Vec3::Y }),
+        cookie: Some(LightCookie { texture, up: Vec3::Y }),
     }
 }
 
@@ -261,7 +261,7 @@ fn lantern_light() -> PunctualLight {
         range_m: Some(16.0),
         position: vec3(0.0, 3.0 - BELOW_M, 5.0),
         direction: Vec3::NEG_Y,
-        picture: None,
+        cookie: None,
     }
 }
 
@@ -276,7 +276,7 @@ mod tests {
         assert_eq!(yard, courtyard(Hour::AFTERNOON), "the same each time");
         let lights = &yard.scene.surfaces.as_ref().unwrap().lights;
         assert_eq!(lights.len(), 9, "a sun, two spots, a lantern, four lamps, a projector");
-        assert_eq!(lights.iter().filter(|light| light.picture.is_some()).count(), 1);
+        assert_eq!(lights.iter().filter(|light| light.cookie.is_some()).count(), 1);
         for change in yard.daylight.lights().iter().chain(&yard.motion.at(0.0).lights) {
             let kinds = [change.to.kind, lights[change.light.0 as usize].kind];
             let [to, there] = kinds.map(|kind| std::mem::discriminant(&kind));

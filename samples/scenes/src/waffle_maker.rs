@@ -22,6 +22,9 @@ const PARTING_M: f32 = 0.060;
 /// The z of the hinge's axis, in metres.
 const HINGE_Z_M: f32 = -0.142;
 
+/// The least angle of the lid, in radians. It touches the body before.
+const SHUT_RAD: f32 = -0.05;
+
 /// The end of the hinge's range, in radians. The cable stops the lid some degrees before it.
 const OPEN_RAD: f32 = 170.0 / 180.0 * PI;
 
@@ -38,6 +41,8 @@ pub struct Hinge {
     pub point: Vec3,
     /// The direction of the axis, a unit vector; positive angles turn counter-clockwise about it.
     pub axis: Vec3,
+    /// The least angle, in radians: somewhat below that at rest, for what is pressed shut.
+    pub shut_rad: f32,
     /// The angle at rest, in radians.
     pub closed_rad: f32,
     /// The largest angle, in radians.
@@ -48,7 +53,7 @@ impl Hinge {
     /// Returns the transform of what turns, from its place at rest to that at an angle, which is
     /// clamped to the hinge's range.
     pub fn turn(&self, angle_rad: f32) -> Affine3A {
-        let angle_rad = angle_rad.clamp(self.closed_rad, self.open_rad);
+        let angle_rad = angle_rad.clamp(self.shut_rad, self.open_rad);
         let turn = Quat::from_axis_angle(self.axis, angle_rad);
         let about = Affine3A::from_rotation_translation(turn, self.point);
         about * Affine3A::from_translation(-self.point)
@@ -163,6 +168,7 @@ pub fn waffle_maker() -> WaffleMaker {
     let hinge = Hinge {
         point: vec3(0.0, PARTING_M, HINGE_Z_M),
         axis: Vec3::NEG_X,
+        shut_rad: SHUT_RAD,
         closed_rad: 0.0,
         open_rad: OPEN_RAD,
     };
@@ -212,7 +218,7 @@ fn add_base(maker: &mut Maker, base: PartId) {
     maker.add(base, Finish::Plastic, shapes::foot(), &under);
     let hinge = maker.parts.group("hinge, fixed half", base);
     let knuckles = [-0.0675, 0.0675].map(|x| at(x, PARTING_M, HINGE_Z_M));
-    maker.add(hinge, Finish::Metal, shapes::knuckle("knuckle", -0.8), &knuckles);
+    maker.add(hinge, Finish::Metal, shapes::knuckle("body knuckle", -0.8), &knuckles);
     maker.add(hinge, Finish::Metal, shapes::pin(), &[along_x(0.0, PARTING_M, HINGE_Z_M)]);
     let panel = maker.parts.group("panel", base);
     maker.add(panel, Finish::Plastic, shapes::dial(), &[facing_front(0.09, 0.037, 0.1256)]);
@@ -242,7 +248,7 @@ fn add_lid(maker: &mut Maker, lid: PartId) -> ObjectId {
     maker.add(handle, Finish::Plastic, shapes::grip(), &[along_x(0.0, 0.077, 0.160)]);
     let hinge = maker.parts.group("hinge, turning half", lid);
     let knuckles = [-0.0415, 0.0415].map(|x| at(x, PARTING_M, HINGE_Z_M));
-    maker.add(hinge, Finish::Metal, shapes::knuckle("knuckle", 0.8), &knuckles);
+    maker.add(hinge, Finish::Metal, shapes::knuckle("lid knuckle", 0.8), &knuckles);
     let corners: [Vec2; 4] = [vec2(-1.0, -1.0), vec2(1.0, -1.0), vec2(-1.0, 1.0), vec2(1.0, 1.0)];
     let screws = corners.map(|corner| at(0.082 * corner.x, 0.1112, 0.055 * corner.y));
     maker.add(lid, Finish::Metal, shapes::screw("lid screw"), &screws);

@@ -7,7 +7,7 @@ use std::{error::Error, io::Write, process::ExitCode, sync::Arc};
 use antumbra::glam::Vec3;
 use antumbra::scene::{Mesh, Scene};
 use antumbra::{
-    Camera, Device, FrameRequest, Projection, Readback, Renderer, Strategy, Swapchain, ViewState,
+    Camera, Device, FrameRequest, Projection, Readback, RenderView, Renderer, Strategy, Swapchain,
 };
 use winit::event_loop::{ActiveEventLoop, EventLoop};
 use winit::window::{Window, WindowId};
@@ -15,7 +15,7 @@ use winit::{application::ApplicationHandler, event::WindowEvent};
 
 const USAGE: &str = "usage: triangle [--headless]";
 
-struct Triangle(Renderer, ViewState);
+struct Triangle(Renderer, RenderView);
 
 impl Triangle {
     fn new(device: &Device) -> Result<Self, Box<dyn Error>> {
@@ -104,7 +104,7 @@ fn headless() -> Result<(), Box<dyn Error>> {
     let mut triangle = Triangle::new(&antumbra::open()?)?;
     let image = Readback::new(triangle.0.device(), triangle.0.size())?;
     triangle.frame(Some(&image))?;
-    triangle.0.drain(&mut triangle.1)?;
+    triangle.0.wait_idle(&mut triangle.1)?;
     let pixels = image.rgba8()?;
     let middle = pixels.len() / 2 + 4 * 640;
     let colour = &pixels[middle..middle + 3];

@@ -163,7 +163,7 @@ impl Drop for HudOverlay {
         let renderer = self.state.get_mut().renderer.take();
         // All work of a lost device is over.
         if renderer.is_some()
-            && let Err(error) = self.device.drain()
+            && let Err(error) = self.device.wait_idle()
             && !error.is_device_lost()
         {
             tracing::error!("the HUD is left as it is: {error}");

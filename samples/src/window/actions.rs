@@ -338,7 +338,7 @@ mod tests {
 
     #[test]
     fn values_are_checked() {
-        assert_eq!(Action::parse("strategy pyramid"), Ok(Action::Strategy(methods::PYRAMID)));
+        assert_eq!(Action::parse("strategy hzb"), Ok(Action::Strategy(methods::HZB)));
         assert_eq!(Action::parse("frames_in_flight 4"), Ok(Action::FramesInFlight(4)));
         assert_eq!(Action::parse("camera 2"), Ok(Action::Camera(2)));
         assert_eq!(Action::parse("hour 22"), Ok(Action::Hour(Hour::NIGHT)));
@@ -347,7 +347,7 @@ mod tests {
         assert_eq!(Action::parse("identify 3,40"), Ok(Action::Identify(Some([3, 40]))));
         assert_eq!(Action::parse("present_mode fifo"), Ok(Action::PresentMode(PresentMode::Fifo)));
         for (text, reason) in [
-            ("strategy pyramide", "did you mean 'pyramid'?"),
+            ("strategy chcc", "did you mean 'chc'?"),
             ("frames_in_flight 5", "1 to 4"),
             ("present_mode vsync", "fifo_relaxed, mailbox"),
             ("hud off", "hud takes no 'off'"),
@@ -360,7 +360,7 @@ mod tests {
             ("filter soft", "unknown filter 'soft'"),
             ("jump", "unknown action 'jump'"),
             ("", "unknown action ''"),
-            ("strategy pyramid now", "'now' is one word too many"),
+            ("strategy hzb now", "'now' is one word too many"),
         ] {
             let refused = Action::parse(text).unwrap_err();
             assert!(refused.contains(reason), "{text}: {refused}");

@@ -5,7 +5,8 @@ use clap::Parser;
 use super::keys_help::help_with_keys;
 use super::show::{ShowArguments, ShowOptions};
 use super::source::SceneSource;
-use bench::args::{MadeArguments, SceneArgument, parse_path, usage};
+use bench::args::{MadeArguments, SceneArgument, usage};
+use bench::choices::parse_path;
 use bench::options::{PathChoice, UsageError};
 use bench::shadow_choice::ShadowWay;
 use bench::terminal::shown;
@@ -17,7 +18,7 @@ Examples:
       Fly: W A S D, Q and E, look with a mouse button held.
   city --path street --strategy frustum
       Walks down the streets until you take over.
-  city --hour 19 --shadows maps
+  city --time-of-day 19 --shadows maps
       At dusk, with shadows; J, Y and Z change the hour and the shadows.
   city --headless --frames 60 --path street --out images
       The same frames as images, without a window.
@@ -63,8 +64,8 @@ pub struct CityArguments {
     pub path: Option<PathChoice>,
     /// Hour of the day, such as 17.5 or 17:30: sun, sky, and street lamps at night [default: none,
     /// all lit evenly; with --shadows an afternoon]
-    #[arg(long, value_name = "HOUR", help_heading = "Lights")]
-    pub hour: Option<Hour>,
+    #[arg(long, alias = "hour", value_name = "HOUR", help_heading = "Lights")]
+    pub time_of_day: Option<Hour>,
     /// The options of showing it.
     #[command(flatten)]
     pub show: ShowArguments,
@@ -88,7 +89,7 @@ impl CityArguments {
         };
         let show = self.show.options();
         let casts_shadows = show.shadows.way != ShadowWay::Off;
-        let hour = self.hour.or(casts_shadows.then_some(Hour::AFTERNOON));
+        let hour = self.time_of_day.or(casts_shadows.then_some(Hour::AFTERNOON));
         Ok((SceneSource::Made { made, path: self.path.clone(), hour }, show))
     }
 }
@@ -137,7 +138,7 @@ mod tests {
         };
         assert_eq!(hour_of(&[]), None);
         assert_eq!(hour_of(&["--shadows", "maps"]), Some(Hour::AFTERNOON));
-        assert_eq!(hour_of(&["--hour", "22"]), Some(Hour::NIGHT));
+        assert_eq!(hour_of(&["--time-of-day", "22"]), Some(Hour::NIGHT));
         let line = ["--shadows", "maps_uncached", "--filter", "pcss", "--bias", "midpoint"];
         let shadows = parse(&line).unwrap().shadows;
         assert_eq!(shadows.bias.name(), "midpoint");
@@ -180,14 +181,14 @@ mod tests {
             (["--frame-limit", "0"], "0.1 to 10000"),
             (["--frame-limit", "NaN"], "'NaN'"),
             (["--hud", "maybe"], "[possible values: off, on, details]"),
-            (["--costs", "ignore"], "a similar value exists: 'ignored'"),
+            (["--cost-model", "measure"], "a similar value exists: 'measured'"),
             (["--path", "stret"], "did you mean 'street'?"),
             (["--scene", "a.glb"], "`viewer a.glb`"),
             (["--frames", "0"], "0 is not in 1..=1000000"),
             (["--capture", "-1"], "-1 is not in 0..="),
             (["--size", "1x0"], "1280x720"),
-            (["--hour", "25"], "'25' is no hour of the day"),
-            (["--hour", "NaN"], "'NaN' is no hour of the day"),
+            (["--time-of-day", "25"], "'25' is no hour of the day"),
+            (["--time-of-day", "NaN"], "'NaN' is no hour of the day"),
             (["--shadows", "volume"], "did you mean 'volumes'?"),
             (["--filter", "soft"], "unknown filter 'soft'"),
             (["--bias", "half"], "unknown bias 'half'"),

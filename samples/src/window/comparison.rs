@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use antumbra::gpu::{Device, Readback, Tick};
 use antumbra::pacing::Time;
-use antumbra::render::{Renderer, ViewState};
+use antumbra::render::{RenderView, Renderer};
 
 use super::differences::{Differences, PixelArea};
 use bench::run_error::RunError;
@@ -70,7 +70,7 @@ struct Pair {
 /// A running comparison.
 pub struct Comparison {
     /// The history of the frames without culling, which leaves the other's alone.
-    pub(super) unculled: ViewState,
+    pub(super) unculled: RenderView,
     pairs: Vec<Pair>,
     strategy: Strategy,
     tally: Tally,
@@ -152,7 +152,7 @@ impl Comparison {
 
     /// Returns the buffer that a side of a pair is copied to, beside the history of the frames
     /// without culling.
-    pub fn split(&mut self, pair: usize, side: Side) -> (&mut ViewState, Option<&Readback>) {
+    pub fn split(&mut self, pair: usize, side: Side) -> (&mut RenderView, Option<&Readback>) {
         let image = self.pairs.get(pair).map(|pair| &pair.images[side as usize]);
         (&mut self.unculled, image)
     }

@@ -1,7 +1,7 @@
 //! The choice of levels of detail, by distance and on request by visible samples.
 
 use antumbra::cull::{Camera, DetailBySamples, DetailPolicy, ObjectId};
-use antumbra::render::{Renderer, ViewState};
+use antumbra::render::{RenderView, Renderer};
 use antumbra::scene::Scene;
 use bench::run_error::RunError;
 
@@ -59,7 +59,7 @@ impl Detail {
     ///
     /// # Errors
     /// A device that cannot count: then it counts nothing.
-    pub fn watch(&self, view: &mut ViewState) -> Result<(), RunError> {
+    pub fn watch(&self, view: &mut RenderView) -> Result<(), RunError> {
         let counted = self.policy.by_samples.map_or(&[][..], |_| &self.heavy);
         Ok(view.watch(counted)?)
     }
@@ -72,7 +72,7 @@ impl Detail {
         &self,
         renderer: &mut Renderer,
         camera: Camera,
-        view: &ViewState,
+        view: &RenderView,
     ) -> Result<(), RunError> {
         renderer.choose_detail_seen(&[(camera, view)], &self.policy)?;
         Ok(())

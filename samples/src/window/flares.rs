@@ -73,7 +73,7 @@ fn of_spot(
     strength: f32,
 ) -> Option<LensFlare> {
     let kind = LightKind::Point;
-    let flare = LensFlare::of_light(&PunctualLight { kind, picture: None, ..*spot })?;
+    let flare = LensFlare::of_light(&PunctualLight { kind, cookie: None, ..*spot })?;
     let turn = spot.direction.angle_between(eye - spot.position);
     let share = ((outer_rad - turn) / (outer_rad - inner_rad).max(1.0e-3)).clamp(0.0, 1.0);
     let strength = strength * share * share * (3.0 - 2.0 * share);
@@ -88,7 +88,7 @@ fn of_spot(
 /// Returns a light of the scene that projects a picture, if one does.
 pub fn projector_of(daylight: &Daylight) -> Option<LightId> {
     let mut lamps = daylight.lamps.iter();
-    lamps.find(|(_, lamp)| lamp.picture.is_some()).map(|(light, _)| *light)
+    lamps.find(|(_, lamp)| lamp.cookie.is_some()).map(|(light, _)| *light)
 }
 
 #[cfg(test)]

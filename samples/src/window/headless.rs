@@ -104,7 +104,7 @@ fn draw_frames(
         let seconds = if frame == 0 { 0.0 } else { FRAME_SECONDS };
         session.draw(&Steering::default(), seconds, image.as_ref())?;
         if let (Some(image), Some(folder)) = (&image, &options.out) {
-            device.drain()?;
+            device.wait_idle()?;
             let path = folder.join(format!("frame_{frame:05}.png"));
             // A lost image is an error in the end; the next one may be written.
             let _kept = session.screenshots.write(image, &path);

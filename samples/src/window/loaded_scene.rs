@@ -5,7 +5,7 @@ use std::path::Path;
 
 use antumbra::glam::Vec3;
 use antumbra::gpu::{CancellationToken, Device};
-use antumbra::render::{Costs, Renderer, RendererOptions, ShaderSet};
+use antumbra::render::{CostModel, Renderer, RendererOptions, ShaderSet};
 use antumbra::scene::{Environment, Light, LightMove, Mesh, Scene, SkyDisk};
 use antumbra::shadows::ShadowOptions;
 use antumbra::{cull, import, methods, render, scene};
@@ -16,7 +16,7 @@ use super::show::ShowOptions;
 use super::source::{FileSource, SceneSource};
 use crate::hud::{HudLevel, PANEL_SHARE};
 use bench::camera_path::CameraTrack;
-use bench::choices::{self, TrustChoice};
+use bench::choices::{self, QuirksChoice};
 use bench::options::{MadeScene, PathChoice};
 use bench::run_error::RunError;
 use bench::scene_file::{self, LoadProgress};
@@ -82,7 +82,7 @@ impl SceneLoader<'_> {
         scene.objects.clear();
         // Nothing is tested in it: what tests cost need not be measured.
         let renderer_options = RendererOptions {
-            costs: Costs::Ignored,
+            cost_model: CostModel::Off,
             shadows: ShadowOptions::default(),
             ..self.renderer_options()?
         };
@@ -181,7 +181,7 @@ impl SceneLoader<'_> {
         let covered = if self.options.hud == HudLevel::Off { 0.0 } else { PANEL_SHARE };
         let mut scene_view = SceneView::of_file(file, imported, settings, self.size, covered)?;
         scene_view.notes.extend(renderer.degradations().texts());
-        scene_view.notes.extend(renderer.distrust());
+        scene_view.notes.extend(renderer.driver_quirks());
         Ok(LoadedScene { renderer, scene_view, daylight: None, lit: None })
     }
 
@@ -191,17 +191,17 @@ impl SceneLoader<'_> {
         let Self { device, options, size, ref cancellation } = *self;
         let cancellation = cancellation.clone();
         let untested = RendererOptions { cancellation, ..untested_options(options, size)? };
-        if options.trust == TrustChoice::Driver {
+        if options.quirks == QuirksChoice::None {
             return Ok(untested);
         }
-        let distrusted = match options.distrusted.get() {
-            Some(distrusted) => distrusted.clone(),
+        let disabled = match options.disabled.get() {
+            Some(disabled) => disabled.clone(),
             None => {
                 let found = render::self_test(device, &untested)?.broken();
-                options.distrusted.get_or_init(|| found).clone()
+                options.disabled.get_or_init(|| found).clone()
             }
         };
-        Ok(RendererOptions { distrusted, ..untested })
+        Ok(RendererOptions { disabled, ..untested })
     }
 }
 
@@ -280,7 +280,7 @@ fn untested_options(options: &ShowOptions, size: [u32; 2]) -> Result<RendererOpt
         transparency: options.transparency.options(),
         frames_in_flight: options.frames_in_flight as usize,
         shaders: shaders.transpose().map_err(render::Error::from)?,
-        costs: options.costs.into(),
+        cost_model: options.cost_model.into(),
         shadows: options.shadows.options(),
         ..RendererOptions::default()
     })

@@ -264,11 +264,11 @@ mod tests {
 
     #[test]
     fn arrows_go_around_and_enter_takes_what_is_selected() {
-        let can = |strategy| strategy != methods::PYRAMID;
+        let can = |strategy| strategy != methods::HZB;
         let mut menu = strategies(can, Strategy::ANTUMBRA);
         assert_eq!(selected(&menu), "antumbra");
         for (key, expected) in [
-            (MenuKey::Up, "coherent"),
+            (MenuKey::Up, "chc"),
             (MenuKey::First, "frustum"),
             (MenuKey::Up, "antumbra_compute"),
             (MenuKey::Down, "frustum"),

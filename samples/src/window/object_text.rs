@@ -1,7 +1,8 @@
 //! The description of an object, in words, with the reason why it is drawn or not.
 
 use antumbra::cull::{
-    Decision, FrameId, LeafExplanation, NodeHistory, NodeState, Outcome, QueryKind, Rays, Tester,
+    Decision, FrameId, LeafExplanation, NodeHistory, NodeState, Outcome, QueryKind, Rays,
+    VisibilityTest,
 };
 
 use super::page_text::{Facts, fact};
@@ -67,11 +68,11 @@ impl ObjectCard<'_> {
     }
 
     fn decision(&self) -> String {
-        let by = |tester: Tester| match tester {
-            Tester::Flag => "a fragment flag",
-            Tester::Query => "an occlusion query",
-            Tester::Compute => "the compute test",
-            Tester::SharedProxy(_) => "the test of a box in front",
+        let by = |tester: VisibilityTest| match tester {
+            VisibilityTest::Flag => "a fragment flag",
+            VisibilityTest::Query => "an occlusion query",
+            VisibilityTest::Compute => "the compute test",
+            VisibilityTest::SharedProxy(_) => "the test of a box in front",
         };
         match self.explained.decision {
             Decision::Outside => "not drawn: outside of the frustum".to_owned(),
@@ -149,8 +150,8 @@ fn in_frames(frames: u64) -> String {
 #[cfg(test)]
 mod tests {
     use antumbra::cull::{
-        self, Camera, CullConfig, Culler, FramePlan, Hierarchy, ObjectId, Projection, QueryTag,
-        View,
+        self, Camera, CullConfig, CullView, Culler, FramePlan, Hierarchy, ObjectId, Projection,
+        QueryTag,
     };
 
     use antumbra::glam::Vec3;
@@ -173,7 +174,7 @@ mod tests {
         };
         let hierarchy =
             Hierarchy::build(&[cube(-5.0, 4.0), cube(-9.0, 0.5), cube(9.0, 0.5)]).unwrap();
-        let view = View::new(&CAMERA, [64, 64], 8);
+        let view = CullView::new(&CAMERA, [64, 64], 8);
         let mut culler = Culler::new(CullConfig::default());
         let mut plan = FramePlan::default();
         let wall = hierarchy.node_of(ObjectId(0)).unwrap();

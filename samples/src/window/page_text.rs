@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use antumbra::gpu::PassTime;
 use antumbra::pacing::Distribution;
-use antumbra::render::{FrameOutcome, FrameReport};
+use antumbra::render::{FrameReport, FrameStats};
 
 use super::frame_times::{FrameTimeSeries, is_overlay};
 use super::screen::ScreenFacts;
@@ -29,7 +29,7 @@ pub struct Known<'a> {
     /// The report of the newest frame, if there is one.
     pub report: &'a FrameReport,
     /// The outcome of the newest frame whose results were read back.
-    pub outcome: Option<&'a FrameOutcome>,
+    pub outcome: Option<&'a FrameStats>,
     /// The objects of the scene.
     pub objects: u64,
     /// Objects in the frustum of the frame of the outcome.
@@ -151,7 +151,7 @@ impl Known<'_> {
     fn what_is_drawn(&self) -> Facts {
         let report = self.report;
         let outcome = self.outcome;
-        let of_outcome = |number: fn(&FrameOutcome) -> u64| {
+        let of_outcome = |number: fn(&FrameStats) -> u64| {
             outcome.map_or(UNKNOWN.to_owned(), |outcome| grouped(number(outcome)))
         };
         // Before the first frame there is nothing to report.

@@ -5,8 +5,8 @@ use std::collections::VecDeque;
 use std::time::Duration;
 
 use antumbra::gpu::{
-    Device, Optional, PresentId, PresentMode, PresentResult, Surface, Swapchain, SwapchainOptions,
-    Tick,
+    Device, OptionalFeature, PresentId, PresentMode, PresentResult, Surface, Swapchain,
+    SwapchainOptions, Tick,
 };
 use antumbra::pacing;
 use antumbra::pacing::{
@@ -101,7 +101,7 @@ impl Screen {
             },
         )?;
         let has = |optional| device.capabilities().has(optional);
-        let reports = if has(Optional::PresentWait) || has(Optional::DisplayTiming) {
+        let reports = if has(OptionalFeature::PresentWait) || has(OptionalFeature::DisplayTiming) {
             PresentReports::Times
         } else {
             PresentReports::Missing
@@ -288,8 +288,8 @@ impl Screen {
                 pacer.feedback(queued.frame, Feedback::Shown { at });
             }
         })?;
-        if self.device.capabilities().has(Optional::PresentWait)
-            && !self.device.capabilities().has(Optional::DisplayTiming)
+        if self.device.capabilities().has(OptionalFeature::PresentWait)
+            && !self.device.capabilities().has(OptionalFeature::DisplayTiming)
             && let Some(newest) = self.swapchain.newest_shown()?
         {
             let at = self.clock.now();

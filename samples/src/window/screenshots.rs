@@ -83,7 +83,7 @@ impl Screenshots {
     /// # Errors
     /// A lost device; any image that could not be written, now or before.
     pub fn finish(&mut self, device: &Device) -> Result<(), RunError> {
-        let is_over = if self.pending.is_empty() { Ok(()) } else { device.drain() };
+        let is_over = if self.pending.is_empty() { Ok(()) } else { device.wait_idle() };
         let written = is_over.map_err(RunError::from).and_then(|_| self.write_finished(device));
         match &self.lost {
             Some(Lost { count: 1, reason }) => Err(RunError::machine(reason)),

@@ -1,6 +1,6 @@
 //! Scripts: actions before numbered frames, so that a run can be repeated automatically.
 //!
-//! A line is the number of a frame and an [`Action`]: `60 strategy pyramid`. Frames count from 0,
+//! A line is the number of a frame and an [`Action`]: `60 strategy hzb`. Frames count from 0,
 //! and do not go back. Empty lines and lines that begin with `#` are ignored.
 
 use std::path::Path;

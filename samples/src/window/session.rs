@@ -9,7 +9,7 @@ use antumbra::gpu::{Device, PresentMode, Readback, Tick};
 use antumbra::pacing::Time;
 use antumbra::render;
 use antumbra::render::{
-    DebugOverlay, FrameOutcome, FrameReport, Rect, Renderer, ShaderSet, ViewState,
+    DebugOverlay, FrameReport, FrameStats, Rect, RenderView, Renderer, ShaderSet,
     VisibilitySnapshot,
 };
 
@@ -45,7 +45,7 @@ use scenes::Daylight;
 pub struct Session {
     pub(super) clock: Clock,
     pub(super) renderer: Renderer,
-    pub(super) history: ViewState,
+    pub(super) history: RenderView,
     pub(super) strategy: Strategy,
     /// The number of the next frame.
     pub(super) frame: u32,
@@ -63,7 +63,7 @@ pub struct Session {
     pub(super) awaited: Option<LoadingStatus>,
     pub(super) frozen: Option<VisibilitySnapshot>,
     /// The view that finds objects while the culling is frozen.
-    pub(super) search_view: Option<ViewState>,
+    pub(super) search_view: Option<RenderView>,
     /// The camera of the newest frame.
     pub(super) seen_from: Camera,
     pub(super) debug_overlay: DebugOverlay,
@@ -94,7 +94,7 @@ pub struct Session {
     /// The time of the newest screenshot.
     pub(super) photographed: Option<Time>,
     pub(super) report: FrameReport,
-    pub(super) outcome: Option<FrameOutcome>,
+    pub(super) outcome: Option<FrameStats>,
     pub(super) is_timing_passes: bool,
     pub(super) wants_screenshot: bool,
     pub(super) screenshots: Screenshots,

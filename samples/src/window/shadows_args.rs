@@ -13,7 +13,7 @@ Examples:
   shadows
       A courtyard with shadow maps: J changes the hour, Y the way to make shadows, Z the filter,
       F2 lens flares, F3 the picture that a spot projects.
-  shadows --hour 21 --filter pcss
+  shadows --time-of-day 21 --filter pcss
       At night, with shadows as wide as their casters are far away.
   shadows --headless --frames 60 --out images
       The same frames as images, without a window.
@@ -36,8 +36,9 @@ there is, and a second one ends it at once.";
 )]
 pub struct ShadowsArguments {
     /// Hour of the day, such as 17.5 or 17:30
-    #[arg(long, value_name = "HOUR", default_value = "16:45", help_heading = "Lights")]
-    pub hour: Hour,
+    #[arg(long, alias = "hour", value_name = "HOUR", default_value = "16:45")]
+    #[arg(help_heading = "Lights")]
+    pub time_of_day: Hour,
     /// The options of showing it.
     #[command(flatten)]
     pub show: ShowArguments,
@@ -48,7 +49,7 @@ impl ShadowsArguments {
     pub fn options(mut self) -> (SceneSource, ShowOptions) {
         self.show.shadows.get_or_insert(ShadowWay::Maps);
         self.show.flares.get_or_insert(FlareChoice::On);
-        (SceneSource::Courtyard { hour: self.hour }, self.show.options())
+        (SceneSource::Courtyard { hour: self.time_of_day }, self.show.options())
     }
 }
 
@@ -70,7 +71,7 @@ mod tests {
         let (_, options) = parse(&["--shadows", "off"]).unwrap();
         assert_eq!(options.shadows.way, ShadowWay::Off);
         for (line, reason) in [
-            (["--hour", "30"], "'30' is no hour"),
+            (["--time-of-day", "30"], "'30' is no hour"),
             (["--flares", "bright"], "[possible values: off, on]"),
             (["--shadows", "stencil"], "unknown way to make shadows 'stencil'"),
         ] {

@@ -6,10 +6,12 @@ use std::sync::OnceLock;
 use antumbra::gpu::{PresentMode, SampleCount};
 use antumbra::import::BrokenParts;
 use antumbra::pacing;
-use antumbra::render::Assumption;
+use antumbra::render::DriverAssumption;
 use antumbra::shadows::{ShadowBias, ShadowFilter};
 use bench::args::DeviceArguments;
-use bench::choices::{CostsChoice, DeviceChoice, TrustChoice, ValidationChoice, parse_strategy};
+use bench::choices::{
+    CostModelChoice, DeviceChoice, QuirksChoice, ValidationChoice, parse_strategy,
+};
 use bench::file_args::FileArguments;
 use bench::options::{FrameSize, MAX_FRAMES, MAX_FRAMES_IN_FLIGHT, parse_samples};
 use bench::shadow_choice::{ShadowChoice, ShadowWay, parse_bias, parse_filter};
@@ -24,7 +26,7 @@ use crate::hud::HudLevel;
 /// The options of showing a scene, as the command line has them.
 #[derive(Clone, Debug, Args)]
 pub struct ShowArguments {
-    /// File of actions before frames: lines such as `60 strategy pyramid`
+    /// File of actions before frames: lines such as `60 strategy hzb`
     #[arg(long, value_name = "FILE", help_heading = "Frames")]
     pub script: Option<PathBuf>,
     /// Size of the window, or of the frames, in pixels
@@ -43,11 +45,12 @@ pub struct ShowArguments {
     #[arg(long, value_name = "NAME", default_value = "antumbra", help_heading = "Frames")]
     #[arg(value_parser = parse_product)]
     pub strategy: Strategy,
-    /// Costs in the cost model. measured: on the device at the start, corrected by the times
-    /// of the frames; tests that cost more than they save are left out. ignored: everything is
+    /// Cost model. measured: costs are measured on the device at the start and corrected by the
+    /// times of the frames; tests that cost more than they save are left out. off: everything is
     /// tested
-    #[arg(long, value_name = "COSTS", default_value = "measured", help_heading = "Frames")]
-    pub costs: CostsChoice,
+    #[arg(long, alias = "costs", value_name = "MODEL", default_value = "measured")]
+    #[arg(help_heading = "Frames")]
+    pub cost_model: CostModelChoice,
     /// Number of frames that the CPU may be ahead of the GPU
     #[arg(long, value_name = "1..4", default_value = "2", help_heading = "Frames")]
     #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_FRAMES_IN_FLIGHT)))]
@@ -94,9 +97,10 @@ pub struct ShowArguments {
     #[command(flatten)]
     pub file: FileArguments,
 
-    /// Trust in the driver: as it is, or tested first, and what is found broken is not used
-    #[arg(long, value_name = "HOW", default_value = "driver", help_heading = "Device")]
-    pub trust: TrustChoice,
+    /// Quirks of the driver: none, or tested first, and what is found broken is not used
+    #[arg(long, alias = "trust", value_name = "HOW", default_value = "none")]
+    #[arg(help_heading = "Device")]
+    pub quirks: QuirksChoice,
     /// The device that draws.
     #[command(flatten)]
     pub device: DeviceArguments,
@@ -138,8 +142,8 @@ pub struct ShowOptions {
     pub transparency: TransparencyChoice,
     /// The strategy at the start.
     pub strategy: Strategy,
-    /// The costs of the cost model.
-    pub costs: CostsChoice,
+    /// The cost model.
+    pub cost_model: CostModelChoice,
     /// The number of frames in flight at the start.
     pub frames_in_flight: u32,
     /// The present mode at the start.
@@ -162,10 +166,10 @@ pub struct ShowOptions {
     pub broken_parts: BrokenParts,
     /// The triangles above which a mesh of a file is cut into pieces, if one is.
     pub cut_above_triangles: Option<usize>,
-    /// The trust in the driver.
-    pub trust: TrustChoice,
+    /// The quirks of the driver that are looked for.
+    pub quirks: QuirksChoice,
     /// The assumptions that the self-test found broken, once it ran.
-    pub distrusted: OnceLock<Vec<Assumption>>,
+    pub disabled: OnceLock<Vec<DriverAssumption>>,
     /// The device that draws.
     pub device: DeviceChoice,
     /// The checks of the validation layer.
@@ -203,7 +207,7 @@ impl ShowArguments {
             samples: self.msaa,
             transparency: self.transparency,
             strategy: self.strategy,
-            costs: self.costs,
+            cost_model: self.cost_model,
             frames_in_flight: self.frames_in_flight,
             present_mode: self.present_mode.unwrap_or(PresentMode::Fifo),
             frame_limit_hz: self.frame_limit,
@@ -219,8 +223,8 @@ impl ShowArguments {
             times_passes: self.time_passes || self.trace.is_some(),
             broken_parts: self.file.broken_parts(),
             cut_above_triangles: self.file.cut_above_triangles(),
-            trust: self.trust,
-            distrusted: OnceLock::new(),
+            quirks: self.quirks,
+            disabled: OnceLock::new(),
             device: self.device.choice(),
             validation: self.device.validation,
             shaders: self.device.shaders.clone(),

@@ -8,7 +8,8 @@ use super::actions::FILE_KEYS;
 use super::keys_help::help_with_keys;
 use super::show::{ShowArguments, ShowOptions};
 use super::source::{FileSource, SceneSource};
-use bench::args::{path_file, usage};
+use bench::args::usage;
+use bench::choices::path_file;
 use bench::options::UsageError;
 
 const EXAMPLES: &str = "\

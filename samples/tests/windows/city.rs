@@ -130,9 +130,9 @@ fn a_driver_that_lies_is_found_and_named() {
     let text = fs::read_to_string(&shader).unwrap();
     assert!(text.contains(line));
     fs::write(&shader, text.replace(line, "")).unwrap();
-    let line = ["--frames", "2", "--shaders", "shaders", "--device", "llvmpipe", "--trust"];
-    for (trust, is_named) in [("driver", false), ("tested", true)] {
-        let output = city(&scratch, &[&SMALL[..], &line, &[trust]].concat());
+    let line = ["--frames", "2", "--shaders", "shaders", "--device", "llvmpipe", "--quirks"];
+    for (quirks, is_named) in [("none", false), ("tested", true)] {
+        let output = city(&scratch, &[&SMALL[..], &line, &[quirks]].concat());
         let message = stderr(&output);
         assert!(output.status.success(), "{message}");
         let is_found = message.contains("cannot be trusted with early tests");
@@ -144,7 +144,7 @@ fn a_driver_that_lies_is_found_and_named() {
 #[test]
 fn strategies_and_frames_in_flight_change_no_pixel() {
     let scratch = Scratch::new("city-switches");
-    let strategies = ["naive", "pyramid", "coherent", "antumbra_flags", "next_frame", "antumbra"];
+    let strategies = ["naive", "hzb", "chc", "antumbra_flags", "next_frame", "antumbra"];
     let mut script = String::new();
     for frame in 0..36 {
         // `next_frame` is not exact; here nothing moves, so it is after a few frames.
@@ -328,7 +328,7 @@ fn what_is_frozen_is_explained() {
 #[test]
 fn what_only_the_gpu_knows_is_not_frozen() {
     let scratch = Scratch::new("city-pyramid");
-    let script = "2 strategy pyramid\n4 freeze\n6 strategy antumbra\n8 freeze\n";
+    let script = "2 strategy hzb\n4 freeze\n6 strategy antumbra\n8 freeze\n";
     fs::write(scratch.0.join("script"), script).unwrap();
     headless(&scratch, &["--frames", "10", "--script", "script", "--out", "out"]);
     let image = |frame: u32| pixels(&scratch.0.join(format!("out/frame_{frame:05}.png")));
@@ -344,10 +344,10 @@ fn what_only_the_gpu_knows_is_not_frozen() {
 fn what_only_the_gpu_knows_is_not_explained() {
     let scratch = Scratch::new("city-unexplained");
     for (script, times) in [
-        ("2 top_down\n3 strategy pyramid\n", 1),
-        ("2 boxes\n3 strategy pyramid\n", 1),
-        ("2 strategy pyramid\n3 top_down\n4 boxes\n", 2),
-        ("2 boxes\n3 boxes\n4 strategy pyramid\n5 strategy antumbra\n", 0),
+        ("2 top_down\n3 strategy hzb\n", 1),
+        ("2 boxes\n3 strategy hzb\n", 1),
+        ("2 strategy hzb\n3 top_down\n4 boxes\n", 2),
+        ("2 boxes\n3 boxes\n4 strategy hzb\n5 strategy antumbra\n", 0),
     ] {
         fs::write(scratch.0.join("script"), script).unwrap();
         let rest = ["--frames", "6", "--script", "script"];

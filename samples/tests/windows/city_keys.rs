@@ -202,7 +202,7 @@ fn a_scene_is_chosen_from_a_list_or_by_its_path() {
     let server = Xvfb::start();
     let scratch = Scratch::new("keys-scenes");
     std::fs::write(scratch.0.join("broken.glb"), "no glTF").unwrap();
-    let running = Running::city(&scratch, &server, &["--costs", "ignored"]);
+    let running = Running::city(&scratch, &server, &["--cost-model", "off"]);
     let window = Seen::wait_for(&server);
     window.await_title(|title| title.starts_with("city - "));
     // The fifth row is the file in the working folder.

@@ -84,7 +84,7 @@ fn what_cannot_be_is_told_without_the_hud() {
     let server = Xvfb::start();
     let scratch = Scratch::new("window-told");
     let expected = headless(&scratch, &["--size", SIZE]);
-    fs::write(scratch.0.join("script"), "3 strategy pyramid\n").unwrap();
+    fs::write(scratch.0.join("script"), "3 strategy hzb\n").unwrap();
     let running = Running::city(&scratch, &server, &["--hud", "off", "--script", "script"]);
     let window = Seen::wait_for(&server);
     window.await_pixels(&expected, "the image without a text");
@@ -161,8 +161,8 @@ fn whatever_is_switched_the_image_stays() {
         "naive",
         "batched",
         "stop_and_wait",
-        "coherent",
-        "pyramid",
+        "chc",
+        "hzb",
         "antumbra",
         "antumbra_queries",
         "antumbra_flags",

@@ -10,7 +10,7 @@ const SHADOWS: &str = env!("CARGO_BIN_EXE_shadows");
 fn run(program_file: &str, scratch: &Scratch, script: &str, arguments: &[&str]) -> String {
     fs::write(scratch.0.join("script"), script).unwrap();
     let all = ["--headless", "--size", "160x96", "--script", "script", "--out", "out"];
-    let rest = ["--device", "llvmpipe", "--validation", "sync", "--costs", "ignored"];
+    let rest = ["--device", "llvmpipe", "--validation", "sync", "--cost-model", "off"];
     let mut command = program(program_file, &scratch.0, &[&all[..], &rest, arguments].concat());
     command.env("RUST_LOG", "samples=info");
     let output = command.output().unwrap();
@@ -30,7 +30,7 @@ fn brightness(image: &[[u8; 3]]) -> u64 {
 fn a_lit_city_has_hours_shadows_and_filters() {
     let scratch = Scratch::new("lit-city");
     let script = "1 shadows off\n2 shadows maps_uncached\n3 filter pcf3\n4 hour 22\n5 hour\n";
-    let lit = ["--objects", "400", "--hour", "14", "--shadows", "maps", "--frames", "6"];
+    let lit = ["--objects", "400", "--time-of-day", "14", "--shadows", "maps", "--frames", "6"];
     let log = run(crate::CITY, &scratch, script, &lit);
     for said in [
         "shadows off",
@@ -53,7 +53,7 @@ fn a_lit_city_has_hours_shadows_and_filters() {
 fn a_plain_city_gets_its_lights_when_they_are_first_asked_for() {
     let walk = ["--objects", "100", "--path", "street", "--frames", "5"];
     let lit = Scratch::new("lit-at-once");
-    let at_once = [&walk[..], &["--hour", "13:30", "--shadows", "maps"]].concat();
+    let at_once = [&walk[..], &["--time-of-day", "13:30", "--shadows", "maps"]].concat();
     run(crate::CITY, &lit, "", &at_once);
     for (name, script, told) in [
         ("lit-by-shadows", "2 shadows maps\n", "shadows maps, adaptive"),
@@ -96,7 +96,7 @@ fn lamps_flare_and_a_spot_projects_a_picture_until_keys_end_it() {
     let frames = |script: &str, arguments: &[&str]| {
         // Nothing is overwritten.
         let _absent = fs::remove_dir_all(scratch.0.join("out"));
-        let all = [arguments, &["--hour", "21", "--frames", "18"]].concat();
+        let all = [arguments, &["--time-of-day", "21", "--frames", "18"]].concat();
         let log = run(SHADOWS, &scratch, script, &all);
         (log, frame(&scratch, 15), frame(&scratch, 17))
     };
@@ -129,10 +129,10 @@ fn lamps_flare_and_a_spot_projects_a_picture_until_keys_end_it() {
 fn lights_that_cannot_be_are_refused() {
     let scratch = Scratch::new("bad-lights");
     for (program_file, arguments, sentence) in [
-        (SHADOWS, ["--hour", "30"], "'30' is no hour of the day"),
+        (SHADOWS, ["--time-of-day", "30"], "'30' is no hour of the day"),
         (SHADOWS, ["--shadows", "stencil"], "unknown way to make shadows 'stencil'"),
         (SHADOWS, ["--flares", "bright"], "[possible values: off, on]"),
-        (crate::CITY, ["--hour", "NaN"], "'NaN' is no hour of the day"),
+        (crate::CITY, ["--time-of-day", "NaN"], "'NaN' is no hour of the day"),
         (crate::CITY, ["--filter", "soft"], "unknown filter 'soft'"),
     ] {
         let output = program(program_file, &scratch.0, &arguments).output().unwrap();

@@ -29,7 +29,7 @@ impl Running {
     pub fn city(scratch: &Scratch, server: &Xvfb, arguments: &[&str]) -> Self {
         let all = ["--objects", "500", "--size", SIZE, "--device", "llvmpipe"];
         // The tests that pay depend on the machine; the keys that show tests need some.
-        let all = [&all[..], &["--validation", "sync", "--costs", "ignored"], arguments].concat();
+        let all = [&all[..], &["--validation", "sync", "--cost-model", "off"], arguments].concat();
         let mut command = program(crate::CITY, &scratch.0, &all);
         command.env("DISPLAY", server.display()).env("RUST_LOG", "samples=info,winit=error");
         command.env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");

@@ -12,7 +12,7 @@ use std::time::Instant;
 use antumbra::cull::{SectionMode, SectionPlane, SectionPlanes, Strategy};
 use antumbra::glam::DVec3;
 use antumbra::gpu::{Device, DeviceOptions};
-use antumbra::{FrameRequest, Renderer, RendererOptions, ViewState};
+use antumbra::{FrameRequest, RenderView, Renderer, RendererOptions};
 use bench::choices::{DeviceChoice, ValidationChoice};
 use bench::options::FrameSize;
 use bench::run::{open_instance, pick_adapter};
@@ -30,7 +30,7 @@ struct Variant {
     name: &'static str,
     hovers: bool,
     drags: bool,
-    view: ViewState,
+    view: RenderView,
     frame_ms: Vec<Option<f64>>,
 }
 
@@ -77,7 +77,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             renderer.set_section(SectionPlanes::new(&[plane], SectionMode::Intersection)?)?;
             let request = FrameRequest::new(Strategy::ANTUMBRA, path.camera(frame));
             renderer.render(&mut variant.view, &request)?;
-            renderer.drain(&mut variant.view)?;
+            renderer.wait_idle(&mut variant.view)?;
             let frame_ms = began.elapsed().as_secs_f64() * 1000.0;
             if frame >= WARM_UP_FRAMES {
                 variant.frame_ms.push(Some(frame_ms));

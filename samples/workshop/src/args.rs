@@ -32,6 +32,7 @@ Commands of a script, one per line:
   whole, cut              leaves what is selected, or a NAME, whole; cuts it again
   edges off|visible|hidden|shaded|shaded-hidden
   depth-complexity on|off how many surfaces are drawn at each pixel
+  tessellate PIXELS       curved parts anew, of triangles as large as that in the image
   view front, top-left, ..., iso; projection perspective|orthographic; fit
   play FRAMES             the model's camera path
   image FILE.png, export FILE.glb

@@ -1,6 +1,6 @@
 //! The state of the viewer: what is shown of each part, and where. A pure value.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 
 use antumbra::ObjectId;
 use antumbra::cull::{Aabb, SectionMember};
@@ -65,6 +65,15 @@ pub struct CurvedPart {
     pub levels: Option<TessellationLevels>,
 }
 
+/// Objects that stay together in exploded views.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// The objects that are shown.
+    pub objects: Vec<ObjectId>,
+    /// The box around them.
+    pub bounds: Aabb,
+}
+
 /// A model and the state in which it is shown.
 pub struct Document {
     /// The scene at rest. Its objects are the parts.
@@ -77,6 +86,9 @@ pub struct Document {
     pub lid: Option<Lid>,
     /// The curved meshes; none as created.
     pub curved: Vec<CurvedPart>,
+    /// The body of each object: the objects of a body stay together in exploded views, such as the
+    /// primitives of a mesh. Empty, as created, where each object is a body.
+    pub bodies: Vec<u32>,
     /// The part of each object.
     part_of_object: Vec<Option<PartId>>,
     displays: Vec<Display>,
@@ -114,6 +126,7 @@ impl Document {
             selected: BTreeSet::new(),
             collision: None,
             curved: Vec::new(),
+            bodies: Vec::new(),
             scene,
             origin_m: DVec3::ZERO,
             parts,
@@ -282,12 +295,30 @@ impl Document {
     /// Moves all shown parts apart by a gap, in metres, from where they are without displacements.
     pub fn explode(&mut self, gap_m: f32) {
         self.assemble();
-        let is_shown = |object: &ObjectId| self.display(*object) != Display::Hidden;
-        let shown: Vec<ObjectId> = self.objects().filter(is_shown).collect();
-        let boxes: Vec<Aabb> = shown.iter().map(|object| self.bounds(*object)).collect();
-        for (object, by) in shown.iter().zip(explode(&boxes, gap_m)) {
-            self.displacements[object.0 as usize] = by;
+        let bodies = self.shown_bodies();
+        let boxes: Vec<Aabb> = bodies.iter().map(|body| body.bounds).collect();
+        for (body, by) in bodies.iter().zip(explode(&boxes, gap_m)) {
+            body.objects.iter().for_each(|object| self.displacements[object.0 as usize] = by);
         }
+    }
+
+    /// Returns the bodies of which something is shown, where they are now.
+    pub fn shown_bodies(&self) -> Vec<Body> {
+        let mut bodies: Vec<Body> = Vec::new();
+        let mut index_of_body: HashMap<u32, usize> = HashMap::new();
+        for object in self.objects() {
+            if self.display(object) == Display::Hidden {
+                continue;
+            }
+            let number = self.bodies.get(object.0 as usize).copied().unwrap_or(object.0);
+            let index = *index_of_body.entry(number).or_insert(bodies.len());
+            if index == bodies.len() {
+                bodies.push(Body { objects: Vec::new(), bounds: Aabb::EMPTY });
+            }
+            bodies[index].objects.push(object);
+            bodies[index].bounds = bodies[index].bounds.union(&self.bounds(object));
+        }
+        bodies
     }
 
     /// Moves all parts back.

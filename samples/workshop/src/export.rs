@@ -11,6 +11,7 @@ use antumbra::scene::{Mesh, MeshId, pack_normal, unpack_normal};
 use gltf::binary::{Glb, Header};
 use gltf::json::accessor::{ComponentType, GenericComponentType, Type};
 use gltf::json::buffer::Target;
+use gltf::json::extensions::material::{EmissiveStrength, EmissiveStrengthFactor};
 use gltf::json::mesh::{Mode, Primitive, Semantic};
 use gltf::json::validation::Checked::Valid;
 use gltf::json::validation::USize64;
@@ -42,7 +43,7 @@ pub fn glb(document: &Document) -> Result<Vec<u8>, ExportError> {
         return Err(ExportError::Nothing);
     }
     let mut writer = Writer::default();
-    let mut meshes: BTreeMap<MeshId, Index<json::Mesh>> = BTreeMap::new();
+    let mut meshes: BTreeMap<(MeshId, Winding), Index<json::Mesh>> = BTreeMap::new();
     let mut nodes: Vec<Option<Index<Node>>> = vec![None; document.parts.nodes.len()];
     for (place, part) in document.parts.nodes.iter().enumerate() {
         let Some(object) = part.object.filter(is_shown) else { continue };
@@ -52,9 +53,11 @@ pub fn glb(document: &Document) -> Result<Vec<u8>, ExportError> {
         let mesh = if is_sheared(&transform) {
             // Such a matrix is no matrix of a node: the vertices take it.
             let placed = placed(mesh, &std::mem::take(&mut transform));
-            writer.mesh(document, id, &placed)
+            writer.mesh(document, id, &placed, Winding::Kept)
         } else {
-            *meshes.entry(id).or_insert_with(|| writer.mesh(document, id, mesh))
+            let winding = Winding::under(&transform);
+            let known = meshes.entry((id, winding));
+            *known.or_insert_with(|| writer.mesh(document, id, mesh, winding))
         };
         let matrix = Mat4::from(transform);
         // A node without a matrix stands at the origin.
@@ -67,6 +70,23 @@ pub fn glb(document: &Document) -> Result<Vec<u8>, ExportError> {
     let scene = json::Scene { name: None, nodes: roots, extensions: None, extras: None };
     writer.root.scene = Some(writer.root.push(scene));
     writer.finish()
+}
+
+/// The winding of a mesh's triangles in the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Winding {
+    /// As here.
+    Kept,
+    /// Reversed: where a node mirrors, its front faces are clockwise (glTF 2.0, 3.7.4), but not
+    /// those that the engine draws.
+    Reversed,
+}
+
+impl Winding {
+    /// Returns the winding for nodes with a transform.
+    fn under(transform: &Affine3A) -> Self {
+        if transform.matrix3.determinant() < 0.0 { Self::Reversed } else { Self::Kept }
+    }
 }
 
 /// Returns true unless a transform is a scale, then a rotation, then a translation, as those of
@@ -89,9 +109,6 @@ fn placed(mesh: &Mesh, transform: &Affine3A) -> Mesh {
         vertex.normal =
             pack_normal((of_normals * unpack_normal(vertex.normal)).normalize_or_zero());
         placed.bounds = placed.bounds.union(&Aabb::new(position, position));
-    }
-    if transform.matrix3.determinant() < 0.0 {
-        placed.indices.as_chunks_mut::<3>().0.iter_mut().for_each(|corners| corners.swap(1, 2));
     }
     placed
 }
@@ -173,7 +190,13 @@ impl Writer {
     }
 
     /// Adds a mesh of the document's scene.
-    fn mesh(&mut self, document: &Document, id: MeshId, mesh: &Mesh) -> Index<json::Mesh> {
+    fn mesh(
+        &mut self,
+        document: &Document,
+        id: MeshId,
+        mesh: &Mesh,
+        winding: Winding,
+    ) -> Index<json::Mesh> {
         let positions = mesh.vertices.iter().flat_map(|vertex| vertex.position);
         let positions = self.floats(positions, mesh.vertices.len());
         if let Some(accessor) = self.root.accessors.get_mut(positions.value()) {
@@ -192,10 +215,11 @@ impl Writer {
             normalized: true,
             ..accessor(view, ComponentType::U8, Type::Vec4, mesh.vertices.len())
         });
-        let view = self.view(
-            mesh.indices.iter().flat_map(|index| index.to_le_bytes()),
-            Target::ElementArrayBuffer,
-        );
+        let corners = mesh.indices.as_chunks::<3>().0.iter().flat_map(|[a, b, c]| match winding {
+            Winding::Kept => [*a, *b, *c],
+            Winding::Reversed => [*a, *c, *b],
+        });
+        let view = self.view(corners.flat_map(u32::to_le_bytes), Target::ElementArrayBuffer);
         let indices = accessor(view, ComponentType::U32, Type::Scalar, mesh.indices.len());
         let primitive = Primitive {
             attributes: BTreeMap::from([
@@ -236,7 +260,21 @@ impl Writer {
             // The colours of vertices have the material's already, but for its opacity.
             let [.., alpha] = of.base_colour;
             material.pbr_metallic_roughness.base_color_factor.0 = [1.0, 1.0, 1.0, alpha];
-            material.emissive_factor.0 = of.emission.map(|part| part.clamp(0.0, 1.0));
+            let strength = of.emission.into_iter().fold(1.0, f32::max);
+            material.emissive_factor.0 = of.emission.map(|part| (part / strength).max(0.0));
+            if strength > 1.0 {
+                material.extensions = Some(json::extensions::material::Material {
+                    emissive_strength: Some(EmissiveStrength {
+                        emissive_strength: EmissiveStrengthFactor(strength),
+                    }),
+                    ..json::extensions::material::Material::default()
+                });
+                let used = &mut self.root.extensions_used;
+                let name = "KHR_materials_emissive_strength".to_owned();
+                if !used.contains(&name) {
+                    used.push(name);
+                }
+            }
         }
         self.root.push(material)
     }
@@ -340,12 +378,61 @@ mod tests {
         assert!((found.max - expected.max).length() < 1e-4, "{found:?} {expected:?}");
     }
 
+    /// Returns six times the volume that each object of a scene encloses, negative where its
+    /// triangles wind inwards.
+    fn volumes(scene: &antumbra::scene::Scene) -> Vec<f32> {
+        let volume = |object: &antumbra::scene::Object| {
+            let mesh = scene.mesh_of(object).unwrap();
+            let corner = |index: u32| {
+                let position = mesh.vertices[index as usize].position;
+                object.transform.transform_point3(position.into())
+            };
+            let corners = mesh.indices.as_chunks::<3>().0.iter();
+            corners.map(|[a, b, c]| corner(*a).dot(corner(*b).cross(corner(*c)))).sum()
+        };
+        scene.objects.iter().map(volume).collect()
+    }
+
+    #[test]
+    fn mirrored_parts_are_not_turned_inside_out() {
+        let grey = [0.5; 3];
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+            .map(|at| (at, grey));
+        let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+        let corners: Vec<([f32; 3], [f32; 3])> =
+            faces.as_flattened().iter().map(|index: &usize| corners[*index]).collect();
+        let mut scene = antumbra::scene::Scene::single(Mesh::of_triangles("part", &corners));
+        let mirror = Affine3A::from_scale(Vec3::new(-1.0, 1.0, 1.0));
+        let mut sheared = mirror;
+        sheared.matrix3.x_axis.y = 0.5;
+        let rest = scene.objects[0];
+        for transform in [mirror, sheared] {
+            scene.objects.push(antumbra::scene::Object { transform, ..rest });
+        }
+        let nodes = (0..3).map(|index: u32| PartNode {
+            name: format!("part {index}"),
+            parent: None,
+            object: Some(ObjectId(index)),
+        });
+        let parts = scenes::PartTree { nodes: nodes.collect() };
+        let shown = volumes(&scene);
+        assert!(shown[0] > 0.0 && shown[1] < 0.0 && shown[2] < 0.0, "{shown:?}");
+        let bytes = glb(&Document::new(scene, parts, None)).unwrap();
+        let mut progress = |_| ControlFlow::Continue(());
+        let loaded = load_bytes(bytes, None, &LoadOptions::default(), &mut progress).unwrap();
+        let mut found = volumes(&loaded.scene);
+        found.reverse();
+        assert_eq!(found, shown, "the last part comes first");
+    }
+
     #[test]
     fn colours_light_and_sheared_parts_are_what_they_were_after_a_round_trip() {
         let colour = [0.5, 0.25, 0.75];
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let mesh = Mesh::of_triangles("part", &corners.map(|corner| (corner, colour)));
         let mut scene = antumbra::scene::Scene::single(mesh).with_surfaces();
+        // As the engine has what a node mirrors.
+        scene.meshes[0].indices.swap(1, 2);
         let material = &mut scene.surfaces.as_mut().unwrap().materials[0];
         material.base_colour = [0.5, 0.25, 0.75, 1.0];
         material.emission = [0.1, 0.2, 0.3];

@@ -35,8 +35,12 @@ pub fn file_parts(file: &GltfScene) -> PartTree {
         let name = if node.name.is_empty() { format!("node {place}") } else { node.name.clone() };
         let group = PartId(tree.len() as u32);
         tree.push(PartNode { name, parent: Some(parent), object: None });
-        let parts = own.iter().map(|object| part(file, *object, None));
-        tree.extend(parts.map(|part| PartNode { parent: Some(group), ..part }));
+        // The primitives of one mesh have the name of their node, and a number.
+        tree.extend((1..).zip(own).map(|(number, object): (u32, _)| {
+            let part = part(file, *object, Some(node));
+            let name = if own.len() > 1 { format!("{}, {number}", part.name) } else { part.name };
+            PartNode { name, parent: Some(group), object: Some(*object) }
+        }));
     }
     let parts = homeless.into_iter().map(|object| part(file, object, None));
     tree.extend(parts.map(|part| PartNode { parent: Some(PartId(0)), ..part }));

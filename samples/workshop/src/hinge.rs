@@ -178,8 +178,8 @@ impl LidCollision {
     /// are both there. Parts that touch at the start and separate do not hinder it, nor do those
     /// that interpenetrate there, since one of them was not there before, until they are apart.
     pub fn turn(&mut self, from_rad: f32, to_rad: f32, is_there: &dyn Fn(usize) -> bool) -> Turn {
-        let Hinge { closed_rad, open_rad, .. } = self.hinge;
-        let to_rad = to_rad.clamp(closed_rad, open_rad);
+        let Hinge { shut_rad, open_rad, .. } = self.hinge;
+        let to_rad = to_rad.clamp(shut_rad, open_rad);
         let sign = if to_rad < from_rad { -1.0 } else { 1.0 };
         let whole_rad = (to_rad - from_rad).abs();
         let mut turns = self.pair_turns(from_rad, sign, is_there);
@@ -324,7 +324,7 @@ mod tests {
     /// Returns the hinge of a lid two metres long, a centimetre over a body.
     fn hinge() -> Hinge {
         let point = Vec3::new(0.0, 0.01, -1.0);
-        Hinge { point, axis: Vec3::NEG_X, closed_rad: 0.0, open_rad: 2.0 }
+        Hinge { point, axis: Vec3::NEG_X, shut_rad: 0.0, closed_rad: 0.0, open_rad: 2.0 }
     }
 
     fn lid() -> CollisionSolid {
@@ -413,8 +413,11 @@ mod tests {
         // Lid and body are 0.6 mm apart along their whole rims, which have round corners.
         let turn = document.turn_lid(1.0).unwrap();
         assert_eq!(turn, Turn { angle_rad: 1.0, contact: None });
-        let back = document.turn_lid(-1.0).unwrap();
+        let back = document.turn_lid(0.0).unwrap();
         assert_eq!(back, Turn { angle_rad: made.hinge.closed_rad, contact: None });
+        let shut = document.turn_lid(-1.0).unwrap();
+        assert!(shut.angle_rad < -0.001 && shut.angle_rad > made.hinge.shut_rad, "{shut:?}");
+        assert!(shut.contact.is_some());
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The point of a part under a ray, in double precision.
 
-use antumbra::cull::{Rays, View};
+use antumbra::cull::{CullView, Rays, SectionMode, SectionPlane, SectionPlanes};
 use antumbra::glam::{Affine3A, DMat3, DVec3, Vec2, Vec3};
 use antumbra::scene::Mesh;
 
@@ -15,7 +15,7 @@ pub struct Ray {
 
 impl Ray {
     /// Returns the ray through the middle of a pixel, counted from the upper left.
-    pub fn of_pixel(view: &View, x: u32, y: u32) -> Self {
+    pub fn of_pixel(view: &CullView, x: u32, y: u32) -> Self {
         let [width, height] = view.size.map(|side| side.max(1) as f32);
         let ndc = Vec2::new((x as f32 + 0.5) / width, (y as f32 + 0.5) / height) * 2.0 - 1.0;
         let rays: &Rays = &view.rays;
@@ -39,36 +39,65 @@ pub fn world_point(transform: &Affine3A, point: Vec3) -> DVec3 {
     axes * point.as_dvec3() + transform.translation.as_dvec3()
 }
 
-/// A point of a mesh on a ray.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
-    /// The view depth behind the near plane, in metres.
-    pub depth_m: f64,
-    /// The point, in metres.
-    pub point: DVec3,
-    /// The number of the triangle of the mesh.
-    pub triangle: usize,
-}
-
 /// The largest distance of the exact point from the seen one, as a share of the distance from the
-/// near plane: what single-precision depth loses. A cap of a section may lie little deeper.
+/// near plane: what single-precision depth loses.
 const SEEN_SHARE: f64 = 2e-5;
 
-/// Returns the point of a mesh on a ray, on either side of its triangles, that lies nearest to a
-/// point that was seen there; `None` if none lies near it, as where the mesh was cut.
-pub fn hit_mesh(mesh: &Mesh, transform: &Affine3A, ray: &Ray, seen: DVec3) -> Option<Hit> {
+/// The distance from a section plane, as a share of the distance from the near plane, within which
+/// a point counts as kept: what double precision loses in the sums, and more.
+const PLANE_SHARE: f64 = 1e-9;
+
+/// Returns the first point of a part on a ray that may be what was seen there: of its mesh, as far
+/// as planes keep it, or of a cap. `None` if none lies near it.
+pub fn hit_part(
+    mesh: &Mesh,
+    transform: &Affine3A,
+    ray: &Ray,
+    section: &SectionPlanes,
+    seen: DVec3,
+) -> Option<DVec3> {
+    let planes = section.planes();
+    let seen_m = ray.origin.distance(seen);
+    let tolerance_m = PLANE_SHARE * (seen_m + seen.abs().max_element());
+    let is_kept_by = |plane: &SectionPlane, point: DVec3| distance_m(plane, point) >= -tolerance_m;
+    let is_kept = |point: DVec3| match section.mode() {
+        _ if planes.is_empty() => true,
+        SectionMode::Intersection => planes.iter().all(|plane| is_kept_by(plane, point)),
+        SectionMode::Union => planes.iter().any(|plane| is_kept_by(plane, point)),
+    };
+    let of_mesh: Vec<f64> = face_depths_m(mesh, transform, ray).collect();
+    let of_caps = planes.iter().filter_map(|plane| {
+        let slope = plane.normal().dot(ray.along);
+        let depth_m = -distance_m(plane, ray.origin) / slope;
+        // One sees a cap from the removed side, where an odd number of faces lies behind it.
+        let behind = of_mesh.iter().filter(|of_face| **of_face > depth_m).count();
+        (slope > 0.0 && depth_m >= 0.0 && behind % 2 == 1).then_some(depth_m)
+    });
+    let near_m = SEEN_SHARE * seen_m;
+    let is_seen = |depth_m: &f64| {
+        let point = ray.at(*depth_m);
+        is_kept(point) && point.distance(seen) <= near_m
+    };
+    let all = of_mesh.iter().copied().chain(of_caps).filter(is_seen);
+    all.min_by(f64::total_cmp).map(|depth_m| ray.at(depth_m))
+}
+
+/// Returns the distance of a point from a plane in metres, positive on the side that is kept.
+fn distance_m(plane: &SectionPlane, point: DVec3) -> f64 {
+    plane.normal().dot(point) + plane.offset_m()
+}
+
+/// Returns the view depths at which a ray meets the triangles of a mesh, from either side, in
+/// metres behind the near plane.
+fn face_depths_m(mesh: &Mesh, transform: &Affine3A, ray: &Ray) -> impl Iterator<Item = f64> {
     let corner = |index: u32| {
         let position = mesh.vertices.get(index as usize)?.position;
         Some(world_point(transform, position.into()))
     };
     let (triangles, _) = mesh.indices.as_chunks::<3>();
-    let hits = triangles.iter().enumerate().filter_map(|(triangle, [a, b, c])| {
-        let depth_m = hit_triangle([corner(*a)?, corner(*b)?, corner(*c)?], ray)?;
-        Some(Hit { depth_m, point: ray.at(depth_m), triangle })
-    });
-    let apart = |hit: &Hit| hit.point.distance(seen);
-    let nearest = hits.min_by(|a, b| apart(a).total_cmp(&apart(b)))?;
-    (apart(&nearest) <= SEEN_SHARE * ray.origin.distance(seen)).then_some(nearest)
+    triangles
+        .iter()
+        .filter_map(move |[a, b, c]| hit_triangle([corner(*a)?, corner(*b)?, corner(*c)?], ray))
 }
 
 /// Returns the view depth at which a ray meets a triangle from either side (T. Möller and
@@ -114,13 +143,45 @@ mod tests {
             along: DVec3::new(0.0, 0.0, along),
         };
         let seen = DVec3::new(0.25, 0.25, -5.000_05);
-        let hit = hit_mesh(&mesh, &transform, &ray(0.0, -1.0), seen).unwrap();
-        assert_eq!((hit.depth_m, hit.point.z, hit.triangle), (5.0, -5.0, 0));
-        assert!(hit_mesh(&mesh, &transform, &ray(-9.0, 1.0), seen).is_some());
-        assert!(hit_mesh(&mesh, &transform, &ray(-9.0, -1.0), seen).is_none());
-        assert!(hit_mesh(&mesh, &transform, &ray(0.0, -1.0), seen + DVec3::Z).is_none());
+        let hit =
+            |ray: &Ray, seen| hit_part(&mesh, &transform, ray, &SectionPlanes::default(), seen);
+        assert_eq!(hit(&ray(0.0, -1.0), seen), Some(DVec3::new(0.25, 0.25, -5.0)));
+        assert!(hit(&ray(-9.0, 1.0), seen).is_some());
+        assert!(hit(&ray(-9.0, -1.0), seen).is_none());
+        assert!(hit(&ray(0.0, -1.0), seen + DVec3::Z).is_none());
         let beside = Ray { origin: DVec3::new(0.9, 0.9, 0.0), along: DVec3::NEG_Z };
-        assert!(hit_mesh(&mesh, &transform, &beside, seen).is_none());
+        assert!(hit(&beside, seen).is_none());
+    }
+
+    #[test]
+    fn on_a_cap_the_point_is_the_planes_and_never_one_that_was_cut_away() {
+        // Two sides of a part, 10 mm apart, seen from 200 m: depth is known to 4 mm.
+        let grey = [0.5; 3];
+        let corners = [0.0, -0.01].map(|z| {
+            [[-1.0, -1.0, z], [3.0, -1.0, z], [-1.0, 3.0, z]].map(|corner| (corner, grey))
+        });
+        let mesh = Mesh::of_triangles("part", corners.as_flattened());
+        let ray = Ray { origin: DVec3::new(0.1, 0.1, 200.0), along: DVec3::NEG_Z };
+        let hit = |mode, planes: &[(DVec3, f64)], seen_m: f64| {
+            let planes: Vec<SectionPlane> = planes
+                .iter()
+                .map(|(normal, offset_m)| SectionPlane::new(*normal, *offset_m).unwrap())
+                .collect();
+            let section = SectionPlanes::new(&planes, mode).unwrap();
+            let seen = DVec3::new(0.1, 0.1, seen_m);
+            hit_part(&mesh, &Affine3A::IDENTITY, &ray, &section, seen).map(|point| point.z)
+        };
+        let both = SectionMode::Intersection;
+        assert_eq!(hit(both, &[], -0.001), Some(0.0));
+        // Kept is what lies below -1 mm, then what lies below -8.5 mm.
+        for (offset_m, seen_m) in [(-0.001, -0.001_5), (-0.008_5, -0.009_9)] {
+            let point = hit(both, &[(DVec3::NEG_Z, offset_m)], seen_m).unwrap();
+            assert!((point - offset_m).abs() < 1e-12, "{point}");
+        }
+        // A cap that another plane removes is none.
+        let removed = [(DVec3::NEG_Z, -0.001), (DVec3::NEG_X, 0.0)];
+        assert_eq!(hit(both, &removed, -0.001), None);
+        assert!(hit(SectionMode::Union, &removed, -0.001_5).is_some());
     }
 
     #[test]
@@ -134,8 +195,9 @@ mod tests {
         );
         let origin = DVec3::new(1.0e6 + 0.002_5, 0.002_5, 5.0);
         let ray = Ray { origin, along: DVec3::NEG_Z };
-        let hit = hit_mesh(&mesh, &transform, &ray, DVec3::new(origin.x, origin.y, 0.0)).unwrap();
-        assert_eq!((hit.point.x, hit.point.z), (origin.x, 0.0));
+        let seen = DVec3::new(origin.x, origin.y, 0.0);
+        let hit = hit_part(&mesh, &transform, &ray, &SectionPlanes::default(), seen).unwrap();
+        assert_eq!((hit.x, hit.z), (origin.x, 0.0));
     }
 
     #[test]
@@ -148,7 +210,7 @@ mod tests {
             let forward = Vec3::NEG_Z;
             let up = Vec3::Y;
             let camera = Camera { eye, forward, up, projection, near: 0.5 };
-            let view = View::new(&camera, [101, 51], 8);
+            let view = CullView::new(&camera, [101, 51], 8);
             let ray = Ray::of_pixel(&view, 50, 25);
             assert!((ray.at(1.0) - DVec3::new(0.0, 0.0, ray.origin.z - 1.0)).length() < 1e-6);
             let corner =

@@ -10,6 +10,7 @@ pub mod document;
 pub mod explode;
 pub mod export;
 pub mod file_parts;
+mod ghosts;
 pub mod hinge;
 pub mod hit;
 pub mod inputs;

@@ -1,6 +1,6 @@
 //! Measuring: the edge of a model near a point that was seen.
 
-use antumbra::cull::View;
+use antumbra::cull::CullView;
 use antumbra::glam::{Affine3A, DVec2, DVec3, Vec3};
 use antumbra::scene::{EdgeRules, FeatureEdges, Mesh};
 
@@ -9,26 +9,41 @@ use crate::hit::world_point;
 /// The distance in pixels within which an edge is meant.
 const REACH_PIXELS: f64 = 8.0;
 
-/// Returns the length of the edge of the model that is meant by a point seen on a mesh, in metres:
-/// of the nearest one in space, if it is near in the image, too. An edge goes from corner to corner
-/// of the model, however many triangles lie along it. `None` if no edge is near.
-pub fn edge_length(mesh: &Mesh, transform: &Affine3A, view: &View, seen: DVec3) -> Option<f64> {
+/// An edge of a model near a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NearEdge {
+    /// Its length from corner to corner, in metres.
+    pub length_m: f64,
+    /// The distance of its nearest point from the pixel, in pixels.
+    pub apart_pixels: f64,
+}
+
+/// Returns the edge of the model that is meant by a point seen on a mesh: the nearest one in space,
+/// if it is near a place of the image, too. The place is in pixels. An edge goes from corner to
+/// corner of the model, however many triangles lie along it. `None` if no edge is near.
+pub fn near_edge(
+    mesh: &Mesh,
+    transform: &Affine3A,
+    view: &CullView,
+    seen: DVec3,
+    place: DVec2,
+) -> Option<NearEdge> {
     let positions: Vec<Vec3> = mesh.vertices.iter().map(|vertex| vertex.position.into()).collect();
     let edges = FeatureEdges::of_mesh(mesh, &EdgeRules::default());
-    let place = |vertex: u32| {
+    let corner = |vertex: u32| {
         let position = positions.get(vertex as usize)?;
         Some(world_point(transform, *position))
     };
     let nearest_points = (0..).zip(edges.features()).filter_map(|(number, segment)| {
-        let point = nearest_of_segment(place(segment.from)?, place(segment.to)?, seen);
+        let point = nearest_of_segment(corner(segment.from)?, corner(segment.to)?, seen);
         Some((number, point))
     });
     let apart = |point: &DVec3| point.distance(seen);
     let nearest = nearest_points.min_by(|(_, a), (_, b)| apart(a).total_cmp(&apart(b)));
     let (segment, point): (u32, DVec3) = nearest?;
-    let apart_pixels = in_image(view, point).distance(in_image(view, seen));
+    let apart_pixels = in_image(view, point).distance(place);
     let chain = edges.chain_of(segment).filter(|_| apart_pixels <= REACH_PIXELS)?;
-    Some(edges.chain_length(chain, &positions, transform))
+    Some(NearEdge { length_m: edges.chain_length(chain, &positions, transform), apart_pixels })
 }
 
 /// Returns the point of a segment that is nearest to another point.
@@ -42,7 +57,7 @@ fn nearest_of_segment(from: DVec3, to: DVec3, point: DVec3) -> DVec3 {
 }
 
 /// Returns the place of a point in the image, in pixels.
-fn in_image(view: &View, point: DVec3) -> DVec2 {
+pub fn in_image(view: &CullView, point: DVec3) -> DVec2 {
     let relative = point - view.anchor.as_dvec3();
     let place = view.from_anchor.as_dmat4().project_point3(relative).truncate();
     let [width, height] = view.size.map(f64::from);
@@ -77,7 +92,7 @@ mod tests {
         let mesh = strip(5);
         // Twice as large, and turned out of the image's plane.
         let transform = Affine3A::from_rotation_y(0.7) * Affine3A::from_scale(Vec3::splat(2.0));
-        let near_edge = transform.transform_point3(Vec3::new(0.31, 0.001, 0.0)).as_dvec3();
+        let near_long = transform.transform_point3(Vec3::new(0.31, 0.001, 0.0)).as_dvec3();
         let in_the_middle = transform.transform_point3(Vec3::new(0.31, 0.1, 0.0)).as_dvec3();
         let near_side = transform.transform_point3(Vec3::new(0.999, 0.1, 0.0)).as_dvec3();
         for projection in
@@ -85,9 +100,12 @@ mod tests {
         {
             let eye = Vec3::Z * 3.0;
             let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, projection, near: 0.1 };
-            let view = View::new(&camera, [1000, 1000], 8);
-            let length = |seen| edge_length(&mesh, &transform, &view, seen);
-            assert!((length(near_edge).unwrap() - 2.0).abs() < 1e-6);
+            let view = CullView::new(&camera, [1000, 1000], 8);
+            let length = |seen| {
+                let place = in_image(&view, seen);
+                near_edge(&mesh, &transform, &view, seen, place).map(|edge| edge.length_m)
+            };
+            assert!((length(near_long).unwrap() - 2.0).abs() < 1e-6);
             assert!((length(near_side).unwrap() - 0.4).abs() < 1e-6);
             assert_eq!(length(in_the_middle), None);
         }

@@ -245,7 +245,7 @@ impl CubeView {
 
 #[cfg(test)]
 mod tests {
-    use antumbra::cull::View;
+    use antumbra::cull::CullView;
 
     use super::*;
 
@@ -308,7 +308,7 @@ mod tests {
 
     /// Returns where a point lies in the image, in normalised device coordinates.
     fn place(camera: &OrbitCamera, point: Vec3) -> Vec3 {
-        View::new(&camera.camera(2.0), [1000, 1000], 8).view_proj.project_point3(point)
+        CullView::new(&camera.camera(2.0), [1000, 1000], 8).view_proj.project_point3(point)
     }
 
     #[test]

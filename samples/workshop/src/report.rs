@@ -43,6 +43,8 @@ pub enum CommandOutcome {
     Done,
     /// It could not be done, for this reason. Nothing has changed.
     Refused(String),
+    /// The machine failed, for this reason. The script ended here.
+    Failed(String),
     /// The part under a pixel; `None` where there is none.
     Picked(Option<PickedPoint>),
     /// The parts that are selected.
@@ -64,6 +66,12 @@ pub enum CommandOutcome {
     Edge {
         /// Its length from corner to corner, in millimetres; `None` where no edge is near.
         length_mm: Option<f64>,
+    },
+    /// Edges are drawn, or no longer.
+    Edges {
+        /// The stage that widens lines on this device; absent where no edges are drawn.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        path: Option<String>,
     },
     /// Curved parts were made anew.
     Tessellated {
@@ -130,7 +138,7 @@ impl CommandOutcome {
     pub fn sentence(&self) -> Option<String> {
         match self {
             Self::Done | Self::Played { .. } | Self::Picked(_) => None,
-            Self::Refused(reason) => Some(reason.clone()),
+            Self::Refused(reason) | Self::Failed(reason) => Some(reason.clone()),
             Self::Selected(names) => match &names[..] {
                 [] => None,
                 [name] => Some(name.clone()),
@@ -151,6 +159,7 @@ impl CommandOutcome {
             Self::Distance { distance_mm: None } => Some("no part is there".to_owned()),
             Self::Edge { length_mm: Some(length_mm) } => Some(format!("edge {length_mm:.3} mm")),
             Self::Edge { length_mm: None } => Some("no edge is there".to_owned()),
+            Self::Edges { path } => path.as_ref().map(|path| format!("edges by {path}")),
             Self::Tessellated { triangles, path } => {
                 Some(format!("{triangles} triangles by {path}"))
             }

@@ -89,6 +89,8 @@ fn carry_out(
                 report.steps.push(ScriptStep { command: text.clone(), outcome });
             }
             Err(error) => {
+                let outcome = CommandOutcome::Failed(error.to_string());
+                report.steps.push(ScriptStep { command: text.clone(), outcome });
                 failed = Err(error);
                 break;
             }
@@ -162,9 +164,17 @@ pub(crate) fn model(arguments: &WorkshopArguments) -> Result<Model, RunError> {
             for note in &loaded.notes {
                 tracing::warn!("{note}");
             }
+            let posed = loaded.placements.iter().filter(|of| of.skinned_mesh.is_some()).count();
+            if posed > 0 {
+                tracing::warn!(
+                    "{posed} parts are skinned or morphed: they are shown, measured and exported as their meshes are, in no pose"
+                );
+            }
             let parts = file_parts(&loaded);
+            let bodies = loaded.object_nodes.iter().map(|node| node.0).collect();
             let mut document = Document::new(loaded.scene, parts, None);
             document.origin_m = loaded.origin_m;
+            document.bodies = bodies;
             Ok(Model { document, path: Vec::new() })
         }
         other => Err(RunError::user(format!(

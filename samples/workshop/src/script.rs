@@ -310,6 +310,7 @@ pub fn read(path: &Path) -> Result<Vec<ScriptLine>, UsageError> {
     let shown = shown(path);
     let text = input_file::read_text(path, MOST_BYTES)
         .map_err(|error| UsageError(format!("cannot read the script '{shown}': {error}")))?;
+    let text = text.trim_start_matches('\u{feff}');
     let lines = (1..).zip(text.lines().map(str::trim));
     let lines = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
     lines

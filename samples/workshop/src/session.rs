@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use antumbra::cull::{Aabb, FrameId, View};
-use antumbra::glam::DVec3;
+use antumbra::cull::{Aabb, CullView, FrameId, SectionMember, SectionPlanes};
+use antumbra::glam::{DVec2, DVec3};
 use antumbra::gpu::{Device, SampleCount};
-use antumbra::render::{HostOverlay, TransparencyOptions};
+use antumbra::render::{EdgeMode, EdgePath, HostOverlay, TransparencyOptions};
 use antumbra::{Camera, ObjectId, Renderer};
 use bench::legend;
 use bench::options::FrameSize;
@@ -19,8 +19,8 @@ use crate::document::{CommandError, Display, Document};
 use crate::explode::least_gap;
 use crate::export::{glb, left_out};
 use crate::hinge::Turn;
-use crate::hit::{Ray, hit_mesh};
-use crate::measure::edge_length;
+use crate::hit::{Ray, hit_part};
+use crate::measure::{NearEdge, in_image, near_edge};
 use crate::orbit::OrbitCamera;
 use crate::report::{CommandOutcome, LidTurn, PickedPoint, not_blended};
 use crate::retessellate::{CurvedParts, Tessellated};
@@ -107,7 +107,8 @@ impl WorkshopSession {
             Command::Edge(at) => self.edge(*at)?,
             Command::Edges(mode) => {
                 self.viewport.set_edges(*mode)?;
-                CommandOutcome::Done
+                let path = (*mode != EdgeMode::Off).then(|| EdgePath::of(self.viewport.device()));
+                CommandOutcome::Edges { path: path.map(|path| path.name().to_owned()) }
             }
             Command::Overlay(overlay) => {
                 self.viewport.set_overlay(*overlay)?;
@@ -194,9 +195,8 @@ impl WorkshopSession {
             Command::Lid { degrees } => return self.turn_lid(*degrees),
             Command::Explode { gap_mm } => {
                 document.explode(*gap_mm / MM as f32);
-                let is_shown = |object: &ObjectId| document.display(*object) != Display::Hidden;
-                let boxes = document.objects().filter(is_shown);
-                let boxes: Vec<_> = boxes.map(|object| document.bounds(object)).collect();
+                let bodies = document.shown_bodies();
+                let boxes: Vec<Aabb> = bodies.iter().map(|body| body.bounds).collect();
                 return Ok(CommandOutcome::Exploded {
                     least_gap_mm: least_gap(&boxes).map(|gap| gap * MM),
                 });
@@ -247,20 +247,37 @@ impl WorkshopSession {
         Ok(CommandOutcome::Distance { distance_mm })
     }
 
+    /// Measures the edge nearest to a pixel, of the parts at it and beside it: lines are drawn half
+    /// outside of their parts.
     fn edge(&mut self, at: Pixel) -> Result<CommandOutcome, RunError> {
-        let Some((object, point)) = self.hit(at)? else {
-            return Ok(CommandOutcome::Edge { length_mm: None });
-        };
-        Ok(self.edge_of(object, point))
+        let mut nearest: Option<NearEdge> = None;
+        let place = DVec2::new(f64::from(at.x), f64::from(at.y)) + 0.5;
+        for [right, down] in [[0, 0], [-2, 0], [2, 0], [0, -2], [0, 2]] {
+            let beside = at.x.checked_add_signed(right).zip(at.y.checked_add_signed(down));
+            let Some((x, y)) =
+                beside.filter(|(x, y)| *x < self.size.width && *y < self.size.height)
+            else {
+                continue;
+            };
+            let Some((object, point)) = self.hit(Pixel { x, y })? else { continue };
+            let near = self.near_edge(object, point, place);
+            nearest = nearest.into_iter().chain(near).min_by(|a, b| {
+                // Of an edge that is found twice the first stays.
+                a.apart_pixels.total_cmp(&b.apart_pixels)
+            });
+        }
+        Ok(CommandOutcome::Edge { length_mm: nearest.map(|edge| edge.length_m * MM) })
     }
 
     /// Measures the edge of an object near a point of it.
     fn edge_of(&self, object: ObjectId, point: DVec3) -> CommandOutcome {
-        let view = self.view();
+        let near = self.near_edge(object, point, in_image(&self.view(), point));
+        CommandOutcome::Edge { length_mm: near.map(|edge| edge.length_m * MM) }
+    }
+
+    fn near_edge(&self, object: ObjectId, point: DVec3, place: DVec2) -> Option<NearEdge> {
         let transform = self.document.transform(object);
-        let mesh = self.document.mesh(object);
-        let length_m = mesh.and_then(|mesh| edge_length(mesh, &transform, &view, point));
-        CommandOutcome::Edge { length_mm: length_m.map(|length_m| length_m * MM) }
+        near_edge(self.document.mesh(object)?, &transform, &self.view(), point, place)
     }
 
     /// Returns the part that owns a pixel, as the GPU drew it, and the point of it there.
@@ -270,8 +287,12 @@ impl WorkshopSession {
         let ray = Ray::of_pixel(&self.viewport.view_of(&camera), at.x, at.y);
         let transform = self.document.transform(seen.object);
         let mesh = self.document.mesh(seen.object);
-        let exact = mesh.and_then(|mesh| hit_mesh(mesh, &transform, &ray, seen.point));
-        Ok(Some((seen.object, exact.map_or(seen.point, |hit| hit.point))))
+        let section = match self.document.member(seen.object) {
+            SectionMember::Cut => self.viewport.section(),
+            SectionMember::Whole => SectionPlanes::default(),
+        };
+        let exact = mesh.and_then(|mesh| hit_part(mesh, &transform, &ray, &section, seen.point));
+        Ok(Some((seen.object, exact.unwrap_or(seen.point))))
     }
 
     fn play(&mut self, frames: u32) -> Result<CommandOutcome, RunError> {
@@ -380,7 +401,7 @@ impl WorkshopSession {
     }
 
     /// Returns the view of the next frame.
-    pub fn view(&self) -> View {
+    pub fn view(&self) -> CullView {
         self.viewport.view_of(&self.camera())
     }
 

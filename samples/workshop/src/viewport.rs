@@ -1,29 +1,22 @@
 //! The document on the GPU: follows its state, draws it, finds the part under a pixel.
 
-use antumbra::cull::{FrameId, SectionPlanes, Strategy, View};
-use antumbra::glam::{Affine3A, Mat3A};
+use antumbra::cull::{CullView, FrameId, SectionPlanes, Strategy};
+use antumbra::glam::Affine3A;
 use antumbra::gpu::{Device, Readback, SampleCount};
 use antumbra::occlusion::Rect;
 use antumbra::render::{
     DebugOverlay, EdgeMode, EdgeOptions, Error, HostOverlay, ObjectOutline, PointedSurface,
-    SpareRoom, TransparencyOptions,
+    SpareCapacity, TransparencyOptions,
 };
 use antumbra::scene::{
-    Alpha, MaterialId, MeshId, Object, ObjectChange, PreparedMesh, Scene, SceneUpdate, Surfaces,
-    TransparentId, TransparentMove,
+    MeshId, Object, ObjectChange, PreparedMesh, SceneUpdate, TransparentId, TransparentMove,
 };
-use antumbra::{Camera, FrameRequest, ObjectId, Renderer, RendererOptions, ViewState};
+use antumbra::{Camera, FrameRequest, ObjectId, RenderView, Renderer, RendererOptions};
 use bench::transparency::{FragmentsReport, TransparencyReport};
 
 use crate::document::{CommandError, Display, Document};
+use crate::ghosts::{NOWHERE, add_ghosts};
 use crate::script::Pixel;
-
-/// The most objects of a model whose parts can be shown transparent: each has a second object for
-/// it on the GPU, and transparent objects are sorted in every frame.
-pub const MOST_GHOSTED_OBJECTS: usize = 4096;
-
-/// The opacity of a transparent part.
-const GHOST_ALPHA: f32 = 0.25;
 
 /// The colour of the line around what is selected.
 const SELECTED_COLOUR: [f32; 3] = [1.0, 0.35, 0.0];
@@ -38,7 +31,7 @@ const OUTLINE_PIXELS: f32 = 2.0;
 const FRAMES_BEFORE_OVERLAY: u32 = 4;
 
 /// Room for curved parts that are made anew.
-const CURVED_ROOM: SpareRoom = SpareRoom {
+const CURVED_ROOM: SpareCapacity = SpareCapacity {
     meshes: 2,
     vertices: 1 << 17,
     indices: 1 << 19,
@@ -48,10 +41,6 @@ const CURVED_ROOM: SpareRoom = SpareRoom {
     materials: 0,
     textures: Vec::new(),
 };
-
-/// The place of a transparent part that is not shown: a point.
-const NOWHERE: Affine3A =
-    Affine3A { matrix3: Mat3A::ZERO, translation: antumbra::glam::Vec3A::ZERO };
 
 /// An object as the renderer has it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,9 +54,9 @@ struct Placed {
 /// A document on the GPU.
 pub struct ModelViewport {
     renderer: Renderer,
-    view: ViewState,
+    view: RenderView,
     /// The view whose history serves [`ModelViewport::visible`].
-    counting: ViewState,
+    counting: RenderView,
     /// The objects of the document, in their order.
     placed: Vec<Placed>,
     /// The renderer's mesh for each one of the document.
@@ -116,7 +105,7 @@ impl ModelViewport {
     ) -> Result<Self, Error> {
         let mut scene = document.scene.clone().with_surfaces();
         let first_ghost = add_ghosts(&mut scene);
-        let spare = if document.curved.is_empty() { SpareRoom::default() } else { CURVED_ROOM };
+        let spare = if document.curved.is_empty() { SpareCapacity::default() } else { CURVED_ROOM };
         let options =
             RendererOptions { size, samples, transparency, spare, ..RendererOptions::default() };
         let renderer = Renderer::new(device, &scene, &options)?;
@@ -151,7 +140,7 @@ impl ModelViewport {
     }
 
     /// Returns the view of a camera.
-    pub fn view_of(&self, camera: &Camera) -> View {
+    pub fn view_of(&self, camera: &Camera) -> CullView {
         self.renderer.view_of(camera)
     }
 
@@ -299,7 +288,7 @@ impl ModelViewport {
     /// Returns the number of objects that the newest frame drew whose results are known, if any
     /// became known since the last call.
     pub fn take_drawn(&mut self) -> Option<u64> {
-        self.view.take_outcomes().next_back().map(|outcome| outcome.draws)
+        self.view.drain_stats().next_back().map(|outcome| outcome.draws)
     }
 
     /// Draws a frame and returns its image, rows of RGBA from the top. Waits for it.
@@ -317,7 +306,7 @@ impl ModelViewport {
         let image = Readback::new(self.renderer.device(), self.renderer.size())?;
         let request = FrameRequest { image: Some(&image), ..request };
         self.renderer.render(&mut self.view, &request)?;
-        self.renderer.drain(&mut self.view)?;
+        self.renderer.wait_idle(&mut self.view)?;
         Ok(image.rgba8()?.to_vec())
     }
 
@@ -330,7 +319,7 @@ impl ModelViewport {
         self.view.point_at(Some([at.x, at.y]))?;
         self.draw(camera, None)?;
         self.view.point_at(None)?;
-        self.renderer.drain(&mut self.view)?;
+        self.renderer.wait_idle(&mut self.view)?;
         Ok(self.pointed().and_then(|pointed| pointed.surface))
     }
 
@@ -425,6 +414,11 @@ impl ModelViewport {
         self.renderer.set_section(planes)
     }
 
+    /// Returns the planes that cut objects.
+    pub fn section(&self) -> SectionPlanes {
+        *self.renderer.section()
+    }
+
     /// Draws edges from the next frame on.
     ///
     /// # Errors
@@ -461,40 +455,4 @@ impl ModelViewport {
         }
         self.placed.iter().position(is_it).map(|index| ObjectId(index as u32))
     }
-}
-
-/// Adds a transparent object for each object of a scene, shown nowhere, and returns the first.
-/// Changes nothing where there are too many objects.
-fn add_ghosts(scene: &mut Scene) -> Result<TransparentId, CommandError> {
-    let Scene { meshes, objects, surfaces, .. } = scene;
-    let surfaces = surfaces.get_or_insert_default();
-    let first_ghost = TransparentId(surfaces.transparent.len() as u32);
-    if objects.len() > MOST_GHOSTED_OBJECTS {
-        return Err(CommandError::TooManyToGhost(MOST_GHOSTED_OBJECTS));
-    }
-    let first_mesh = meshes.len() as u32;
-    let first_material = surfaces.materials.len() as u32;
-    let ghosts = surfaces.materials.iter().map(|material| {
-        let [red, green, blue, _] = material.base_colour;
-        let base_colour = [red, green, blue, GHOST_ALPHA];
-        antumbra::scene::Material { base_colour, alpha: Alpha::Blend, ..material.clone() }
-    });
-    let ghosts: Vec<antumbra::scene::Material> = ghosts.collect();
-    surfaces.materials.extend(ghosts);
-    for index in 0..first_mesh as usize {
-        meshes.push(meshes[index].clone());
-        let mut surface = surfaces.meshes[index].clone();
-        surface.material = MaterialId(first_material + surface.material.0);
-        surfaces.meshes.push(surface);
-    }
-    let Surfaces { levels, transparent, .. } = surfaces;
-    if !levels.is_empty() {
-        levels.resize(meshes.len(), Vec::new());
-    }
-    transparent.extend(objects.iter().map(|object| Object {
-        mesh: MeshId(first_mesh + object.mesh.0),
-        transform: NOWHERE,
-        ..*object
-    }));
-    Ok(first_ghost)
 }

@@ -38,6 +38,7 @@ fn a_script_picks_turns_the_lid_explodes_measures_and_exports() {
             image closed.png\n\
             lid 40\n\
             image open.png\n\
+            lid -30\n\
             lid 0\n\
             image again.png\n\
             explode 12.5\n\
@@ -61,8 +62,12 @@ fn a_script_picks_turns_the_lid_explodes_measures_and_exports() {
         assert!(distance_mm > 50.0, "{distance_mm}");
         let lid = &steps[6]["lid"];
         assert!((lid["degrees"].as_f64().unwrap() - 40.0).abs() < 1e-3 && lid["contact"].is_null());
+        let shut = &steps[8]["lid"];
+        assert_eq!(shut["contact"][1], "body", "{steps:#?}");
+        let degrees = shut["degrees"].as_f64().unwrap();
+        assert!(degrees < -0.05 && degrees > -1.0, "0.6 mm to the body: {degrees}");
         // Far beyond the vertical it comes to lie on its own cable.
-        let stopped = &steps[16]["lid"];
+        let stopped = &steps[17]["lid"];
         assert_eq!(stopped["contact"][0], "lid shell", "{steps:#?}");
         assert_eq!(stopped["contact"][1], "cable");
         let degrees = stopped["degrees"].as_f64().unwrap();
@@ -70,7 +75,7 @@ fn a_script_picks_turns_the_lid_explodes_measures_and_exports() {
         let image = |name: &str| pixels(&scratch.0.join(name));
         assert!(image("open.png") != image("closed.png"));
         assert!(image("again.png") == image("closed.png"), "the lid comes back to the bit");
-        let gap_mm = steps[10]["exploded"]["least_gap_mm"].as_f64().unwrap();
+        let gap_mm = steps[11]["exploded"]["least_gap_mm"].as_f64().unwrap();
         assert!((12.5..12.6).contains(&gap_mm), "{gap_mm}");
 
         let exported = gltf::Gltf::open(scratch.0.join("body.glb")).unwrap();

@@ -2,27 +2,29 @@
 //! written to memory for nobody, and a frame moves as little as its renderings allow.
 
 use cull::{CullConfig, ObjectId, Strategy};
-use gpu::{Device, DeviceOptions, Optional, Readback, SampleCount};
-use render::{Costs, FrameRequest, Rect, Renderer, RendererOptions};
+use gpu::{Device, DeviceOptions, OptionalFeature, Readback, SampleCount};
+use render::{CostModel, FrameRequest, Rect, Renderer, RendererOptions};
 use scene::Scene;
 use scenes::{CameraPath, PathKind};
 use shadows::{CasterCulling, ShadowMethod, ShadowOptions};
-use tests::machine::AttachmentKind::{Average, Colour, Depth};
-use tests::machine::{AttachmentTraffic, LAZY_ALLOCATIONS, Machine, attachment_traffic, calls};
+use tests::fault_injection::AttachmentKind::{Average, Colour, Depth};
+use tests::fault_injection::{
+    AttachmentTraffic, FaultInjection, LAZY_ALLOCATIONS, attachment_traffic, calls,
+};
 use tests::walk::SceneKind;
-use tests::{Driver, instance_with, yard};
+use tests::{Driver, instance_with, shadow_scene};
 
 const SIZE: [u32; 2] = [128, 72];
 
 /// Calls `body` with a device of each driver whose loads and stores are recorded.
 fn with_recorder(body: impl Fn(&Device)) {
-    on_both(&Machine { records_attachments: true, ..Machine::default() }, body);
+    on_both(&FaultInjection { records_attachments: true, ..FaultInjection::default() }, body);
 }
 
 /// Calls `body` with a device of each driver on such a machine.
-fn on_both(machine: &Machine, body: impl Fn(&Device)) {
+fn on_both(faults: &FaultInjection, body: impl Fn(&Device)) {
     for driver in [Driver::Lavapipe, Driver::SwiftShader] {
-        let instance = instance_with(machine.clone().entry());
+        let instance = instance_with(faults.clone().entry());
         let adapter = instance.pick_adapter(Some(driver.device_name())).unwrap();
         let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
         body(&device);
@@ -36,7 +38,7 @@ fn options() -> RendererOptions {
         methods: methods::all(),
         size: SIZE,
         frames_in_flight: 1,
-        costs: Costs::Ignored,
+        cost_model: CostModel::Off,
         ..RendererOptions::default()
     }
 }
@@ -68,7 +70,7 @@ fn walk(
         let traffic = attachment_traffic();
         assert_eq!(traffic.faults, [""; 0], "{strategy}, frame {frame}");
         check(frame, &traffic);
-        renderer.drain(&mut view).unwrap();
+        renderer.wait_idle(&mut view).unwrap();
     }
 }
 
@@ -113,14 +115,14 @@ fn shadowed(method: ShadowMethod) -> RendererOptions {
 #[test]
 fn surfaces_load_no_colour_and_store_it_once() {
     with_recorder(|device| {
-        let scene = yard::scene(&yard::boxes(), &yard::lights());
+        let scene = shadow_scene::scene(&shadow_scene::boxes(), &shadow_scene::lights());
         for method in [ShadowMethod::Off, ShadowMethod::Maps, ShadowMethod::Volumes] {
             let Ok(mut renderer) = Renderer::new(device, &scene, &shadowed(method)) else {
                 assert!(method == ShadowMethod::Volumes && !has_volumes(device));
                 continue;
             };
             for strategy in supported(&renderer) {
-                let cameras = [yard::camera(); 4];
+                let cameras = [shadow_scene::camera(); 4];
                 walk(&mut renderer, strategy, &cameras, |frame, traffic| {
                     let what = format!("{strategy}, {method:?}, frame {frame}: {traffic:?}");
                     assert_eq!((traffic.loads(Colour), traffic.stores(Colour)), (0, 1), "{what}");
@@ -139,7 +141,7 @@ fn surfaces_load_no_colour_and_store_it_once() {
 }
 
 fn has_volumes(device: &Device) -> bool {
-    device.capabilities().has(Optional::DepthClamp)
+    device.capabilities().has(OptionalFeature::DepthClamp)
 }
 
 /// Returns the traffic of the first frame of frustum culling.
@@ -148,10 +150,10 @@ fn first_frame(device: &Device, scene: &Scene, options: &RendererOptions) -> Att
     let mut view = renderer.new_view().unwrap();
     let image = Readback::new(device, renderer.size()).unwrap();
     attachment_traffic();
-    let request = FrameRequest::new(Strategy::FRUSTUM, yard::camera());
+    let request = FrameRequest::new(Strategy::FRUSTUM, shadow_scene::camera());
     renderer.render(&mut view, &FrameRequest { image: Some(&image), ..request }).unwrap();
     let traffic = attachment_traffic();
-    renderer.drain(&mut view).unwrap();
+    renderer.wait_idle(&mut view).unwrap();
     assert_eq!((&traffic.faults[..], &traffic.unread[..]), (&[][..], &[][..]), "{traffic:?}");
     traffic
 }
@@ -159,7 +161,7 @@ fn first_frame(device: &Device, scene: &Scene, options: &RendererOptions) -> Att
 #[test]
 fn samples_never_leave_the_gpu() {
     with_recorder(|device| {
-        let surfaces = yard::scene(&yard::boxes(), &[]);
+        let surfaces = shadow_scene::scene(&shadow_scene::boxes(), &[]);
         let plain = Scene { surfaces: None, ..surfaces.clone() };
         let samples = RendererOptions { samples: SampleCount::Four, ..options() };
         for scene in [plain, surfaces] {
@@ -173,10 +175,10 @@ fn samples_never_leave_the_gpu() {
 #[test]
 fn samples_take_no_memory_where_they_need_none() {
     for is_lazy in [false, true] {
-        on_both(&Machine { is_lazy, ..Machine::default() }, |device| {
+        on_both(&FaultInjection { is_lazy, ..FaultInjection::default() }, |device| {
             for samples in [SampleCount::One, SampleCount::Four] {
                 let options = RendererOptions { samples, ..options() };
-                let scene = yard::scene(&yard::boxes(), &[]);
+                let scene = shadow_scene::scene(&shadow_scene::boxes(), &[]);
                 let before = calls(LAZY_ALLOCATIONS);
                 drop(first_frame(device, &scene, &options));
                 let taken = calls(LAZY_ALLOCATIONS) - before;
@@ -209,7 +211,7 @@ fn several_samples_are_averaged_once_by_every_strategy() {
 #[test]
 fn samples_stay_averaged_where_objects_are_watched() {
     with_recorder(|device| {
-        let surfaces = yard::scene(&yard::boxes(), &[]);
+        let surfaces = shadow_scene::scene(&shadow_scene::boxes(), &[]);
         let plain = Scene { surfaces: None, ..surfaces.clone() };
         let samples = RendererOptions { samples: SampleCount::Four, ..options() };
         for scene in [plain, surfaces] {
@@ -223,14 +225,14 @@ fn samples_stay_averaged_where_objects_are_watched() {
                     continue;
                 }
                 attachment_traffic();
-                let request = FrameRequest::new(strategy, yard::camera());
+                let request = FrameRequest::new(strategy, shadow_scene::camera());
                 let request = FrameRequest { image: Some(&image), ..request };
                 renderer.render(&mut view, &request).unwrap();
                 let traffic = attachment_traffic();
                 assert_eq!(traffic.faults, [""; 0], "{strategy}: {traffic:?}");
                 assert_eq!(traffic.stores(Average), 1, "{strategy}: {traffic:?}");
             }
-            renderer.drain(&mut view).unwrap();
+            renderer.wait_idle(&mut view).unwrap();
         }
     });
 }
@@ -239,7 +241,7 @@ fn samples_stay_averaged_where_objects_are_watched() {
 fn maps_that_are_drawn_afresh_load_nothing() {
     with_recorder(|device| {
         // A spot has one map.
-        let scene = yard::scene(&yard::boxes(), &yard::lights()[1..2]);
+        let scene = shadow_scene::scene(&shadow_scene::boxes(), &shadow_scene::lights()[1..2]);
         let culling = CasterCulling::Unculled;
         let method = ShadowMethod::Maps;
         let shadows = ShadowOptions { method, culling, ..ShadowOptions::default() };
@@ -253,7 +255,7 @@ fn maps_that_are_drawn_afresh_load_nothing() {
 #[test]
 fn casters_that_are_culled_store_nothing_of_the_view() {
     with_recorder(|device| {
-        let scene = yard::scene(&yard::boxes(), &yard::lights());
+        let scene = shadow_scene::scene(&shadow_scene::boxes(), &shadow_scene::lights());
         for method in [ShadowMethod::Maps, ShadowMethod::Volumes] {
             let shadows = ShadowOptions { method, ..ShadowOptions::default() };
             assert_ne!(shadows.culling, CasterCulling::Unculled);

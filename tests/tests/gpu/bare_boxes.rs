@@ -3,13 +3,15 @@
 
 use std::sync::Arc;
 
-use cull::{Aabb, Camera, CullConfig, Culler, DrawPhases, Hierarchy, Projection, Strategy, View};
+use cull::{
+    Aabb, Camera, CullConfig, CullView, Culler, DrawPhases, Hierarchy, Projection, Strategy,
+};
 use glam::{Vec3, vec3};
 use gpu::{Commands, Device, FrameRing, IndirectDraw, Readback, RenderTarget, Target};
 use occlusion::{
-    BucketId, Error, LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, Method, MethodRequest,
-    MethodScene, ObjectPass, ObjectRenderer, OcclusionPasses, PlanExecutor, PlannedMethod,
-    Rendering, ShaderSet, VisibilityState, execute, list_draws,
+    AntumbraMethod, BucketId, Error, LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, Method,
+    MethodRequest, MethodScene, ObjectPass, ObjectRenderer, OcclusionPasses, OcclusionState,
+    PlanExecutor, Rendering, ShaderSet, execute, list_draws,
 };
 use tests::numbered_boxes::{BOX_INDICES, NumberedBoxes};
 use tests::walk::pixels_that_differ;
@@ -36,12 +38,12 @@ impl ObjectRenderer for Boxes {
         &mut self.target
     }
 
-    fn rendering(&self, view: &View, rendering: Rendering) -> RenderTarget {
+    fn rendering(&self, view: &CullView, rendering: Rendering) -> RenderTarget {
         let clear = (rendering == Rendering::First).then_some([0.0, 0.0, 0.0, 1.0]);
         self.target.render_target(clear).within(view.origin, view.size)
     }
 
-    fn bind(&self, commands: &Commands, view: &View, _bucket: BucketId, _pass: ObjectPass) {
+    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId, _pass: ObjectPass) {
         self.boxes.bind(commands, view);
     }
 }
@@ -54,7 +56,7 @@ struct Host {
     hierarchy: Hierarchy,
     executor: PlanExecutor,
     objects: Boxes,
-    state: VisibilityState,
+    state: OcclusionState,
     images: Vec<Readback>,
 }
 
@@ -75,7 +77,7 @@ impl Host {
         let executor = PlanExecutor { passes, leaves };
         let testers = executor.testers(device, &objects.target, DrawPhases::PerRound);
         let culler = Culler::with_testers(CullConfig::default(), testers);
-        let state = VisibilityState::new(device, &hierarchy, &executor.leaves, 2, culler).unwrap();
+        let state = OcclusionState::new(device, &hierarchy, &executor.leaves, 2, culler).unwrap();
         Self {
             device: device.clone(),
             frames: FrameRing::new(device, 2).unwrap(),
@@ -91,13 +93,13 @@ impl Host {
     /// Draws a frame, whose results and image come back when it is over.
     fn draw(&mut self, strategy: Strategy, camera: &Camera) {
         let Self { device, shaders, frames, hierarchy, executor, objects, state, images } = self;
-        let view = View::new(camera, SIZE, device.adapter().limits.sub_pixel_precision_bits);
+        let view = CullView::new(camera, SIZE, device.adapter().limits.sub_pixel_precision_bits);
         let mut frame = frames.begin().unwrap();
         state.collect(device.completed().unwrap(), hierarchy, &executor.leaves);
         let mut scene = MethodScene { device, shaders, hierarchy, executor, objects };
         let request = MethodRequest { strategy, view: &view, visible: &[], after: None };
-        PlannedMethod.plan(state, &mut scene, &request, 4096);
-        PlannedMethod.record(&mut frame, state, &mut scene, &request).unwrap();
+        AntumbraMethod.plan(state, &mut scene, &request, 4096);
+        AntumbraMethod.record(&mut frame, state, &mut scene, &request).unwrap();
         let image = Readback::new(device, SIZE).unwrap();
         objects.target.copy_to(frame.commands(), &image);
         images.push(image);
@@ -137,7 +139,7 @@ fn an_owner_of_bare_boxes_gets_the_same_image_and_draws_less() {
             plain.draw(Strategy::FRUSTUM, &camera);
             culled.draw(Strategy::ANTUMBRA, &camera);
         }
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         for (frame, images) in plain.images.iter().zip(&culled.images).enumerate() {
             let [plain, culled] = [images.0, images.1].map(|image| image.rgba8().unwrap());
             assert_eq!(pixels_that_differ(&plain, &culled), 0, "frame {frame}");
@@ -146,7 +148,7 @@ fn an_owner_of_bare_boxes_gets_the_same_image_and_draws_less() {
             let completed = host.device.completed().unwrap();
             host.state.collect(completed, &host.hierarchy, &host.executor.leaves);
         }
-        let drawn = |host: &mut Host| host.state.take_outcomes().next_back().unwrap().draws;
+        let drawn = |host: &mut Host| host.state.drain_stats().next_back().unwrap().draws;
         let [all, few] = [&mut plain, &mut culled].map(drawn);
         assert!(few > 1 && few < all / 2, "{few} of {all} boxes drawn");
     });
@@ -165,7 +167,7 @@ fn a_plan_of_many_rounds_is_refused_as_lists_and_drawn_by_the_engine() {
             projection: Projection::perspective(0.9),
             near: 0.1,
         };
-        let view = View::new(&camera, SIZE, device.adapter().limits.sub_pixel_precision_bits);
+        let view = CullView::new(&camera, SIZE, device.adapter().limits.sub_pixel_precision_bits);
         let mut frame = frames.begin().unwrap();
         state.plan_frame(hierarchy, &executor.leaves, Strategy::ANTUMBRA, &view, 4096);
         assert!(state.plan().rounds.len() > 1, "{:?}", state.plan().rounds);
@@ -176,9 +178,9 @@ fn a_plan_of_many_rounds_is_refused_as_lists_and_drawn_by_the_engine() {
         execute(&mut frame, executor, state, objects, &*shaders, &view).unwrap();
         let tick = frame.submit(None).unwrap();
         state.submitted(tick, &executor.leaves, None);
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         state.collect(device.completed().unwrap(), hierarchy, &executor.leaves);
-        let draws: u64 = state.take_outcomes().map(|outcome| outcome.draws).sum();
+        let draws: u64 = state.drain_stats().map(|outcome| outcome.draws).sum();
         assert!(draws > 0 && draws < 900, "{draws} drawn");
     });
 }

@@ -2,7 +2,7 @@
 //! over.
 
 use glam::Vec3;
-use gpu::{BlockingQueryPool, Counting, FrameRing, Optional, QueryIndex, Target};
+use gpu::{BlockingQueryPool, Counting, FrameRing, OptionalFeature, QueryIndex, Target};
 use occlusion::{ProxyBox, ProxyIo};
 use tests::run_on_all;
 use tests::shapes::{DepthBoxes, box_at, proxy_pass, square_view};
@@ -26,7 +26,7 @@ fn every_answer_is_home_when_its_piece_is_over() {
         let mut target = Target::new(device, [64, 64], "target").unwrap();
         let mut ring = FrameRing::new(device, 2).unwrap();
         let mut queries = BlockingQueryPool::new(device, 2, "test");
-        let counts_samples = device.capabilities().has(Optional::PreciseQueries);
+        let counts_samples = device.capabilities().has(OptionalFeature::PreciseQueries);
         for round in 0..5_u32 {
             let mut frame = ring.begin().unwrap();
             queries.begin(frame.slot());
@@ -68,6 +68,6 @@ fn every_answer_is_home_when_its_piece_is_over() {
             assert_eq!(queries.samples(QueryIndex(first)), 0, "never taken");
             frame.submit(None).unwrap();
         }
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
     });
 }

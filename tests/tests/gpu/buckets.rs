@@ -9,9 +9,9 @@ mod mistakes;
 use boxes::Part;
 use cull::{Aabb, Camera, ObjectId, Projection, Strategy};
 use glam::{Vec3, vec3};
-use gpu::{Device, Optional, Predicates, Predication};
+use gpu::{Device, OptionalFeature, Predicates, PredicationMode};
 use host::{Host, Recorder};
-use occlusion::{Assumption, Trust};
+use occlusion::{DriverAssumption, DriverQuirks};
 use tests::run_on_all;
 use tests::walk::pixels_that_differ;
 
@@ -110,7 +110,7 @@ fn change(host: &mut Host, random: &mut Random, frame: u32, buckets: u32) {
 fn furnished(
     device: &Device,
     buckets: u32,
-    predication: Predication,
+    predication: PredicationMode,
     recorder: Recorder,
     random: &mut Random,
 ) -> Host {
@@ -144,7 +144,7 @@ fn camera(side: f32, along: f32) -> Camera {
 fn compare(
     device: &Device,
     buckets: u32,
-    predication: Predication,
+    predication: PredicationMode,
     recorder: Recorder,
     strategy: Strategy,
 ) {
@@ -156,7 +156,7 @@ fn compare(
         let side = (frame / 5 % 3) as f32 - 1.0;
         host.draw(strategy, &camera(side, frame as f32 * 0.05));
     }
-    device.drain().unwrap();
+    device.wait_idle().unwrap();
     let what = format!("{strategy}, {buckets} buckets, {}, {recorder:?}", predication.name());
     for (frame, [culled, all]) in host.images.iter().enumerate() {
         let [culled, all] = [culled, all].map(|image| image.rgba8().unwrap());
@@ -165,14 +165,14 @@ fn compare(
     let listed = host.listed();
     let (drawn, there) = host.fewest_and_all();
     assert!(drawn > 0 && drawn < there / 2, "{drawn} of {there} draws, {what}");
-    let has_counts = device.capabilities().has(Optional::DrawIndirectCount);
+    let has_counts = device.capabilities().has(OptionalFeature::DrawIndirectCount);
     let are_listed = recorder == Recorder::Host && has_counts;
     assert_eq!(listed > 0, are_listed, "{what}");
     assert!(listed < u64::from(FRAMES) * there / 3, "{listed} of {there} draws, {what}");
 }
 
-fn executors(device: &Device) -> Vec<Predication> {
-    let all = Predication::ALL;
+fn executors(device: &Device) -> Vec<PredicationMode> {
+    let all = PredicationMode::ALL;
     all.into_iter()
         .filter(|predication| Predicates::linked(device, Some(*predication), 1, 1).is_ok())
         .collect()
@@ -202,16 +202,22 @@ fn transparent_objects_are_drawn_untested_where_flags_are_distrusted() {
         let mut random = Random(7);
         let buckets = 3;
 
-        let trust = Trust::without(&[Assumption::FlagWrites]);
+        let quirks = DriverQuirks::without(&[DriverAssumption::FlagWrites]);
         let mut host = furnish(
-            Host::with_trust(device, buckets, Predication::Instances, Recorder::Engine, trust),
+            Host::with_quirks(
+                device,
+                buckets,
+                PredicationMode::Instances,
+                Recorder::Engine,
+                quirks,
+            ),
             buckets,
             &mut random,
         );
         for frame in 0..6 {
             host.draw(Strategy::ANTUMBRA, &camera(frame as f32 / 5.0 - 0.5, 0.0));
         }
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         for (frame, [culled, all]) in host.images.iter().enumerate() {
             let [culled, all] = [culled, all].map(|image| image.rgba8().unwrap());
             assert_eq!(pixels_that_differ(&culled, &all), 0, "frame {frame}");
@@ -262,7 +268,7 @@ fn a_host_that_draws_visible_objects_alone_is_right_again_when_all_stands_still(
             let side = if frame < 12 { -1.0 } else { 1.0 };
             host.draw(Strategy::ANTUMBRA, &camera(side, 0.0));
         }
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         let wrong = host.images.iter().map(|[culled, all]| {
             let [culled, all] = [culled, all].map(|image| image.rgba8().unwrap());
             pixels_that_differ(&culled, &all)

@@ -2,8 +2,8 @@
 //! are right with any costs.
 
 use cull::{CostTable, Strategy};
-use gpu::{Device, Optional, Predication, Readback};
-use render::{Costs, FrameRequest, Renderer, RendererOptions};
+use gpu::{Device, OptionalFeature, PredicationMode, Readback};
+use render::{CostModel, FrameRequest, Renderer, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::{Driver, run, run_on_all};
 
@@ -27,35 +27,37 @@ fn walk(device: &Device, options: &RendererOptions) -> (Option<CostTable>, u32) 
             let report = renderer.render(&mut histories[which], &request).unwrap();
             untested += report.plan.untested_by_cost;
         }
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         let [expected, found] = &images;
         assert!(*expected.rgba8().unwrap() == *found.rgba8().unwrap(), "frame {frame}");
     }
     (renderer.costs(), untested)
 }
 
-fn options(costs: Costs) -> RendererOptions {
-    RendererOptions { size: SIZE, costs, ..RendererOptions::default() }
+fn options(cost_model: CostModel) -> RendererOptions {
+    RendererOptions { size: SIZE, cost_model, ..RendererOptions::default() }
 }
 
 #[test]
 fn measured_costs_can_be_and_images_are_right() {
     run_on_all(|device| {
-        let (costs, _) = walk(device, &options(Costs::Measured));
-        let costs = costs.expect("a table").checked().expect("costs that can be");
-        println!("{costs:?}");
-        // Any one price may drown in the noise of a busy machine; all of them cannot.
-        assert_ne!(costs, CostTable::default(), "nothing was measured");
-        assert_ne!(costs, CostTable::uniform(0.0), "everything is free");
+        let (cost_model, _) = walk(device, &options(CostModel::Measured));
+        let cost_model = cost_model.expect("a table").checked().expect("cost_model that can be");
+        println!("{cost_model:?}");
+        // Any one cost may drown in the noise of a busy machine; all of them cannot.
+        assert_ne!(cost_model, CostTable::default(), "nothing was measured");
+        assert_ne!(cost_model, CostTable::uniform(0.0), "everything is free");
     });
 }
 
 #[test]
 fn every_way_to_skip_draws_can_be_measured() {
     run(Driver::Lavapipe, |device| {
-        for predication in [Predication::Counts, Predication::Instances, Predication::Compacted] {
+        for predication in
+            [PredicationMode::Counts, PredicationMode::Instances, PredicationMode::Compacted]
+        {
             let options =
-                RendererOptions { predication: Some(predication), ..options(Costs::Measured) };
+                RendererOptions { predication: Some(predication), ..options(CostModel::Measured) };
             walk(device, &options);
         }
     });
@@ -65,15 +67,15 @@ fn every_way_to_skip_draws_can_be_measured() {
 fn the_executor_is_the_cheapest_that_the_device_has() {
     run_on_all(|device| {
         let scene = city(400, 5).unwrap().scene;
-        let renderer = Renderer::new(device, &scene, &options(Costs::Measured)).unwrap();
-        let choice = renderer.price_choice();
+        let renderer = Renderer::new(device, &scene, &options(CostModel::Measured)).unwrap();
+        let choice = renderer.culling_setup();
         let has =
-            Predication::ALL.into_iter().filter(|predication| predication.is_supported(device));
-        let measured: Vec<Predication> =
+            PredicationMode::ALL.into_iter().filter(|predication| predication.is_supported(device));
+        let measured: Vec<PredicationMode> =
             choice.skip_ns.iter().map(|(predication, _)| *predication).collect();
         assert_eq!(measured.len(), has.clone().count());
         assert!(has.clone().all(|name| measured.contains(&name)), "{measured:?}");
-        assert_eq!(measured.first(), Some(&Predication::best(device.capabilities())));
+        assert_eq!(measured.first(), Some(&PredicationMode::best(device.capabilities())));
         let ns_of = |wanted| choice.skip_ns.iter().find(|(known, _)| *known == wanted).unwrap().1;
         let chosen_ns = ns_of(choice.predication);
         // The first stays unless another is cheaper by a quarter.
@@ -82,33 +84,36 @@ fn the_executor_is_the_cheapest_that_the_device_has() {
         assert!(choice.reset_ns.command_ns.is_finite());
         assert_eq!(
             choice.reset_ns.cpu_ns.is_finite(),
-            device.capabilities().has(Optional::HostQueryReset)
+            device.capabilities().has(OptionalFeature::HostQueryReset)
         );
-        let wanted = Some(Predication::Instances);
-        let fixed = RendererOptions { predication: wanted, ..options(Costs::Measured) };
+        let wanted = Some(PredicationMode::Instances);
+        let fixed = RendererOptions { predication: wanted, ..options(CostModel::Measured) };
         let renderer = Renderer::new(device, &scene, &fixed).unwrap();
-        assert_eq!(renderer.price_choice().skip_ns.len(), 1);
-        assert_eq!(renderer.predication(), Predication::Instances);
+        assert_eq!(renderer.culling_setup().skip_ns.len(), 1);
+        assert_eq!(renderer.predication(), PredicationMode::Instances);
     });
 }
 
 #[test]
-fn images_are_right_at_any_price() {
+fn images_are_right_at_any_cost() {
     run(Driver::Lavapipe, |device| {
         // Hidden pixels are a part of draws, too.
         let draws = CostTable { hidden_pixel_ns: 0.0, ..CostTable::uniform(1.0e30) };
         let dear = CostTable { draw_ns: 1.0, triangle_ns: 1.0, ..draws };
-        let (costs, untested) = walk(device, &options(Costs::Table(dear)));
-        assert_eq!(costs, Some(dear));
+        let (cost_model, untested) = walk(device, &options(CostModel::Table(dear)));
+        assert_eq!(cost_model, Some(dear));
         assert!(untested > 0, "nothing pays for such tests");
         let free = CostTable { draw_ns: 1_000.0, ..CostTable::uniform(0.0) };
-        assert_eq!(walk(device, &options(Costs::Table(free))).1, 0, "such tests cost nothing");
+        assert_eq!(walk(device, &options(CostModel::Table(free))).1, 0, "such tests cost nothing");
         let by_compute = CostTable { draw_ns: 1.0e6, flag_box_ns: 1.0e5, query_ns: 1.0e5, ..free };
-        walk(device, &options(Costs::Table(by_compute)));
+        walk(device, &options(CostModel::Table(by_compute)));
         let nonsense = CostTable { draw_ns: f32::NAN, ..dear };
-        let refused =
-            Renderer::new(device, &city(400, 5).unwrap().scene, &options(Costs::Table(nonsense)));
-        assert!(refused.err().expect("no price").to_string().contains("draw_ns"));
-        assert_eq!(walk(device, &options(Costs::Ignored)), (None, 0));
+        let refused = Renderer::new(
+            device,
+            &city(400, 5).unwrap().scene,
+            &options(CostModel::Table(nonsense)),
+        );
+        assert!(refused.err().expect("no item_cost").to_string().contains("draw_ns"));
+        assert_eq!(walk(device, &options(CostModel::Off)), (None, 0));
     });
 }

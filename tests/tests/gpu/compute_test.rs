@@ -1,7 +1,7 @@
 //! The compute tester against the rasteriser: it never hides a box that a query on the proxy shows,
 //! and hides most of those hidden for the query.
 
-use cull::{Aabb, Camera, Projection, ProjectionKind, Rays, View};
+use cull::{Aabb, Camera, CullView, Projection, ProjectionKind, Rays};
 use glam::{Vec2, Vec3};
 use gpu::{
     Access, Buffer, Device, FrameRing, MemoryBarrier, MemoryKind, QueryIndex, QueryRing,
@@ -61,7 +61,7 @@ impl World {
             projection,
             near: numbers.scale(0.01, 0.3),
         };
-        let seen = View::new(&camera, [64, 64], 8).rays;
+        let seen = CullView::new(&camera, [64, 64], 8).rays;
         let place = |numbers: &mut Numbers, nearest: f32, farthest: f32| {
             let distance = numbers.scale(nearest, farthest);
             let ndc = Vec2::new(numbers.between(-0.9, 0.9), numbers.between(-0.9, 0.9));
@@ -90,7 +90,7 @@ impl World {
     /// covers it but for less than a pixel, where rounding decides.
     fn close_calls(numbers: &mut Numbers, size: [u32; 2], bits: u32) -> Self {
         let world = Self::new(numbers, Vec3::ZERO);
-        let view = View::new(&world.camera, size, bits);
+        let view = CullView::new(&world.camera, size, bits);
         let tested = world.tested.into_iter().step_by(10);
         let mut occluders = Vec::new();
         let mut kept = Vec::new();
@@ -142,7 +142,7 @@ fn compare_in(device: &Device, mut target: Target, worlds: &[World]) -> Vec<(u32
     let mut said = Vec::new();
     for world in worlds {
         let bits = device.adapter().limits.sub_pixel_precision_bits;
-        let view = View::new(&world.camera, size, bits);
+        let view = CullView::new(&world.camera, size, bits);
         let enlarged = world.tested.iter().filter_map(|bounds| view.margin.proxy(bounds));
         let tests: Vec<ProxyBox> = enlarged.map(ProxyBox::from).collect();
         let count = tests.len() as u32;
@@ -178,7 +178,7 @@ fn compare_in(device: &Device, mut target: Target, worlds: &[World]) -> Vec<(u32
         queries.read_back(commands);
         let tick = frame.submit(None).unwrap();
         queries.submitted(tick);
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         let answers = readback.read::<u32>(0..tests.len());
         queries.collect(device.completed().unwrap(), |test, samples| {
             said.push((samples, answers[test]));

@@ -3,10 +3,10 @@
 
 use cull::{Aabb, Camera, ObjectId, Strategy};
 use glam::{Affine3A, Vec3};
-use gpu::{Device, Predication, Readback};
+use gpu::{Device, PredicationMode, Readback};
 use render::{
-    Costs, FrameRequest, Rect, Renderer, RendererOptions, ViewState, ViewTarget, ViewsRequest,
-    VisibleSamples,
+    CostModel, FrameRequest, Rect, RenderView, Renderer, RendererOptions, ViewRequest,
+    ViewsRequest, VisibleSamples,
 };
 use scene::{MeshId, Object, ObjectChange, pack_unorm};
 use scenes::{CameraPath, GeneratedScene, PathKind};
@@ -17,11 +17,11 @@ use tests::walk::{SceneKind, pixels_that_differ};
 const SIZE: [u32; 2] = [128, 128];
 
 fn options() -> RendererOptions {
-    // Prices that are measured differ from run to run; without any, everything is tested.
+    // Costs that are measured differ from run to run; without any, everything is tested.
     RendererOptions {
         methods: methods::all(),
         size: SIZE,
-        costs: Costs::Ignored,
+        cost_model: CostModel::Off,
         ..Default::default()
     }
 }
@@ -30,11 +30,11 @@ fn renderer(device: &Device, boxes: &[Aabb], options: &RendererOptions) -> Rende
     Renderer::new(device, &box_scene(boxes), options).unwrap()
 }
 
-fn frame(renderer: &mut Renderer, view: &mut ViewState, strategy: Strategy, camera: Camera) {
+fn frame(renderer: &mut Renderer, view: &mut RenderView, strategy: Strategy, camera: Camera) {
     renderer.render(view, &FrameRequest::new(strategy, camera)).unwrap();
 }
 
-fn of(view: &ViewState, object: u32) -> Option<VisibleSamples> {
+fn of(view: &RenderView, object: u32) -> Option<VisibleSamples> {
     view.visible_samples().iter().find(|known| known.object == ObjectId(object)).copied()
 }
 
@@ -45,7 +45,7 @@ fn image(renderer: &mut Renderer, camera: Camera) -> Vec<u8> {
     let request =
         FrameRequest { image: Some(&image), ..FrameRequest::new(Strategy::FRUSTUM, camera) };
     renderer.render(&mut view, &request).unwrap();
-    renderer.drain(&mut view).unwrap();
+    renderer.wait_idle(&mut view).unwrap();
     image.rgba8().unwrap().to_vec()
 }
 
@@ -122,7 +122,7 @@ fn counts_are_pixels_with_every_strategy() {
             assert!(floor.samples > 1_000 && floor.proxy.is_none(), "{strategy}: {floor:?}");
             let behind = of(&view, BEHIND).unwrap();
             assert_eq!((behind.samples, behind.proxy), (0, None), "{strategy}");
-            renderer.drain(&mut view).unwrap();
+            renderer.wait_idle(&mut view).unwrap();
             assert_eq!(of(&view, HALF).unwrap().age_frames, 0);
         }
     });
@@ -135,18 +135,20 @@ fn counts_of_all_objects_add_up_to_the_image() {
         let GeneratedScene { scene, routes } = SceneKind::City.build(300);
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let all: Vec<ObjectId> = (0..scene.objects.len() as u32).map(ObjectId).collect();
-        for predication in [Predication::Counts, Predication::Instances, Predication::Compacted] {
+        for predication in
+            [PredicationMode::Counts, PredicationMode::Instances, PredicationMode::Compacted]
+        {
             let options = RendererOptions { predication: Some(predication), ..options() };
             let Ok(mut renderer) = Renderer::new(device, &scene, &options) else { continue };
             let mut finder = renderer.new_view().unwrap();
-            for strategy in [Strategy::ANTUMBRA_QUERIES, methods::PYRAMID, Strategy::FRUSTUM] {
+            for strategy in [Strategy::ANTUMBRA_QUERIES, methods::HZB, Strategy::FRUSTUM] {
                 let mut view = renderer.new_view().unwrap();
                 view.watch(&all).unwrap();
                 let camera = path.camera(10);
                 for _ in 0..4 {
                     frame(&mut renderer, &mut view, strategy, camera);
                 }
-                renderer.drain(&mut view).unwrap();
+                renderer.wait_idle(&mut view).unwrap();
                 let set = renderer.visible_set(&mut finder, camera, Rect::whole(SIZE)).unwrap();
                 let shown = view.visible_samples().iter().filter(|known| known.samples > 0);
                 assert_eq!(shown.count(), set.leaves().len(), "{strategy}");
@@ -169,7 +171,7 @@ fn counts_of_all_objects_add_up_to_the_image() {
 fn each_view_counts_what_it_sees() {
     run_on_all(|device| {
         let mut renderer = renderer(device, &half_covered(), &options());
-        for strategy in [Strategy::ANTUMBRA, methods::PYRAMID, methods::COHERENT] {
+        for strategy in [Strategy::ANTUMBRA, methods::HZB, methods::CHC] {
             let mut histories = [(); 2].map(|()| renderer.new_view().unwrap());
             for history in &mut histories {
                 history.watch(&[ObjectId(HALF)]).unwrap();
@@ -180,8 +182,8 @@ fn each_view_counts_what_it_sees() {
             let areas = [0, 32].map(|x| Rect { origin: [x, 0], size: [96, 96] });
             for _ in 0..4 {
                 let eyes = histories.iter_mut().zip(cameras).zip(areas);
-                let mut eyes: Vec<ViewTarget<'_>> = eyes
-                    .map(|((history, camera), area)| ViewTarget {
+                let mut eyes: Vec<ViewRequest<'_>> = eyes
+                    .map(|((history, camera), area)| ViewRequest {
                         state: history,
                         viewpoint: camera.into(),
                         visible: None,
@@ -196,7 +198,7 @@ fn each_view_counts_what_it_sees() {
             assert_eq!(whole.fraction(), Some(1.0), "{strategy}: {whole:?}");
             assert!(whole.samples > half.samples * 3 / 2 && half.samples > 20);
             for history in &mut histories {
-                renderer.drain(history).unwrap();
+                renderer.wait_idle(history).unwrap();
             }
         }
     });
@@ -208,7 +210,7 @@ fn counts_follow_objects_that_move_and_end_with_those_that_go() {
         let boxes = half_covered();
         let camera = square_camera();
         let mut renderer = renderer(device, &boxes, &options());
-        for strategy in [Strategy::ANTUMBRA, methods::PYRAMID, methods::STOP_AND_WAIT] {
+        for strategy in [Strategy::ANTUMBRA, methods::HZB, methods::STOP_AND_WAIT] {
             let mut view = renderer.new_view().unwrap();
             view.watch(&[ObjectId(HALF), ObjectId(FLOOR)]).unwrap();
             for _ in 0..4 {
@@ -247,7 +249,7 @@ fn counts_follow_objects_that_move_and_end_with_those_that_go() {
             }
             let back = ObjectChange::Move { object: ObjectId(HALF), transform: place(Vec3::ZERO) };
             renderer.update(&[back]).unwrap();
-            renderer.drain(&mut view).unwrap();
+            renderer.wait_idle(&mut view).unwrap();
         }
     });
 }
@@ -259,7 +261,7 @@ fn lists_can_change_and_nothing_is_recorded_for_an_empty_one() {
         let mut renderer = renderer(device, &half_covered(), &options());
         renderer.time_passes().unwrap();
         let mut view = renderer.new_view().unwrap();
-        let is_counting = |renderer: &mut Renderer, view: &mut ViewState| {
+        let is_counting = |renderer: &mut Renderer, view: &mut RenderView| {
             for _ in 0..5 {
                 frame(renderer, view, Strategy::ANTUMBRA, camera);
             }
@@ -279,7 +281,7 @@ fn lists_can_change_and_nothing_is_recorded_for_an_empty_one() {
         view.watch(&[]).unwrap();
         assert!(!is_counting(&mut renderer, &mut view));
         assert_eq!(view.visible_samples(), []);
-        renderer.drain(&mut view).unwrap();
+        renderer.wait_idle(&mut view).unwrap();
     });
 }
 
@@ -291,7 +293,7 @@ fn counting_changes_nothing() {
         let path = CameraPath::new(PathKind::Cut, &routes).unwrap();
         let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
         let images = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
-        for strategy in [Strategy::ANTUMBRA, methods::PYRAMID, methods::BATCHED] {
+        for strategy in [Strategy::ANTUMBRA, methods::HZB, methods::BATCHED] {
             let mut views = [(); 2].map(|()| renderer.new_view().unwrap());
             let all = (0..scene.objects.len() as u32).map(ObjectId);
             views[1].watch(&all.step_by(2).collect::<Vec<_>>()).unwrap();
@@ -302,7 +304,7 @@ fn counting_changes_nothing() {
                     let request =
                         FrameRequest { image: Some(image), ..FrameRequest::new(strategy, camera) };
                     renderer.render(view, &request).unwrap();
-                    renderer.drain(view).unwrap();
+                    renderer.wait_idle(view).unwrap();
                 }
                 let [plain, counting] = images.each_ref().map(|image| image.rgba8().unwrap());
                 assert_eq!(pixels_that_differ(&plain, &counting), 0, "{strategy}");

@@ -2,7 +2,7 @@
 
 use cull::{SectionPlanes, Strategy};
 use glam::{Vec3, vec3};
-use gpu::{Device, Optional, SampleCount};
+use gpu::{Device, OptionalFeature, SampleCount};
 use render::palette::layer_colour;
 use render::{DebugOverlay, RendererOptions};
 use tests::run_on_all;
@@ -77,7 +77,9 @@ fn so_many_quads_are_so_many_surfaces_whatever_hides_them() {
     run_on_all(|device| {
         for samples in [SampleCount::One, SampleCount::Four] {
             // Drivers whose depths of samples are wrong do not average colours either.
-            if samples == SampleCount::Four && !device.capabilities().has(Optional::SampleDepths) {
+            if samples == SampleCount::Four
+                && !device.capabilities().has(OptionalFeature::SampleDepths)
+            {
                 continue;
             }
             let mut shown = quads(device, samples);

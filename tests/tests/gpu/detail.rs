@@ -5,7 +5,7 @@ mod by_samples;
 use cull::{Camera, DetailPolicy, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3};
 use gpu::{Device, Readback};
-use render::{Costs, FrameRequest, Rect, Renderer, RendererOptions, ViewState};
+use render::{CostModel, FrameRequest, Rect, RenderView, Renderer, RendererOptions};
 use scene::{LodLevel, MeshId, Object, Scene};
 use tests::shapes::{coloured_cubes, square_camera};
 use tests::walk::pixels_that_differ;
@@ -48,7 +48,7 @@ fn options() -> RendererOptions {
     RendererOptions {
         methods: methods::all(),
         size: SIZE,
-        costs: Costs::Ignored,
+        cost_model: CostModel::Off,
         ..Default::default()
     }
 }
@@ -59,7 +59,7 @@ fn renderer(device: &Device) -> Renderer {
 
 fn render(
     renderer: &mut Renderer,
-    view: &mut ViewState,
+    view: &mut RenderView,
     strategy: Strategy,
     camera: Camera,
 ) -> Readback {
@@ -90,7 +90,7 @@ fn every_strategy_draws_the_same_forms() {
                     .collect::<Vec<_>>(),
             );
         }
-        views.iter_mut().for_each(|view| renderer.drain(view).unwrap());
+        views.iter_mut().for_each(|view| renderer.wait_idle(view).unwrap());
         assert!(changes > 100, "far ones become coarse, those that come near fine: {changes}");
         for (frame, images) in images.iter().enumerate() {
             for (image, strategy) in images.iter().zip(strategies) {
@@ -109,8 +109,8 @@ fn coarse_forms_have_fewer_triangles_and_go_again() {
         let mut view = renderer.new_view().unwrap();
         let mut look = |renderer: &mut Renderer| {
             let image = render(renderer, &mut view, Strategy::FRUSTUM, camera(0));
-            renderer.drain(&mut view).unwrap();
-            (image, view.take_outcomes().next_back().unwrap().triangles)
+            renderer.wait_idle(&mut view).unwrap();
+            (image, view.drain_stats().next_back().unwrap().triangles)
         };
         let (fine, all) = look(&mut renderer);
         let policy = |error_pixels| DetailPolicy { error_pixels, ..Default::default() };
@@ -162,17 +162,15 @@ fn a_triangle_and_its_back_are_counted_as_one() {
             let mut finder = renderer.new_view().unwrap();
             let whole = Rect::whole(SIZE);
             let visible = renderer.visible_set(&mut finder, camera(0), whole).unwrap();
-            for strategy in
-                [Strategy::FRUSTUM, Strategy::ANTUMBRA, methods::PYRAMID, methods::IDEAL]
-            {
+            for strategy in [Strategy::FRUSTUM, Strategy::ANTUMBRA, methods::HZB, methods::IDEAL] {
                 let mut view = renderer.new_view().unwrap();
                 let plain = FrameRequest::new(strategy, camera(0));
                 let request = FrameRequest { visible: Some(&visible), ..plain };
                 for _ in 0..4 {
                     renderer.render(&mut view, &request).unwrap();
                 }
-                renderer.drain(&mut view).unwrap();
-                let outcome = view.take_outcomes().next_back().unwrap();
+                renderer.wait_idle(&mut view).unwrap();
+                let outcome = view.drain_stats().next_back().unwrap();
                 assert!(outcome.draws > 20, "{strategy}: {outcome:?}");
                 assert_eq!(outcome.triangles, of_cube * outcome.draws, "{strategy}");
             }

@@ -29,8 +29,8 @@ fn compare(device: &Device, scene: &Scene, camera: Camera) {
     let strategies = [
         methods::NAIVE,
         methods::STOP_AND_WAIT,
-        methods::COHERENT,
-        methods::PYRAMID,
+        methods::CHC,
+        methods::HZB,
         Strategy::ANTUMBRA,
         Strategy::ANTUMBRA_QUERIES,
     ];
@@ -38,7 +38,7 @@ fn compare(device: &Device, scene: &Scene, camera: Camera) {
         let mut view = renderer.new_view().unwrap();
         for frame in 0..6 {
             renderer.render(&mut view, &request(strategy, camera, found)).unwrap();
-            renderer.drain(&mut view).unwrap();
+            renderer.wait_idle(&mut view).unwrap();
             let is_equal = *expected.rgba8().unwrap() == *found.rgba8().unwrap();
             assert!(is_equal, "{}: frame {frame} of {strategy}", device.adapter().name);
         }

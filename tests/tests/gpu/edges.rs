@@ -9,11 +9,13 @@ use std::f32::consts::TAU;
 use ash::vk;
 use cull::{Camera, Projection, Strategy};
 use glam::{Quat, Vec3, vec3};
-use gpu::{Device, DeviceOptions, Optional, Readback, SampleCount};
-use render::{Costs, EdgeMode, EdgeOptions, FrameRequest, Renderer, RendererOptions, ViewState};
+use gpu::{Device, DeviceOptions, OptionalFeature, Readback, SampleCount};
+use render::{
+    CostModel, EdgeMode, EdgeOptions, FrameRequest, RenderView, Renderer, RendererOptions,
+};
 use scene::{Mesh, Scene};
 use scenes::{CameraPath, PathKind};
-use tests::machine::Machine;
+use tests::fault_injection::FaultInjection;
 use tests::shapes::{box_at, box_scene};
 use tests::walk::{SceneKind, frame_loop, pixels_that_differ};
 use tests::{Driver, instance_with, run, run_on_all};
@@ -34,7 +36,7 @@ fn renderer_of(device: &Device, scene: &Scene, samples: SampleCount) -> Renderer
         methods: methods::all(),
         size: SIZE,
         samples,
-        costs: Costs::Ignored,
+        cost_model: CostModel::Off,
         ..Default::default()
     };
     Renderer::new(device, scene, &options).unwrap()
@@ -70,11 +72,11 @@ struct Area {
     bottom: u32,
 }
 
-fn draw(renderer: &mut Renderer, view: &mut ViewState, strategy: Strategy, seen: Camera) -> Image {
+fn draw(renderer: &mut Renderer, view: &mut RenderView, strategy: Strategy, seen: Camera) -> Image {
     let image = Readback::new(renderer.device(), SIZE).unwrap();
     let request = FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, seen) };
     renderer.render(view, &request).unwrap();
-    renderer.drain(view).unwrap();
+    renderer.wait_idle(view).unwrap();
     Image(image.rgba8().unwrap().to_vec())
 }
 
@@ -270,7 +272,7 @@ fn edges_of_panes_and_of_four_samples_are_the_same_under_every_strategy() {
     let scene = crate::transparent::scene();
     run_on_all(|device| {
         walk(device, &scene, &cameras[..2], SampleCount::One);
-        if device.capabilities().has(Optional::SampleDepths) {
+        if device.capabilities().has(OptionalFeature::SampleDepths) {
             walk(device, &scene, &cameras, SampleCount::Four);
         }
     });
@@ -289,17 +291,17 @@ fn the_geometry_shader_and_quads_draw_the_same_bits() {
     };
     let mut by_geometry = Vec::new();
     run(Driver::Lavapipe, |device| {
-        assert!(device.capabilities().has(Optional::GeometryShaders));
+        assert!(device.capabilities().has(OptionalFeature::GeometryShaders));
         let images = film(device);
         by_geometry.extend(images.iter().map(|image| image.rgba8().unwrap().to_vec()));
     });
     let hides: fn(&mut vk::PhysicalDeviceFeatures) =
         |features| features.geometry_shader = vk::FALSE;
-    let machine = Machine { hides: Some(hides), ..Machine::default() };
-    let instance = instance_with(machine.entry());
+    let faults = FaultInjection { hides: Some(hides), ..FaultInjection::default() };
+    let instance = instance_with(faults.entry());
     let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
     let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
-    assert!(!device.capabilities().has(Optional::GeometryShaders));
+    assert!(!device.capabilities().has(OptionalFeature::GeometryShaders));
     for (expected, found) in by_geometry.iter().zip(film(&device)) {
         assert_eq!(pixels_that_differ(expected, &found.rgba8().unwrap()), 0);
     }

@@ -3,13 +3,13 @@
 use cull::{Camera, Strategy};
 use glam::{Vec3, vec3};
 use gpu::{Device, Readback};
-use render::{Costs, Error, FrameRequest, Renderer, RendererOptions};
+use render::{CostModel, Error, FrameRequest, Renderer, RendererOptions};
 use scene::{
     Environment, Light, LightKind, Material, Panorama, PunctualLight, Scene, Sky, SkyDisk,
 };
 use shadows::{ShadowMethod, ShadowOptions};
 use tests::reference::{decoded, encoded, tone_mapped};
-use tests::{run_on_all, shapes, yard};
+use tests::{run_on_all, shadow_scene, shapes};
 
 const SIZE: [u32; 2] = [64, 48];
 
@@ -25,7 +25,7 @@ fn sky() -> Sky {
 
 /// Returns a floor of a material under an environment, without other light.
 fn floor(material: Material, environment: Option<Environment>) -> Scene {
-    let mut scene = yard::scene(&[yard::GROUND], &[]);
+    let mut scene = shadow_scene::scene(&[shadow_scene::GROUND], &[]);
     let surfaces = scene.surfaces.as_mut().unwrap();
     surfaces.materials = vec![material];
     surfaces.environment = environment;
@@ -34,7 +34,7 @@ fn floor(material: Material, environment: Option<Environment>) -> Scene {
 }
 
 fn renderer(device: &Device, scene: &Scene) -> Renderer {
-    let options = RendererOptions { size: SIZE, costs: Costs::Ignored, ..Default::default() };
+    let options = RendererOptions { size: SIZE, cost_model: CostModel::Off, ..Default::default() };
     Renderer::new(device, scene, &options).unwrap()
 }
 
@@ -43,7 +43,7 @@ fn image(renderer: &mut Renderer, strategy: Strategy, camera: Camera) -> Vec<u8>
     let image = Readback::new(renderer.device(), SIZE).unwrap();
     let request = FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, camera) };
     renderer.render(&mut view, &request).unwrap();
-    renderer.drain(&mut view).unwrap();
+    renderer.wait_idle(&mut view).unwrap();
     image.rgba8().unwrap().to_vec()
 }
 
@@ -81,7 +81,7 @@ fn the_sky_and_matt_and_metal_floors_are_those_of_the_reference() {
         let camera = Camera {
             eye: vec3(0.0, 2.0, 3.0),
             forward: vec3(0.3, -0.2, -1.0).normalize(),
-            ..yard::camera()
+            ..shadow_scene::camera()
         };
         let matt =
             Material { metallic: 0.0, base_colour: [0.5, 0.4, 0.3, 1.0], ..Material::default() };
@@ -142,7 +142,8 @@ fn floor_light(environment: &Environment, material: &Material, towards: Vec3) ->
 fn a_disk_is_where_it_should_be_and_as_large() {
     run_on_all(|device| {
         let plain = Environment::of_sky(&sky()).unwrap();
-        let camera = Camera { eye: vec3(0.0, 2.0, 3.0), forward: Vec3::NEG_Z, ..yard::camera() };
+        let camera =
+            Camera { eye: vec3(0.0, 2.0, 3.0), forward: Vec3::NEG_Z, ..shadow_scene::camera() };
         let towards = direction(&camera, 40, 12);
         let disk = SkyDisk { towards, radius_rad: 0.06, radiance: [0.2, 0.9, 0.4] };
         let environment = plain.clone().with_disk(disk).unwrap();
@@ -171,7 +172,7 @@ fn a_disk_is_where_it_should_be_and_as_large() {
 /// Returns a camera far beside the floor, which sees nothing but what is around.
 fn outside() -> Camera {
     let forward = vec3(0.3, 0.1, -1.0).normalize();
-    Camera { eye: vec3(0.0, 50.0, -500.0), forward, ..yard::camera() }
+    Camera { eye: vec3(0.0, 50.0, -500.0), forward, ..shadow_scene::camera() }
 }
 
 /// Compares with the sky itself: a picture of 64 by 64 texels had beads along the horizon.
@@ -240,7 +241,7 @@ fn a_panorama_is_seen_with_its_own_pixels_and_smooth_where_they_are_too_small() 
 #[test]
 fn culling_and_shadows_change_nothing_about_it() {
     run_on_all(|device| {
-        let mut scene = yard::scene(&yard::boxes(), &yard::lights());
+        let mut scene = shadow_scene::scene(&shadow_scene::boxes(), &shadow_scene::lights());
         let surfaces = scene.surfaces.as_mut().unwrap();
         surfaces.environment = Some(Environment::of_sky(&sky()).unwrap());
         surfaces.lights.retain(|light: &PunctualLight| light.kind == LightKind::Directional);
@@ -248,8 +249,8 @@ fn culling_and_shadows_change_nothing_about_it() {
         for method in [ShadowMethod::Off, ShadowMethod::Maps] {
             let options = ShadowOptions { method, sun_side: 256, ..ShadowOptions::default() };
             renderer.set_shadows(options).unwrap();
-            let all = image(&mut renderer, Strategy::FRUSTUM, yard::camera());
-            let culled = image(&mut renderer, Strategy::ANTUMBRA, yard::camera());
+            let all = image(&mut renderer, Strategy::FRUSTUM, shadow_scene::camera());
+            let culled = image(&mut renderer, Strategy::ANTUMBRA, shadow_scene::camera());
             assert!(all == culled, "{method:?}");
         }
     });
@@ -261,7 +262,7 @@ fn environments_come_and_go() {
         let environment = Environment::of_sky(&sky()).unwrap();
         let scene = floor(Material::default(), None);
         let mut changing = renderer(device, &scene);
-        let camera = yard::camera();
+        let camera = shadow_scene::camera();
         let dark = image(&mut changing, Strategy::ANTUMBRA, camera);
         changing.set_environment(Some(&environment)).unwrap();
         let lit = image(&mut changing, Strategy::ANTUMBRA, camera);
@@ -273,7 +274,7 @@ fn environments_come_and_go() {
         changing.set_exposure(f32::NAN);
         changing.set_environment(None).unwrap();
         assert!(dark == image(&mut changing, Strategy::ANTUMBRA, camera), "as it was");
-        let mut plain = renderer(device, &shapes::box_scene(&yard::boxes()));
+        let mut plain = renderer(device, &shapes::box_scene(&shadow_scene::boxes()));
         let refused = plain.set_environment(Some(&Environment::of_sky(&sky()).unwrap()));
         assert!(matches!(refused, Err(Error::NoSurfacesForEnvironment)));
     });

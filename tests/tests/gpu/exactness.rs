@@ -2,19 +2,19 @@
 
 use cull::{Camera, Projection, Strategy};
 use glam::Vec3;
-use gpu::{Device, Predication, Readback};
-use render::{Costs, FrameRequest, Renderer, RendererOptions};
+use gpu::{Device, PredicationMode, Readback};
+use render::{CostModel, FrameRequest, Renderer, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind};
 use tests::walk::{Found, SceneKind, frame_loop, pixels_that_differ, walk, walk_cameras};
 use tests::{Driver, run, run_on_all};
 
 fn options(size: [u32; 2], frames_in_flight: usize) -> RendererOptions {
-    // Prices that are measured differ from run to run; without any, everything is tested.
+    // Costs that are measured differ from run to run; without any, everything is tested.
     RendererOptions {
         methods: methods::all(),
         size,
         frames_in_flight,
-        costs: Costs::Ignored,
+        cost_model: CostModel::Off,
         ..Default::default()
     }
 }
@@ -33,8 +33,9 @@ fn walk_everything(device: &Device, objects: u32, size: [u32; 2], frames: u32) {
             for in_flight in 1..=4 {
                 let what =
                     format!("{scene_kind:?} {path} {objects} objects, {in_flight} in flight");
-                let costs = if in_flight % 2 == 0 { Costs::Ignored } else { Costs::default() };
-                let options = RendererOptions { costs, ..options(size, in_flight) };
+                let cost_model =
+                    if in_flight % 2 == 0 { CostModel::Off } else { CostModel::default() };
+                let options = RendererOptions { cost_model, ..options(size, in_flight) };
                 let found = walk(device, &scene, path, frames, &options);
                 check(&found, in_flight, &what);
             }
@@ -72,7 +73,7 @@ fn culling_culls() {
 fn every_way_to_skip_draws_is_exact() {
     run(Driver::Lavapipe, |device| {
         let scene = SceneKind::City.build(1500);
-        for predication in Predication::ALL {
+        for predication in PredicationMode::ALL {
             let options =
                 RendererOptions { predication: Some(predication), ..options([320, 180], 3) };
             let found = walk(device, &scene, PathKind::Cut, 25, &options);
@@ -171,7 +172,7 @@ fn strategies_and_views_can_change_from_frame_to_frame() {
             draw(&mut plain, Strategy::FRUSTUM, &expected);
             let strategy = strategies[(frame / 3) as usize % strategies.len()];
             draw(&mut views[(frame / 7) as usize % 2], strategy, &got);
-            device.drain().unwrap();
+            device.wait_idle().unwrap();
             assert_eq!(
                 pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
                 0,

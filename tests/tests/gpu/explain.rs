@@ -2,9 +2,9 @@
 //! removable.
 
 use cull::Strategy;
-use gpu::{Device, Predication, Readback};
+use gpu::{Device, PredicationMode, Readback};
 use render::{
-    Costs, DebugOverlay, FrameReport, FrameRequest, Rect, Renderer, RendererOptions, ViewState,
+    CostModel, DebugOverlay, FrameReport, FrameRequest, Rect, RenderView, Renderer, RendererOptions,
 };
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::{Driver, run, run_on_all};
@@ -14,7 +14,7 @@ const CORNER: Rect = Rect { origin: [220, 10], size: [90, 60] };
 
 struct Studio {
     renderer: Renderer,
-    history: ViewState,
+    history: RenderView,
     image: Readback,
     path: CameraPath,
 }
@@ -24,16 +24,16 @@ impl Studio {
         Self::with(device, None)
     }
 
-    fn with(device: &Device, predication: Option<Predication>) -> Self {
+    fn with(device: &Device, predication: Option<PredicationMode>) -> Self {
         let GeneratedScene { scene, routes } = city(400, 5).unwrap();
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         // Measured costs differ from one renderer to the next, and plans with them.
-        let costs = Costs::Ignored;
+        let cost_model = CostModel::Off;
         let options = RendererOptions {
             methods: methods::all(),
             size: SIZE,
             predication,
-            costs,
+            cost_model,
             ..RendererOptions::default()
         };
         let renderer = Renderer::new(device, &scene, &options).unwrap();
@@ -48,7 +48,7 @@ impl Studio {
             ..FrameRequest::new(strategy, self.path.camera(7))
         };
         let report = self.renderer.render(&mut self.history, &request).unwrap();
-        self.renderer.drain(&mut self.history).unwrap();
+        self.renderer.wait_idle(&mut self.history).unwrap();
         (report, self.image.rgba8().unwrap().to_vec())
     }
 
@@ -123,7 +123,7 @@ fn a_debug_overlay_decides_nothing() {
             let [a, b] = [&mut plain, &mut explained].map(|side| side.render(Strategy::ANTUMBRA).0);
             assert_eq!((a.tests, a.plan.visible), (b.tests, b.plan.visible), "frame {frame}");
         }
-        for strategy in [Strategy::FRUSTUM, methods::PYRAMID, methods::COHERENT] {
+        for strategy in [Strategy::FRUSTUM, methods::HZB, methods::CHC] {
             explained.render(strategy);
         }
         let beyond = Rect { origin: [300, 0], size: [30, 20] };
@@ -143,7 +143,7 @@ fn a_debug_overlay_is_the_same_however_draws_are_skipped() {
             has_depth_complexity: true,
             top_down: Some(CORNER),
         };
-        let kinds = Predication::ALL;
+        let kinds = PredicationMode::ALL;
         let mut studios = kinds.map(|kind| Studio::with(device, Some(kind)));
         for frame in 0..8 {
             let images: Vec<_> = studios.iter_mut().map(|studio| studio.explained(all)).collect();
@@ -166,7 +166,7 @@ fn a_moment_can_be_walked_around() {
         let snapshot = studio.renderer.snapshot(&mut studio.history, view).unwrap();
         let mut seen = |camera| {
             studio.renderer.render_snapshot(&snapshot, camera, Some(&studio.image), None).unwrap();
-            studio.renderer.drain(&mut studio.history).unwrap();
+            studio.renderer.wait_idle(&mut studio.history).unwrap();
             studio.image.rgba8().unwrap().to_vec()
         };
         let same = seen(camera);

@@ -9,16 +9,16 @@ use cull::{Aabb, Camera, Strategy};
 use glam::{Vec3, Vec3A, vec3};
 use gpu::Device;
 use import::LoadOptions;
-use render::{Costs, Renderer, RendererOptions};
+use render::{CostModel, Renderer, RendererOptions};
 use scene::{FlarePlace, LensFlare, PunctualLight, Scene};
 use shadows::{ShadowFilter, ShadowMethod, ShadowOptions};
 use tests::shapes::{box_at, box_scene};
 use tests::walk::{pixels_that_differ, walk_cameras};
-use tests::{run_on_all, yard};
+use tests::{run_on_all, shadow_scene};
 
+use crate::coplanar::with_sprites;
 use crate::shadow_maps::raycast::{Judged, judge};
 use crate::shadow_maps::{SIZE, image, renderer, shadows};
-use crate::ties::with_sprites;
 
 /// Places at 50 km, 1,000 km and 13,000 km.
 const AWAY: [Vec3; 3] = [
@@ -47,14 +47,18 @@ fn boxes() -> Vec<Aabb> {
 }
 
 fn lights() -> [PunctualLight; 3] {
-    let mut lights = yard::lights();
+    let mut lights = shadow_scene::lights();
     lights.iter_mut().for_each(|light| light.position = light.position.round());
     lights
 }
 
 fn camera(away: Vec3) -> Camera {
     let eye = vec3(1.0, 6.0, 11.0);
-    Camera { eye: eye + away, forward: (vec3(0.0, 0.0, -1.5) - eye).normalize(), ..yard::camera() }
+    Camera {
+        eye: eye + away,
+        forward: (vec3(0.0, 0.0, -1.5) - eye).normalize(),
+        ..shadow_scene::camera()
+    }
 }
 
 /// Returns a scene whose objects and lights are moved away.
@@ -92,13 +96,13 @@ fn volumes() -> ShadowOptions {
 fn lamps_maps_and_volumes_and_sprites_are_the_same_to_the_bit() {
     run_on_all(|device| {
         let [sun, spot, point] = lights();
-        let mut of_lamps = with_sprites(yard::scene(&boxes(), &[spot, point]));
+        let mut of_lamps = with_sprites(shadow_scene::scene(&boxes(), &[spot, point]));
         for object in &mut of_lamps.objects {
             object.transform.translation = object.transform.translation.round();
         }
         let maps = ShadowFilter::ALL.map(|filter| ShadowOptions { filter, ..shadows() });
         let of_lamps = (of_lamps, [&[ShadowOptions::default(), volumes()][..], &maps].concat());
-        let of_sun = (yard::scene(&boxes(), &[sun]), vec![volumes()]);
+        let of_sun = (shadow_scene::scene(&boxes(), &[sun]), vec![volumes()]);
         for (scene, all) in [of_lamps, of_sun] {
             let expected = images(device, &scene, Vec3::ZERO, &all);
             for away in AWAY {
@@ -118,7 +122,7 @@ fn sun_maps_agree_with_ray_casting_at_every_distance() {
     run_on_all(|device| {
         let boxes = boxes();
         let [sun, ..] = lights();
-        let scene = yard::scene(&boxes, &[sun]);
+        let scene = shadow_scene::scene(&boxes, &[sun]);
         let fine = ShadowOptions { distance_m: Some(40.0), sun_side: 1024, ..shadows() };
         let all = [
             ShadowOptions::default(),
@@ -227,7 +231,7 @@ fn picks_and_flares_are_the_same() {
     run_on_all(|device| {
         let mut boxes = boxes();
         boxes.push(box_at(vec3(2.0, 1.0, -6.0), vec3(0.25, 2.0, 0.1)));
-        let mut scene = yard::scene(&boxes, &lights());
+        let mut scene = shadow_scene::scene(&boxes, &lights());
         for object in &mut scene.objects {
             object.transform.translation = object.transform.translation.round();
         }
@@ -265,11 +269,11 @@ fn blocks_are_hidden_exactly_where_positions_are_whole_metres() {
                 eye: away + vec3(0.0, 64.0, 640.0 - 64.0 * frame as f32),
                 forward: vec3(0.3, 0.0, -1.0),
                 near: 1.0,
-                ..yard::camera()
+                ..shadow_scene::camera()
             };
             let cameras: Vec<Camera> = (0..16).map(walked).collect();
             let options =
-                RendererOptions { size: SIZE, costs: Costs::Ignored, ..Default::default() };
+                RendererOptions { size: SIZE, cost_model: CostModel::Off, ..Default::default() };
             let found = walk_cameras(device, &scene, &cameras, &options);
             let [all, drawn] = found.draws;
             assert_eq!(found.pixels_wrong, 0, "{away}");

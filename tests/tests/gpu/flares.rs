@@ -3,12 +3,12 @@
 
 mod occluders;
 
-use cull::{Aabb, Camera, ObjectId, Strategy, View};
+use cull::{Aabb, Camera, CullView, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec2, Vec3, vec3};
 use gpu::{Device, Readback};
 use render::{
-    Costs, Error, FlareBlock, FlareSamples, FrameRequest, Renderer, RendererOptions, ViewState,
-    ViewTarget, ViewsRequest,
+    CostModel, Error, FlareBlock, FlareSamples, FrameRequest, RenderView, Renderer,
+    RendererOptions, ViewRequest, ViewsRequest,
 };
 use scene::limits::MAX_FLARES;
 use scene::{FlarePlace, LensFlare, ObjectChange, Scene};
@@ -24,7 +24,7 @@ pub fn options(frames_in_flight: usize) -> RendererOptions {
         methods: methods::all(),
         size: SIZE,
         frames_in_flight,
-        costs: Costs::Ignored,
+        cost_model: CostModel::Off,
         ..Default::default()
     }
 }
@@ -53,7 +53,7 @@ fn fence(shift: f32) -> Vec<Aabb> {
 }
 
 /// Returns the view depth at which the ray through a place first meets a box (metres).
-fn hit_m(view: &View, ndc: Vec2, boxes: &[Aabb]) -> f32 {
+fn hit_m(view: &CullView, ndc: Vec2, boxes: &[Aabb]) -> f32 {
     let from = view.rays.origin;
     let to = view.rays.point(ndc, 1.0);
     let towards = to - from;
@@ -77,7 +77,7 @@ struct Expected {
 }
 
 impl Expected {
-    fn of(flare: &LensFlare, view: &View, boxes: &[Aabb]) -> Self {
+    fn of(flare: &LensFlare, view: &CullView, boxes: &[Aabb]) -> Self {
         let mut expected = Self { total: 0, visible: 0, unsure: 0 };
         let Some(block) = FlareBlock::of(flare, view) else { return expected };
         let near = view.rays.depth[1];
@@ -119,7 +119,7 @@ impl Expected {
 
 pub fn draw(
     renderer: &mut Renderer,
-    view: &mut ViewState,
+    view: &mut RenderView,
     strategy: Strategy,
     camera: Camera,
 ) -> Readback {
@@ -130,14 +130,14 @@ pub fn draw(
 }
 
 /// Returns the samples of the first flare once they are of a frame of the scene at rest.
-pub fn settled(renderer: &mut Renderer, view: &mut ViewState, strategy: Strategy) -> FlareSamples {
+pub fn settled(renderer: &mut Renderer, view: &mut RenderView, strategy: Strategy) -> FlareSamples {
     for _ in 0..=renderer.frames_in_flight() {
         draw(renderer, view, strategy, square_camera());
     }
     view.flares()[0].samples.unwrap()
 }
 
-const STRATEGIES: [Strategy; 3] = [Strategy::FRUSTUM, Strategy::ANTUMBRA, methods::PYRAMID];
+const STRATEGIES: [Strategy; 3] = [Strategy::FRUSTUM, Strategy::ANTUMBRA, methods::HZB];
 
 /// Moves a fence sideways before a lamp and a sun, and a lamp past the edge of the image.
 #[test]
@@ -204,7 +204,7 @@ fn cross(device: &Device, renderer: &mut Renderer, scene: &Scene, strategy: Stra
     assert!(least > 0.2 && most < 0.85 && most - least > 0.05, "{strategy}: {least} to {most}");
     let left = view.flares()[2].samples.unwrap();
     assert_eq!((left.total, view.flares()[2].brightness), (0, 0.0), "{left:?}");
-    renderer.drain(&mut view).unwrap();
+    renderer.wait_idle(&mut view).unwrap();
 }
 
 /// Returns the fence, a wall beside it, and rows of boxes behind both.
@@ -241,7 +241,7 @@ fn images_with_flares_are_the_same_with_and_without_culling() {
                 image
             });
             let images: Vec<Readback> = images.collect();
-            renderer.drain(&mut view).unwrap();
+            renderer.wait_idle(&mut view).unwrap();
             (images, partial)
         };
         let (plain, _) = film(&mut renderer, Strategy::FRUSTUM);
@@ -256,7 +256,7 @@ fn images_with_flares_are_the_same_with_and_without_culling() {
         };
         assert!(differ(&plain, &expected) > 2_000, "flares show");
         assert!(partial > 100, "bars cut them: {partial}");
-        for strategy in [Strategy::ANTUMBRA, Strategy::ANTUMBRA_QUERIES, methods::PYRAMID] {
+        for strategy in [Strategy::ANTUMBRA, Strategy::ANTUMBRA_QUERIES, methods::HZB] {
             let (found, _) = film(&mut renderer, strategy);
             for (frame, (a, b)) in expected.iter().zip(&found).enumerate() {
                 let wrong = pixels_that_differ(&a.rgba8().unwrap(), &b.rgba8().unwrap());
@@ -279,8 +279,8 @@ fn each_view_has_flares_of_its_own() {
         let areas = [0, 64].map(|x| render::Rect { origin: [x, 30], size: [64, 64] });
         for _ in 0..8 {
             let targets = views.iter_mut().zip(eyes).zip(areas);
-            let mut targets: Vec<ViewTarget<'_>> = targets
-                .map(|((state, camera), rect)| ViewTarget {
+            let mut targets: Vec<ViewRequest<'_>> = targets
+                .map(|((state, camera), rect)| ViewRequest {
                     state,
                     viewpoint: camera.into(),
                     visible: None,
@@ -304,7 +304,7 @@ fn each_view_has_flares_of_its_own() {
         renderer.render(&mut views[1], &request).unwrap();
         assert_eq!(views[1].flares()[0], render::FlareState::default());
         for view in &mut views {
-            renderer.drain(view).unwrap();
+            renderer.wait_idle(view).unwrap();
         }
     });
 }
@@ -315,7 +315,7 @@ fn no_flares_cost_nothing() {
         let mut renderer = Renderer::new(device, &box_scene(&fence(0.0)), &options(2)).unwrap();
         renderer.time_passes().unwrap();
         let mut view = renderer.new_view().unwrap();
-        let labels = |renderer: &mut Renderer, view: &mut ViewState| {
+        let labels = |renderer: &mut Renderer, view: &mut RenderView| {
             for _ in 0..8 {
                 draw(renderer, view, Strategy::ANTUMBRA, square_camera());
             }
@@ -331,7 +331,7 @@ fn no_flares_cost_nothing() {
         renderer.set_flares(&[]).unwrap();
         assert_eq!(labels(&mut renderer, &mut view), 0);
         assert_eq!(view.flares(), []);
-        renderer.drain(&mut view).unwrap();
+        renderer.wait_idle(&mut view).unwrap();
     });
 }
 
@@ -352,7 +352,7 @@ fn impossible_flares_are_refused_by_a_sentence() {
         let samples = settled(&mut renderer, &mut view, Strategy::ANTUMBRA);
         assert!(samples.total > 0);
         assert!(view.flares().iter().all(|state| *state == view.flares()[0]));
-        renderer.drain(&mut view).unwrap();
+        renderer.wait_idle(&mut view).unwrap();
     });
 }
 

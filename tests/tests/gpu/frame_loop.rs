@@ -2,18 +2,18 @@
 
 use cull::Strategy;
 use gpu::{Device, Readback, Tick, Timeline};
-use render::{Costs, FrameRequest, Renderer, RendererOptions};
+use render::{CostModel, FrameRequest, Renderer, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind};
 use tests::run_on_all;
 use tests::walk::{SceneKind, frame_loop, pixels_that_differ};
 
 fn renderer(device: &Device, frames_in_flight: usize) -> (Renderer, CameraPath) {
     let GeneratedScene { scene, routes } = SceneKind::City.build(600);
-    // Prices that are measured differ from run to run; without any, everything is tested.
+    // Costs that are measured differ from run to run; without any, everything is tested.
     let options = RendererOptions {
         size: [160, 90],
         frames_in_flight,
-        costs: Costs::Ignored,
+        cost_model: CostModel::Off,
         ..Default::default()
     };
     let path = CameraPath::new(PathKind::Street, &routes).unwrap();
@@ -32,7 +32,7 @@ fn recording_goes_on_while_the_gpu_is_held_back() {
             let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
             renderer.render(&mut view, &request).unwrap();
         }
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         let gate = Timeline::new(device, "gate").unwrap();
         let image = Readback::new(device, renderer.size()).unwrap();
         let waits = device.wait_counts();
@@ -53,7 +53,7 @@ fn recording_goes_on_while_the_gpu_is_held_back() {
         assert_eq!(device.submitted().0, over.0 + u64::from(FRAMES_IN_FLIGHT));
         assert_eq!(device.wait_counts().other, waits.other, "nothing but slots was waited for");
         gate.signal(Tick(1)).unwrap();
-        renderer.drain(&mut view).unwrap();
+        renderer.wait_idle(&mut view).unwrap();
 
         let camera = [path.camera(20 + FRAMES_IN_FLIGHT - 1)];
         let mut plain = renderer.new_view().unwrap();

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use cull::{Camera, Strategy};
 use gpu::{Device, Readback};
 use import::{GltfScene, LoadOptions, SceneAnimator};
-use render::{Costs, FrameRequest, Renderer, RendererOptions, ViewState};
+use render::{CostModel, FrameRequest, RenderView, Renderer, RendererOptions};
 use tests::walk::pixels_that_differ;
 use tests::{Driver, run};
 
@@ -58,7 +58,8 @@ impl Stage {
                 .unwrap();
         let still = imported.default_camera(SIZE);
         let (scene, mut animator, cameras, _) = SceneAnimator::of(imported);
-        let options = RendererOptions { size: SIZE, costs: Costs::Ignored, ..Default::default() };
+        let options =
+            RendererOptions { size: SIZE, cost_model: CostModel::Off, ..Default::default() };
         let renderer = Renderer::new(device, &scene, &options).unwrap();
         let find = |name: &str| cameras.iter().find(|camera| camera.name == name).cloned();
         let camera = camera.map(|name| find(name).expect("the camera"));
@@ -68,7 +69,7 @@ impl Stage {
         Self { renderer, animator, camera, still }
     }
 
-    fn image(&mut self, view: &mut ViewState, strategy: Strategy, seconds: f64) -> Readback {
+    fn image(&mut self, view: &mut RenderView, strategy: Strategy, seconds: f64) -> Readback {
         self.renderer.apply(self.animator.changes(seconds)).unwrap();
         let seen = self.camera.as_ref().map(|camera| self.animator.seen_by(camera, SIZE));
         let image = Readback::new(self.renderer.device(), SIZE).unwrap();
@@ -108,7 +109,7 @@ fn every_frame_is_exact_while_the_scene_lives() {
                 images.collect::<Vec<_>>().try_into().ok().unwrap()
             })
             .collect();
-        views.iter_mut().for_each(|view| stage.renderer.drain(view).unwrap());
+        views.iter_mut().for_each(|view| stage.renderer.wait_idle(view).unwrap());
         for (frame, [all, ours]) in frames.iter().enumerate() {
             let wrong = pixels_that_differ(&all.rgba8().unwrap(), &ours.rgba8().unwrap());
             assert_eq!(wrong, 0, "{} {camera:?}, frame {frame}", file.display());
@@ -127,7 +128,7 @@ fn scenes_look_as_they_did() {
         let mut view = stage.renderer.new_view().unwrap();
         for (number, seconds) in MOMENTS_S.into_iter().enumerate() {
             let image = stage.image(&mut view, Strategy::ANTUMBRA, seconds);
-            stage.renderer.drain(&mut view).unwrap();
+            stage.renderer.wait_idle(&mut view).unwrap();
             let stem = file.file_stem().unwrap().to_str().unwrap();
             let name = format!("{stem}_{}_{number}.png", camera.unwrap_or("whole"));
             let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("golden").join(&name);

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use glam::Vec3;
 use gpu::{
-    Buffer, Device, DeviceOptions, Error, FrameRing, MemoryKind, Predicates, Predication,
+    Buffer, Device, DeviceOptions, Error, FrameRing, MemoryKind, Predicates, PredicationMode,
     QueryIndex, QueryRing, Target, Tick, Timeline, vk,
 };
 use occlusion::{ProxyBox, ProxyIo};
@@ -93,7 +93,7 @@ fn ask(
         let tick = frame.submit(None).unwrap();
         queries.submitted(tick);
     }
-    device.drain().unwrap();
+    device.wait_idle().unwrap();
     let mut collect = |(asked, visible), samples| answers.push((asked, visible, samples));
     queries.collect(device.completed().unwrap(), &mut collect);
     answers
@@ -182,7 +182,7 @@ fn upload_memory_holds_what_a_frame_writes() {
             frame.commands().copy_buffer(large, readback.whole());
             frame.commands().copy_buffer(second, small.whole());
             frame.submit(None).unwrap();
-            device.drain().unwrap();
+            device.wait_idle().unwrap();
             assert!(readback.read::<u32>(0..big).iter().copied().eq(items));
             assert_eq!(small.read::<u32>(0..4), [round; 4]);
         }
@@ -202,16 +202,18 @@ fn sizes_beyond_the_device_are_refused_by_name() {
 #[test]
 fn a_way_to_skip_draws_that_the_device_lacks_is_refused() {
     run(Driver::SwiftShader, |device| {
-        for predication in [Predication::Conditional, Predication::Counts, Predication::Compacted] {
+        for predication in
+            [PredicationMode::Conditional, PredicationMode::Counts, PredicationMode::Compacted]
+        {
             let error = Predicates::new(device, Some(predication), &[], 1).err().expect("an error");
             assert!(error.to_string().contains("SwiftShader"), "{error}");
         }
         let best = Predicates::new(device, None, &[], 1).unwrap();
-        assert_eq!(best.predication(), Predication::Instances);
+        assert_eq!(best.predication(), PredicationMode::Instances);
     });
     run(Driver::Lavapipe, |device| {
         let best = Predicates::new(device, None, &[], 1).unwrap();
-        assert_eq!(best.predication(), Predication::Conditional);
+        assert_eq!(best.predication(), PredicationMode::Conditional);
     });
 }
 

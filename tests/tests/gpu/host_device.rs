@@ -9,13 +9,13 @@ use std::time::Duration;
 use cull::Strategy;
 use gpu::{
     Buffer, Device, DynamicTexture, Error, Features, FrameRing, HostDevice, HostQueueLock,
-    MemoryKind, MipMaking, Purpose, Readback, TextureArray, TextureArrayInfo, Timeline, vk,
+    MemoryKind, MipGeneration, Purpose, Readback, TextureArray, TextureArrayInfo, Timeline, vk,
 };
-use render::{Costs, FrameRequest, Renderer, RendererOptions};
+use render::{CostModel, FrameRequest, Renderer, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind};
+use tests::fault_injection::{Fault, FaultInjection, calls};
 use tests::host_device::Host;
 use tests::host_memory::HostMemory;
-use tests::machine::{Fault, Machine, calls};
 use tests::walk::SceneKind;
 use tests::{Driver, open};
 
@@ -28,7 +28,7 @@ fn city(device: &Device) -> Result<(Renderer, CameraPath), render::Error> {
     let options = RendererOptions {
         methods: methods::all(),
         size: [96, 64],
-        costs: Costs::Ignored,
+        cost_model: CostModel::Off,
         ..Default::default()
     };
     Ok((Renderer::new(device, &scene, &options)?, path))
@@ -39,12 +39,12 @@ fn images(device: &Device) -> Result<Vec<Vec<u8>>, render::Error> {
     let (mut renderer, path) = city(device)?;
     let image = Readback::new(device, renderer.size())?;
     let mut images = Vec::new();
-    for strategy in [Strategy::ANTUMBRA, methods::PYRAMID, Strategy::FRUSTUM] {
+    for strategy in [Strategy::ANTUMBRA, methods::HZB, Strategy::FRUSTUM] {
         let mut view = renderer.new_view()?;
         for frame in 0..FRAMES {
             let request = FrameRequest::new(strategy, path.camera(frame));
             renderer.render(&mut view, &FrameRequest { image: Some(&image), ..request })?;
-            renderer.drain(&mut view)?;
+            renderer.wait_idle(&mut view)?;
             images.push(image.rgba8()?.to_vec());
         }
     }
@@ -128,7 +128,7 @@ const ARRAY: TextureArrayInfo<'_> = TextureArrayInfo {
     minified: vk::Filter::LINEAR,
     between_levels: None,
     anisotropy: 1.0,
-    mip_making: MipMaking::Cpu,
+    mip_making: MipGeneration::Cpu,
 };
 
 #[test]
@@ -153,7 +153,7 @@ fn all_memory_of_the_cpu_comes_from_the_host_and_goes_back() {
 
 #[test]
 fn the_pipeline_cache_of_a_host_is_used_and_left_to_it() {
-    let entry = Machine::default().entry();
+    let entry = FaultInjection::default().entry();
     let purpose = Purpose::Renderer;
     let host = Host::through(entry, Driver::Lavapipe, purpose, &[], Features::default());
     let cache = host.create_pipeline_cache();
@@ -175,7 +175,7 @@ fn a_device_without_a_queue_submits_nothing_and_frees_what_frames_are_over() {
         let errors = [
             FrameRing::new(&device, 2).unwrap().begin().err(),
             device.run_once("nothing", |_| {}).err(),
-            device.drain().err(),
+            device.wait_idle().err(),
             Timeline::new(&device, "timeline").err(),
             device.timeline_semaphore().err(),
         ];
@@ -261,7 +261,7 @@ fn frames_wait_for_a_timeline_of_the_host_and_signal_one_that_it_can_read() {
         let ticks = device.timeline_semaphore().unwrap();
         assert!(host.value_of(ticks) < tick.0);
         host.signal(raw, 7);
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         assert_eq!(host.value_of(ticks), tick.0);
         drop((timeline, ring, device));
         host.destroy_timeline(raw);
@@ -271,8 +271,8 @@ fn frames_wait_for_a_timeline_of_the_host_and_signal_one_that_it_can_read() {
 
 #[test]
 fn the_loss_of_a_hosts_device_is_an_error_with_its_name() {
-    let error_on = |machine: Machine| {
-        let entry = machine.entry();
+    let error_on = |faults: FaultInjection| {
+        let entry = faults.entry();
         let purpose = Purpose::Renderer;
         let host = Host::through(entry, Driver::Lavapipe, purpose, &[], Features::default());
         let device = host.adopt(Some(host.share_queue(Arc::new(Mutex::new(())))));
@@ -280,19 +280,19 @@ fn the_loss_of_a_hosts_device_is_an_error_with_its_name() {
         // The loss is a lie: its work goes on, which that of a lost device would not.
         host.wait_idle();
         drop(device);
-        Machine::default().install();
+        FaultInjection::default().install();
         host.finish();
         drawn
     };
-    let fault = |call, number: usize| Machine {
+    let fault = |call, number: usize| FaultInjection {
         faults: vec![Fault {
             call,
             fails: number..usize::MAX,
             code: vk::Result::ERROR_DEVICE_LOST,
         }],
-        ..Machine::default()
+        ..FaultInjection::default()
     };
-    assert!(error_on(Machine::default()).is_none());
+    assert!(error_on(FaultInjection::default()).is_none());
     for call in [c"vkQueueSubmit2", c"vkWaitSemaphores", c"vkGetSemaphoreCounterValue"] {
         let error = error_on(fault(call, 3)).expect("an error");
         let render::Error::Gpu(error) = error else { panic!("{error}") };
@@ -352,11 +352,11 @@ const _: () = {
     is_send::<gpu::Target>();
     is_send::<gpu::Predicates>();
     is_send::<Renderer>();
-    is_send::<render::ViewState>();
+    is_send::<render::RenderView>();
     is_send_and_sync::<cull::Hierarchy>();
     is_send_and_sync::<cull::Culler>();
     is_send::<occlusion::HostScene>();
     is_send::<occlusion::LeafTable>();
-    is_send::<occlusion::VisibilityState>();
+    is_send::<occlusion::OcclusionState>();
     is_send::<occlusion::TransparentList>();
 };

@@ -52,7 +52,7 @@ fn a_hosts_commands_are_in_the_image_and_not_in_the_scenes() {
                     let image = Some(&whole);
                     let over = FrameRequest { image, scene_image, overlay, ..request };
                     renderer.render(&mut view, &over).unwrap();
-                    renderer.drain(&mut view).unwrap();
+                    renderer.wait_idle(&mut view).unwrap();
                     let what = format!("{samples:?}, frame {frame}");
                     check(&whole.rgba8().unwrap(), &plain.rgba8().unwrap(), &what);
                 }
@@ -65,7 +65,7 @@ fn a_hosts_commands_are_in_the_image_and_not_in_the_scenes() {
             let moment = renderer.snapshot(&mut view, renderer.view_of(&camera)).unwrap();
             renderer.render_snapshot(&moment, camera, Some(&plain), None).unwrap();
             renderer.render_snapshot(&moment, camera, Some(&whole), Some(&overlay)).unwrap();
-            renderer.drain(&mut view).unwrap();
+            renderer.wait_idle(&mut view).unwrap();
             check(&whole.rgba8().unwrap(), &plain.rgba8().unwrap(), "a frozen moment");
         }
     });
@@ -101,7 +101,7 @@ fn a_host_that_fails_ends_its_frame_and_no_other() {
         let overlay = rectangle(device);
         let whole = FrameRequest { overlay: Some(&overlay), ..request };
         renderer.render(&mut view, &whole).unwrap();
-        renderer.drain(&mut view).unwrap();
+        renderer.wait_idle(&mut view).unwrap();
         let green = image.rgba8().unwrap().chunks(4).filter(|pixel| *pixel == GREEN).count();
         assert_eq!(green, 30 * 12);
     });

@@ -4,14 +4,14 @@
 use ash::vk;
 use cull::{Camera, DrawPhases, ObjectId, Strategy};
 use glam::Vec3;
-use gpu::{Device, Features, FrameNumbers, FrameRing, Predication, Purpose, Tick};
+use gpu::{Device, Features, FrameNumbers, FrameRing, PredicationMode, Purpose, Tick};
 use tests::Driver;
+use tests::fault_injection::{Fault, FaultInjection, calls};
 use tests::host_commands::{HostCommands, Runs, record_frame};
 use tests::host_device::Host;
 use tests::host_scene::{BoxOptions, ComparedScene, IN_FLIGHT, RenderingOwner};
 use tests::host_walk::{boxes, camera};
-use tests::machine::{Fault, Machine, calls};
-use tests::stage::Random;
+use tests::window_fixture::Random;
 
 const FRAMES: u64 = 24;
 
@@ -249,7 +249,7 @@ fn after_the_loss_of_a_device_without_a_queue_another_one_draws() {
             code: vk::Result::ERROR_DEVICE_LOST,
         };
         for (faults, drawn) in [(vec![fault], 5), (Vec::new(), 12)] {
-            let entry = Machine { faults, ..Machine::default() }.entry();
+            let entry = FaultInjection { faults, ..FaultInjection::default() }.entry();
             let host = Host::through(entry, driver, Purpose::Executor, &[], Features::default());
             let device = host.adopt(None);
             let mut scene = ComparedScene::new(&host, &device, &BoxOptions::default());
@@ -274,10 +274,10 @@ fn after_the_loss_of_a_device_without_a_queue_another_one_draws() {
             commands.destroy();
             drop((rings, device));
             assert_eq!(calls(c"vkDeviceWaitIdle"), waits + 1, "the engine waits for nothing");
-            Machine::default().install();
+            FaultInjection::default().install();
             host.finish();
         }
     }
 }
 
-const INSTANCES: Option<Predication> = Some(Predication::Instances);
+const INSTANCES: Option<PredicationMode> = Some(PredicationMode::Instances);

@@ -3,7 +3,7 @@
 
 use cull::Strategy;
 use gpu::{Device, Readback, SampleCount};
-use render::{FrameRequest, Renderer, RendererOptions, ViewState};
+use render::{FrameRequest, RenderView, Renderer, RendererOptions};
 use samples::hud::{Hud, HudFigure, HudOverlay, HudPage, Overview};
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::run_on_all;
@@ -12,7 +12,7 @@ const SIZE: [u32; 2] = [320, 180];
 
 struct Studio {
     renderer: Renderer,
-    history: ViewState,
+    history: RenderView,
     image: Readback,
     path: CameraPath,
     hud: Hud,
@@ -43,7 +43,7 @@ impl Studio {
             ..FrameRequest::new(Strategy::FRUSTUM, self.path.camera(0))
         };
         self.renderer.render(&mut self.history, &request).unwrap();
-        self.renderer.drain(&mut self.history).unwrap();
+        self.renderer.wait_idle(&mut self.history).unwrap();
         self.image.rgba8().unwrap().to_vec()
     }
 }
@@ -117,6 +117,6 @@ fn letters_and_triangles_that_come_later_are_there_at_once() {
         };
         studio.renderer.render(&mut studio.history, &request).unwrap();
         drop(studio.overlay);
-        studio.renderer.drain(&mut studio.history).unwrap();
+        studio.renderer.wait_idle(&mut studio.history).unwrap();
     });
 }

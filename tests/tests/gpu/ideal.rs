@@ -4,7 +4,7 @@
 use cull::{Aabb, Camera, CullConfig, ObjectId, Projection, Strategy};
 use glam::Vec3;
 use gpu::Readback;
-use render::{Costs, FrameRequest, Rect, Renderer, RendererOptions};
+use render::{CostModel, FrameRequest, Rect, Renderer, RendererOptions};
 use scene::ObjectChange;
 use scenes::{CameraPath, GeneratedScene, PathKind};
 use tests::run_on_all;
@@ -35,7 +35,7 @@ fn the_ideal_is_exact_and_draws_only_what_owns_a_pixel() {
             let all = request(Strategy::FRUSTUM, &expected);
             let in_frustum = renderer.render(&mut view, &all).unwrap().plan.visible;
             renderer.render(&mut view, &request(methods::IDEAL, &got)).unwrap();
-            renderer.drain(&mut view).unwrap();
+            renderer.wait_idle(&mut view).unwrap();
             assert_eq!(
                 pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
                 0,
@@ -61,7 +61,7 @@ fn the_ideal_without_a_set_is_refused() {
         let refused = renderer.render(&mut view, &request).unwrap_err().to_string();
         assert!(refused.contains("Renderer::visible_set"), "{refused}");
         renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, path.camera(0))).unwrap();
-        renderer.drain(&mut view).unwrap();
+        renderer.wait_idle(&mut view).unwrap();
         let set = renderer.visible_set(&mut view, path.camera(0), AREA).unwrap();
         let request = FrameRequest { visible: Some(&set), ..request };
         renderer.update(&[]).unwrap();
@@ -69,7 +69,7 @@ fn the_ideal_without_a_set_is_refused() {
         renderer.update(&[ObjectChange::Remove { object: ObjectId(3) }]).unwrap();
         let refused = renderer.render(&mut view, &request).unwrap_err().to_string();
         assert!(refused.contains("has changed"), "{refused}");
-        renderer.drain(&mut view).unwrap();
+        renderer.wait_idle(&mut view).unwrap();
     });
 }
 
@@ -100,12 +100,12 @@ fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
         let size = [384, 216];
         // Tests of up to 32 leaves answer for others, which show in part through the gaps.
         let cull_config = CullConfig { growth_frames_per_leaf: 32, ..CullConfig::default() };
-        // No price keeps a test from being made.
+        // No cost keeps a test from being made.
         let options = RendererOptions {
             methods: methods::all(),
             size,
             cull_config,
-            costs: Costs::Ignored,
+            cost_model: CostModel::Off,
             ..Default::default()
         };
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
@@ -130,7 +130,7 @@ fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
             };
             renderer.render(&mut view, &request).unwrap();
         }
-        renderer.drain(&mut view).unwrap();
+        renderer.wait_idle(&mut view).unwrap();
         assert_eq!(pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()), 0);
     });
 }

@@ -3,7 +3,8 @@
 use cull::{Camera, Corrections, CostTable, Strategy};
 use gpu::{Device, FrameRing, Readback};
 use render::{
-    Costs, DebugOverlay, FrameRequest, Rect, Renderer, RendererOptions, ViewTarget, ViewsRequest,
+    CostModel, DebugOverlay, FrameRequest, Rect, Renderer, RendererOptions, ViewRequest,
+    ViewsRequest,
 };
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::run_on_all;
@@ -14,10 +15,15 @@ const FRAMES: u32 = 64;
 /// The least number of timed frames: one in 16 is timed; one may not be read back at the end.
 const LEAST_TIMED: u64 = FRAMES as u64 / 16 - 1;
 
-fn renderer(device: &Device, costs: Costs, frames_in_flight: usize) -> (Renderer, Vec<Camera>) {
+fn renderer(
+    device: &Device,
+    cost_model: CostModel,
+    frames_in_flight: usize,
+) -> (Renderer, Vec<Camera>) {
     let GeneratedScene { scene, routes } = city(400, 5).unwrap();
     let path = CameraPath::new(PathKind::Street, &routes).unwrap();
-    let options = RendererOptions { size: SIZE, costs, frames_in_flight, ..Default::default() };
+    let options =
+        RendererOptions { size: SIZE, cost_model, frames_in_flight, ..Default::default() };
     let cameras = (0..FRAMES).map(|frame| path.camera(frame)).collect();
     (Renderer::new(device, &scene, &options).unwrap(), cameras)
 }
@@ -38,8 +44,8 @@ fn frames_are_learned_from_and_images_are_right() {
             for strategy in
                 [Strategy::ANTUMBRA, Strategy::ANTUMBRA_QUERIES, Strategy::ANTUMBRA_COMPUTE]
             {
-                let costs = Costs::default();
-                let (mut renderer, cameras) = renderer(device, costs, frames_in_flight);
+                let cost_model = CostModel::default();
+                let (mut renderer, cameras) = renderer(device, cost_model, frames_in_flight);
                 let images = [0, 1].map(|_| Readback::new(device, SIZE).unwrap());
                 let mut views = [0, 1].map(|_| renderer.new_view().unwrap());
                 let mut learned = Corrections::default();
@@ -55,7 +61,7 @@ fn frames_are_learned_from_and_images_are_right() {
                         let is_known = report.plan.proxy_pixels > 0 || report.tests == 0;
                         assert!(is_known, "{report:?}");
                     }
-                    device.drain().unwrap();
+                    device.wait_idle().unwrap();
                     let [expected, found] = &images;
                     assert_eq!(
                         pixels_that_differ(&expected.rgba8().unwrap(), &found.rgba8().unwrap()),
@@ -71,15 +77,15 @@ fn frames_are_learned_from_and_images_are_right() {
 #[test]
 fn views_that_are_drawn_together_learn_the_same() {
     run_on_all(|device| {
-        let (mut renderer, cameras) = renderer(device, Costs::default(), 2);
+        let (mut renderer, cameras) = renderer(device, CostModel::default(), 2);
         let mut views = [0, 1].map(|_| renderer.new_view().unwrap());
         let mut learned = [Corrections::default(); 2];
         for camera in cameras {
             let areas = Rect::side_by_side(SIZE, 2);
-            let mut eyes: Vec<ViewTarget<'_>> = views
+            let mut eyes: Vec<ViewRequest<'_>> = views
                 .iter_mut()
                 .zip(areas)
-                .map(|(history, area)| ViewTarget {
+                .map(|(history, area)| ViewRequest {
                     state: history,
                     viewpoint: camera.into(),
                     visible: None,
@@ -107,7 +113,7 @@ fn views_that_are_drawn_together_learn_the_same() {
 #[test]
 fn views_that_take_turns_learn_each_their_own() {
     run_on_all(|device| {
-        let (mut renderer, cameras) = renderer(device, Costs::default(), 3);
+        let (mut renderer, cameras) = renderer(device, CostModel::default(), 3);
         let mut views = [0, 1].map(|_| renderer.new_view().unwrap());
         for camera in cameras {
             for view in &mut views {
@@ -125,7 +131,7 @@ fn views_that_take_turns_learn_each_their_own() {
 #[test]
 fn learning_goes_on_whatever_changes_between_frames() {
     run_on_all(|device| {
-        let (mut renderer, cameras) = renderer(device, Costs::default(), 2);
+        let (mut renderer, cameras) = renderer(device, CostModel::default(), 2);
         let mut views = [0, 1].map(|_| renderer.new_view().unwrap());
         let mut known = 0;
         for (frames_in_flight, size) in [(2, SIZE), (4, SIZE), (1, [96, 101]), (3, [201, 64])] {
@@ -140,7 +146,7 @@ fn learning_goes_on_whatever_changes_between_frames() {
                     renderer.render(view, &request).unwrap();
                 }
                 if number % 8 == 0 {
-                    device.drain().unwrap();
+                    device.wait_idle().unwrap();
                     let [expected, found] = &images;
                     let differ =
                         pixels_that_differ(&expected.rgba8().unwrap(), &found.rgba8().unwrap());
@@ -158,7 +164,7 @@ fn learning_goes_on_whatever_changes_between_frames() {
 #[test]
 fn what_is_drawn_to_explain_is_not_learned_from() {
     run_on_all(|device| {
-        let (mut renderer, cameras) = renderer(device, Costs::default(), 2);
+        let (mut renderer, cameras) = renderer(device, CostModel::default(), 2);
         let mut view = renderer.new_view().unwrap();
         renderer.set_debug_overlay(DebugOverlay { has_boxes: true, ..Default::default() }).unwrap();
         for camera in &cameras {
@@ -176,8 +182,8 @@ fn what_is_drawn_to_explain_is_not_learned_from() {
 #[test]
 fn what_is_not_governed_is_not_learned_from() {
     run_on_all(|device| {
-        let (mut ungoverned, cameras) = renderer(device, Costs::Ignored, 2);
-        let (mut cost_driven, _) = renderer(device, Costs::Table(CostTable::default()), 2);
+        let (mut ungoverned, cameras) = renderer(device, CostModel::Off, 2);
+        let (mut cost_driven, _) = renderer(device, CostModel::Table(CostTable::default()), 2);
         let mut views = [ungoverned.new_view().unwrap(), cost_driven.new_view().unwrap()];
         for camera in cameras {
             let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
@@ -186,7 +192,7 @@ fn what_is_not_governed_is_not_learned_from() {
             let report = cost_driven.render(&mut views[1], &request).unwrap();
             assert_eq!(report.corrections, Some(Corrections::default()));
         }
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
     });
 }
 
@@ -219,6 +225,6 @@ fn only_whole_frames_that_ask_are_timed() {
             let tick = frame.submit(None).unwrap();
             expected[slot] = is_timed.then_some(tick);
         }
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
     });
 }

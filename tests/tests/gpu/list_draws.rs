@@ -117,7 +117,7 @@ fn read<T: bytemuck::Pod>(device: &Device, ring: &mut FrameRing, from: BufferSli
     frame.commands().copy_buffer(from, to.whole());
     frame.commands().barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]));
     frame.submit(None).unwrap();
-    device.drain().unwrap();
+    device.wait_idle().unwrap();
     to.read::<T>(0..from.size_bytes as usize / size_of::<T>()).to_vec()
 }
 

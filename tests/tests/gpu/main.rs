@@ -8,9 +8,9 @@
 )]
 
 mod attachments;
-mod bad_machine;
 #[cfg(feature = "shader-compiler")]
 mod bare_boxes;
+mod bindless_textures;
 mod blocking_query_pool;
 #[cfg(feature = "shader-compiler")]
 mod buckets;
@@ -18,15 +18,18 @@ mod c_interface;
 mod calibration;
 mod cold_starts;
 mod compute_test;
+mod coplanar;
 mod counts;
 mod depth_complexity;
 mod detail;
+mod driver_faults;
 mod edge_on;
 mod edges;
 mod environment;
 mod exactness;
 mod explain;
 mod far_away;
+mod feature_soup;
 mod flares;
 mod frame_loop;
 mod golden;
@@ -35,12 +38,14 @@ mod host_device;
 #[cfg(feature = "shader-compiler")]
 mod host_frames;
 mod host_overlay;
+mod host_quirks;
 #[cfg(feature = "shader-compiler")]
 mod host_scenes;
-mod host_trust;
 mod hud;
+mod hzb;
 mod ideal;
 mod learning;
+mod limits;
 mod list_draws;
 mod mesh_pieces;
 mod misuse;
@@ -50,12 +55,10 @@ mod multiview;
 mod nothing_to_do;
 mod object_pairs;
 mod other_engines;
-mod own_images;
 mod pick;
 mod pictures;
 mod poses;
 mod projections;
-mod pyramid;
 mod relight;
 #[cfg(feature = "shader-compiler")]
 mod reload;
@@ -66,17 +69,14 @@ mod shading;
 mod shadow_maps;
 mod shadow_volumes;
 mod skinning;
-mod slivers;
 mod sorted_fragments;
 mod strategies;
 mod streaming;
+mod subpixel;
 mod tessellation;
 mod testers;
 mod textures;
 mod threshold;
-mod ties;
-mod together;
-mod too_much;
 mod transparent;
 mod vertex_surfaces;
 mod views;

@@ -3,7 +3,7 @@
 use cull::{Camera, Projection, Strategy};
 use glam::{Affine3A, Vec3};
 use gpu::Readback;
-use render::{Costs, Renderer, RendererOptions};
+use render::{CostModel, Renderer, RendererOptions};
 use scene::{FOV_Y_RAD, Mesh, MeshId, NEAR_M, Object, PieceLimits, Scene};
 use tests::walk::{frame_loop, pixels_that_differ};
 use tests::{Driver, run};
@@ -63,7 +63,7 @@ fn pieces_have_the_bits_of_the_whole() {
             let options = RendererOptions {
                 methods: methods::all(),
                 size: [320, 180],
-                costs: Costs::Ignored,
+                cost_model: CostModel::Off,
                 ..RendererOptions::default()
             };
             let images_of = |scene: &Scene, strategy: Strategy| {

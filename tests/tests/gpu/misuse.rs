@@ -4,7 +4,7 @@
 use cull::{Aabb, CostTable, Hierarchy, Strategy};
 use gpu::{Readback, Tick, Timeline};
 use render::{
-    Costs, Error, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions, ViewsRequest,
+    CostModel, Error, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions, ViewsRequest,
     object_bounds,
 };
 use scenes::{CameraPath, GeneratedScene, PathKind};
@@ -30,11 +30,11 @@ fn a_view_of_another_renderer_is_refused() {
         let request = FrameRequest::new(Strategy::ANTUMBRA, path.camera(0));
         let refused = |error: Error| assert!(error.to_string().contains("another renderer"));
         refused(many.render(&mut foreign, &request).unwrap_err());
-        refused(many.drain(&mut foreign).unwrap_err());
+        refused(many.wait_idle(&mut foreign).unwrap_err());
         let seen = many.view_of(&path.camera(0));
         refused(many.snapshot(&mut foreign, seen).unwrap_err());
         many.render(&mut view, &request).unwrap();
-        many.drain(&mut view).unwrap();
+        many.wait_idle(&mut view).unwrap();
     });
 }
 
@@ -107,8 +107,8 @@ fn options_beyond_all_limits_are_refused_before_anything_is_made() {
         let names_limit = sentence.contains(&format!("at most {most} here"));
         assert!(names_limit && sentence.contains("room"), "{sentence}");
         for (value, words) in [(f32::NAN, "is NaN"), (-1.0, "is -1")] {
-            let costs = Costs::Table(CostTable { draw_ns: value, ..CostTable::default() });
-            let sentence = refused(RendererOptions { costs, ..options() });
+            let cost_model = CostModel::Table(CostTable { draw_ns: value, ..CostTable::default() });
+            let sentence = refused(RendererOptions { cost_model, ..options() });
             assert!(sentence.contains(&format!("`draw_ns` {words}")), "{sentence}");
         }
     });
@@ -130,7 +130,7 @@ fn the_largest_options_that_are_taken_draw_a_frame() {
             let request = FrameRequest::new(Strategy::ANTUMBRA, path.camera(frame));
             renderer.render(&mut view, &request).unwrap();
         }
-        renderer.drain(&mut view).unwrap();
+        renderer.wait_idle(&mut view).unwrap();
     });
 }
 
@@ -161,8 +161,8 @@ fn outcomes_that_nobody_takes_are_kept_within_bounds() {
             let request = FrameRequest::new(Strategy::FRUSTUM, path.camera(0));
             renderer.render(&mut view, &request).unwrap();
         }
-        renderer.drain(&mut view).unwrap();
-        let outcomes: Vec<u64> = view.take_outcomes().map(|outcome| outcome.frame.0).collect();
+        renderer.wait_idle(&mut view).unwrap();
+        let outcomes: Vec<u64> = view.drain_stats().map(|outcome| outcome.frame.0).collect();
         assert_eq!(outcomes, (77..=1_100).collect::<Vec<u64>>());
     });
 }
@@ -192,7 +192,7 @@ fn an_image_is_read_when_its_frame_is_over_and_not_before() {
         is_refused("on its way");
         assert_eq!(device.wait_counts().other, waits, "nobody waits for an image");
         gate.signal(Tick(1)).unwrap();
-        renderer.drain(&mut view).unwrap();
+        renderer.wait_idle(&mut view).unwrap();
         assert!(device.completed().unwrap() >= tick);
         let first = image.rgba8().unwrap();
 
@@ -200,7 +200,7 @@ fn an_image_is_read_when_its_frame_is_over_and_not_before() {
         let before = first.to_vec();
         let refused = renderer.render(&mut view, &request(40, None)).unwrap_err().to_string();
         assert!(refused.contains("that is being read"), "{refused}");
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         assert!(*first == before);
         drop(first);
 
@@ -208,7 +208,7 @@ fn an_image_is_read_when_its_frame_is_over_and_not_before() {
         renderer.render(&mut view, &request(40, Some((&gate, Tick(2))))).unwrap();
         is_refused("on its way again");
         gate.signal(Tick(2)).unwrap();
-        renderer.drain(&mut view).unwrap();
+        renderer.wait_idle(&mut view).unwrap();
         assert!(*image.rgba8().unwrap() != before);
 
         // Dropped on its way.
@@ -219,7 +219,7 @@ fn an_image_is_read_when_its_frame_is_over_and_not_before() {
         };
         renderer.render(&mut view, &last).unwrap();
         drop(early);
-        renderer.drain(&mut view).unwrap();
+        renderer.wait_idle(&mut view).unwrap();
     });
 }
 
@@ -236,11 +236,11 @@ fn an_image_whose_frame_was_given_up_is_never_there() {
             target.copy_to(frame.commands(), &image);
             if is_submitted {
                 frame.submit(None).unwrap();
-                device.drain().unwrap();
+                device.wait_idle().unwrap();
             }
         };
         draw(false);
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         assert!(matches!(image.rgba8(), Err(gpu::Error::NoImage)));
         draw(true);
         assert!(image.rgba8().unwrap().iter().all(|byte| *byte == 255));
@@ -270,13 +270,13 @@ fn of_two_open_frames_one_copies_a_image_to_the_same_place() {
         let refused = newer.submit(None).unwrap_err().to_string();
         assert!(refused.contains("two frames that are both open"), "{refused}");
         older.submit(None).unwrap();
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         assert_eq!(image.rgba8().unwrap()[..4], [0; 4], "the older one's");
         // With nothing open any more the next one is as good as any.
         let newer = second.begin().unwrap();
         draw(&newer, 1.0);
         newer.submit(None).unwrap();
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         assert_eq!(image.rgba8().unwrap()[..4], [255; 4]);
     });
 }

@@ -6,8 +6,8 @@ mod updates;
 
 use cull::{Aabb, Camera, ObjectId, Strategy};
 use glam::{Affine3A, Vec3};
-use gpu::{Device, Predication, Readback};
-use render::{Costs, FrameRequest, Renderer, RendererOptions, ViewState};
+use gpu::{Device, PredicationMode, Readback};
+use render::{CostModel, FrameRequest, RenderView, Renderer, RendererOptions};
 use scene::{ObjectChange, Scene};
 use scenes::{CameraPath, Cast, GeneratedScene, Motion, PathKind};
 use tests::shapes::{box_at, box_scene, square_camera};
@@ -20,20 +20,20 @@ const SIZE: [u32; 2] = [240, 135];
 const TESTERS: [Strategy; 7] = [
     methods::BATCHED,
     methods::STOP_AND_WAIT,
-    methods::COHERENT,
-    methods::PYRAMID,
+    methods::CHC,
+    methods::HZB,
     Strategy::ANTUMBRA_QUERIES,
     Strategy::ANTUMBRA_FLAGS,
     Strategy::ANTUMBRA_COMPUTE,
 ];
 
 fn options(frames_in_flight: usize) -> RendererOptions {
-    // Prices that are measured differ from run to run; without any, everything is tested.
+    // Costs that are measured differ from run to run; without any, everything is tested.
     RendererOptions {
         methods: methods::all(),
         size: SIZE,
         frames_in_flight,
-        costs: Costs::Ignored,
+        cost_model: CostModel::Off,
         ..Default::default()
     }
 }
@@ -74,8 +74,8 @@ impl Moving {
         }
         let waited = renderer.device().wait_counts().other - waits;
         assert_eq!(waited > 0, strategy.is_blocking(), "{strategy} waited for {waited} answers");
-        renderer.drain(&mut view).unwrap();
-        let draws = view.take_outcomes().map(|outcome| outcome.draws).sum();
+        renderer.wait_idle(&mut view).unwrap();
+        let draws = view.drain_stats().map(|outcome| outcome.draws).sum();
         (images, draws)
     }
 
@@ -110,7 +110,7 @@ impl Moving {
 
 fn render(
     renderer: &mut Renderer,
-    view: &mut ViewState,
+    view: &mut RenderView,
     strategy: Strategy,
     camera: Camera,
     image: &Readback,
@@ -147,7 +147,7 @@ fn swiftshader_is_exact_while_objects_move() {
 fn every_way_to_skip_draws_is_exact_while_objects_move() {
     run(Driver::Lavapipe, |device| {
         let moving = Moving::new(SceneKind::City.build(1_000), PathKind::Cut, 60);
-        for predication in Predication::ALL {
+        for predication in PredicationMode::ALL {
             let options = RendererOptions { predication: Some(predication), ..options(2) };
             moving.check(device, &options, 24);
         }
@@ -173,7 +173,9 @@ fn every_tester_is_exact_while_objects_move() {
 fn every_tester_and_way_to_skip_draws_is_exact_while_objects_move() {
     run(Driver::Lavapipe, |device| {
         let moving = Moving::new(SceneKind::City.build(800), PathKind::Cut, 60);
-        for predication in [Predication::Counts, Predication::Instances, Predication::Compacted] {
+        for predication in
+            [PredicationMode::Counts, PredicationMode::Instances, PredicationMode::Compacted]
+        {
             let options = RendererOptions { predication: Some(predication), ..options(2) };
             for strategy in TESTERS {
                 moving.check_with(device, strategy, &options, 22);
@@ -207,7 +209,7 @@ fn an_updated_scene_is_the_scene_built_anew() {
             let expected = Readback::new(device, SIZE).unwrap();
             let camera = moving.path.camera(*frame);
             render(&mut fresh, &mut view, Strategy::FRUSTUM, camera, &expected);
-            device.drain().unwrap();
+            device.wait_idle().unwrap();
             let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &image.rgba8().unwrap());
             assert_eq!(wrong, 0, "frame {frame}");
         }
@@ -230,7 +232,7 @@ fn views_that_pause_stay_exact() {
             let camera = moving.path.camera(frame + 300 * eye as u32);
             render(&mut renderer, &mut plain, Strategy::FRUSTUM, camera, &expected);
             render(&mut renderer, &mut views[eye], Strategy::ANTUMBRA, camera, &got);
-            device.drain().unwrap();
+            device.wait_idle().unwrap();
             assert_eq!(
                 pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
                 0,
@@ -278,7 +280,7 @@ fn what_a_wall_hid_shows_in_the_frame_in_which_it_goes() {
             wall = report.added.first().copied().unwrap_or(wall);
             render(&mut renderer, &mut view, Strategy::ANTUMBRA, square_camera(), &got);
             render(&mut renderer, &mut plain, Strategy::FRUSTUM, square_camera(), &expected);
-            device.drain().unwrap();
+            device.wait_idle().unwrap();
             assert_eq!(
                 pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
                 0,
@@ -331,20 +333,20 @@ fn objects_that_jump_far_stay_exact() {
             let camera = Camera { forward: Vec3::new(0.0, -1.0, -1.0), ..camera };
             render(&mut renderer, &mut view, Strategy::ANTUMBRA, camera, &got);
             render(&mut renderer, &mut plain, Strategy::FRUSTUM, camera, &expected);
-            device.drain().unwrap();
+            device.wait_idle().unwrap();
             assert_eq!(
                 pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
                 0,
                 "frame {frame}"
             );
-            renderer.drain(&mut view).unwrap();
-            drawn += view.take_outcomes().map(|outcome| outcome.draws).sum::<u64>();
+            renderer.wait_idle(&mut view).unwrap();
+            drawn += view.drain_stats().map(|outcome| outcome.draws).sum::<u64>();
             // Both draw what is on the GPU; this is what should be there.
             if frame % 7 == 6 {
                 let mut fresh = Renderer::new(device, &moved, &options(1)).unwrap();
                 let mut view = fresh.new_view().unwrap();
                 render(&mut fresh, &mut view, Strategy::FRUSTUM, camera, &expected);
-                device.drain().unwrap();
+                device.wait_idle().unwrap();
                 let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap());
                 assert_eq!(wrong, 0, "frame {frame}, built again");
             }

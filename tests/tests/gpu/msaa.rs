@@ -7,16 +7,16 @@ mod fringes;
 
 use cull::{Camera, Projection, Strategy};
 use glam::{Affine3A, Mat3A, Quat, Vec2, Vec3, vec2, vec3};
-use gpu::{Device, DeviceOptions, Optional, Readback, SampleCount};
-use render::{Costs, FlareBlock, FrameRequest, Rect, Renderer, RendererOptions};
+use gpu::{Device, DeviceOptions, OptionalFeature, Readback, SampleCount};
+use render::{CostModel, FlareBlock, FrameRequest, Rect, Renderer, RendererOptions};
 use scene::{Alpha, MeshId, Object, Scene};
 use scenes::{CameraPath, PathKind};
 use shadows::{ShadowMethod, ShadowOptions};
-use tests::machine::Machine;
+use tests::fault_injection::FaultInjection;
 use tests::shapes::{box_at, box_scene, coloured_cubes, square_camera};
-use tests::still::first_image;
+use tests::single_frame::first_image;
 use tests::walk::{SceneKind, frame_loop, pixels_that_differ};
-use tests::{Driver, instance_with, run_on_all, yard};
+use tests::{Driver, instance_with, run_on_all, shadow_scene};
 
 use crate::flares::{lamp, settled};
 
@@ -25,7 +25,7 @@ fn options(size: [u32; 2], samples: SampleCount) -> RendererOptions {
         methods: methods::all(),
         size,
         samples,
-        costs: Costs::Ignored,
+        cost_model: CostModel::Off,
         ..Default::default()
     }
 }
@@ -52,7 +52,7 @@ fn images(renderer: &mut Renderer, strategy: Strategy, cameras: &[Camera]) -> Ve
         let wanted = Some(&image);
         let request = FrameRequest::new(strategy, *camera);
         renderer.render(&mut view, &FrameRequest { visible, image: wanted, ..request }).unwrap();
-        renderer.drain(&mut view).unwrap();
+        renderer.wait_idle(&mut view).unwrap();
         image
     };
     cameras.iter().map(draw).collect()
@@ -65,7 +65,7 @@ fn check_exact(device: &Device, scene: &Scene, cameras: &[Camera], options: &Ren
     assert_eq!(renderer.samples(), options.samples);
     let expected = images(&mut renderer, Strategy::FRUSTUM, cameras);
     for strategy in exact() {
-        if !device.capabilities().has(Optional::SampleDepths) {
+        if !device.capabilities().has(OptionalFeature::SampleDepths) {
             let error = renderer.supports(strategy).unwrap_err().to_string();
             assert!(error.contains(&format!("so `{strategy}` could lose some")), "{error}");
             continue;
@@ -153,10 +153,10 @@ fn surfaces_panes_and_shadows_are_exact_with_four_samples() {
         let cameras: Vec<Camera> = (0..8).map(along).collect();
         let four = options([120, 90], SampleCount::Four);
         check_exact(device, &masked_and_transparent(), &cameras, &four);
-        let yard_scene = yard::scene(&yard::boxes(), &yard::lights());
+        let yard_scene = shadow_scene::scene(&shadow_scene::boxes(), &shadow_scene::lights());
         let moved = |frame: u32| {
-            let eye = yard::camera().eye + vec3(0.4, -0.2, -0.6) * frame as f32;
-            Camera { eye, ..yard::camera() }
+            let eye = shadow_scene::camera().eye + vec3(0.4, -0.2, -0.6) * frame as f32;
+            Camera { eye, ..shadow_scene::camera() }
         };
         let cameras: Vec<Camera> = (0..4).map(moved).collect();
         let shadows = ShadowOptions { method: ShadowMethod::Maps, ..ShadowOptions::default() };
@@ -275,15 +275,15 @@ fn flares_count_each_sample() {
 fn depths_of_samples_are_at_their_places_where_a_device_says_so() {
     for (driver, expected) in [(Driver::Lavapipe, true), (Driver::SwiftShader, false)] {
         tests::run(driver, |device| {
-            assert_eq!(device.capabilities().has(Optional::SampleDepths), expected);
+            assert_eq!(device.capabilities().has(OptionalFeature::SampleDepths), expected);
         });
     }
 }
 
 #[test]
 fn a_device_without_four_samples_says_so() {
-    let machine = Machine { has_one_sample: true, ..Machine::default() };
-    let instance = instance_with(machine.entry());
+    let faults = FaultInjection { has_one_sample: true, ..FaultInjection::default() };
+    let instance = instance_with(faults.entry());
     let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
     let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
     let scene = box_scene(&[box_at(vec3(0.0, 0.0, -5.0), Vec3::ONE)]);

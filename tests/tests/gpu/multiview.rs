@@ -7,16 +7,17 @@
 use std::sync::Arc;
 
 use cull::{
-    Aabb, Camera, CullConfig, Culler, DrawPhases, Hierarchy, MultiView, Projection, Strategy, View,
+    Aabb, Camera, CullConfig, CullView, Culler, DrawPhases, Hierarchy, MultiView, Projection,
+    Strategy,
 };
 use glam::{Vec3, vec3};
 use gpu::{
-    Attachments, Commands, Device, Features, FrameRing, HostDevice, IndirectDraw, Optional,
-    Predicates, Predication, Purpose, Readback, RenderTarget, Target,
+    Attachments, Commands, Device, Features, FrameRing, HostDevice, IndirectDraw, OptionalFeature,
+    Predicates, PredicationMode, Purpose, Readback, RenderTarget, Target,
 };
 use occlusion::{
     BucketId, Error, LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, ObjectPass, ObjectRenderer,
-    OcclusionPasses, PlanExecutor, Rendering, ShaderSet, TargetError, VisibilityState, execute,
+    OcclusionPasses, OcclusionState, PlanExecutor, Rendering, ShaderSet, TargetError, execute,
 };
 use tests::host_device::Host as HostsDevice;
 use tests::numbered_boxes::{BOX_INDICES, NumberedBoxes};
@@ -37,12 +38,12 @@ impl ObjectRenderer for Boxes {
         &mut self.target
     }
 
-    fn rendering(&self, _view: &View, rendering: Rendering) -> RenderTarget {
+    fn rendering(&self, _view: &CullView, rendering: Rendering) -> RenderTarget {
         let clear = (rendering == Rendering::First).then_some([0.0, 0.0, 0.0, 1.0]);
         self.target.render_target(clear)
     }
 
-    fn bind(&self, commands: &Commands, view: &View, _bucket: BucketId, _pass: ObjectPass) {
+    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId, _pass: ObjectPass) {
         self.boxes.bind(commands, view);
     }
 }
@@ -55,12 +56,12 @@ struct Host {
     hierarchy: Hierarchy,
     executor: PlanExecutor,
     objects: Boxes,
-    state: VisibilityState,
+    state: OcclusionState,
     images: Vec<Readback>,
 }
 
 impl Host {
-    fn new(device: &Device, boxes: &[Aabb], views: u32, predication: Predication) -> Self {
+    fn new(device: &Device, boxes: &[Aabb], views: u32, predication: PredicationMode) -> Self {
         let shaders = ShaderSet::embedded().unwrap();
         let hierarchy = Hierarchy::build(boxes).unwrap();
         let draw =
@@ -79,7 +80,7 @@ impl Host {
         let testers = executor.testers(device, &target, DrawPhases::PerRound);
         assert_eq!(testers.compute, views == 1);
         let culler = Culler::with_testers(CullConfig::default(), testers);
-        let state = VisibilityState::new(device, &hierarchy, &executor.leaves, 2, culler).unwrap();
+        let state = OcclusionState::new(device, &hierarchy, &executor.leaves, 2, culler).unwrap();
         Self {
             device: device.clone(),
             frames: FrameRing::new(device, 2).unwrap(),
@@ -93,7 +94,7 @@ impl Host {
     }
 
     /// Draws a frame, whose results and image come back when it is over.
-    fn draw(&mut self, strategy: Strategy, views: &[View]) {
+    fn draw(&mut self, strategy: Strategy, views: &[CullView]) {
         let Self { device, shaders, frames, hierarchy, executor, objects, state, images } = self;
         if views.len() > 1 {
             objects.boxes.take_views(device, views);
@@ -116,7 +117,7 @@ impl Host {
     fn draws(&mut self) -> u64 {
         let completed = self.device.completed().unwrap();
         self.state.collect(completed, &self.hierarchy, &self.executor.leaves);
-        self.state.take_outcomes().map(|outcome| outcome.draws).sum()
+        self.state.drain_stats().map(|outcome| outcome.draws).sum()
     }
 }
 
@@ -133,7 +134,7 @@ fn boxes() -> Vec<Aabb> {
 
 /// Returns the views of a frame: an eye jumps from side to side, so that hidden boxes show at once.
 /// A pair's eyes are far apart, so that each sees what the other does not.
-fn views(device: &Device, count: usize, frame: u32) -> Vec<View> {
+fn views(device: &Device, count: usize, frame: u32) -> Vec<CullView> {
     let side = (frame / 4 % 3) as f32 - 1.0;
     let eye = vec3(side * 7.0 + frame as f32 * 0.08, 0.0, 3.0);
     let ahead = Camera {
@@ -155,11 +156,11 @@ fn views(device: &Device, count: usize, frame: u32) -> Vec<View> {
             .into(),
     };
     let bits = device.adapter().limits.sub_pixel_precision_bits;
-    cameras.iter().map(|camera| View::new(camera, SIZE, bits)).collect()
+    cameras.iter().map(|camera| CullView::new(camera, SIZE, bits)).collect()
 }
 
-fn executors(device: &Device) -> Vec<Predication> {
-    let all = Predication::ALL;
+fn executors(device: &Device) -> Vec<PredicationMode> {
+    let all = PredicationMode::ALL;
     all.into_iter()
         .filter(|predication| Predicates::linked(device, Some(*predication), 1, 1).is_ok())
         .collect()
@@ -174,21 +175,21 @@ fn alone(device: &Device, count: usize) -> Vec<Vec<u8>> {
             host.draw(Strategy::FRUSTUM, &[view]);
         }
     }
-    device.drain().unwrap();
+    device.wait_idle().unwrap();
     let images = host.images.chunks(count);
     images
         .map(|views| views.iter().flat_map(|view| view.rgba8().unwrap().to_vec()).collect())
         .collect()
 }
 
-fn compare(device: &Device, count: usize, cases: &[(Strategy, Predication)]) {
+fn compare(device: &Device, count: usize, cases: &[(Strategy, PredicationMode)]) {
     let expected = alone(device, count);
     let walk = |strategy, predication| {
         let mut host = Host::new(device, &boxes(), count as u32, predication);
         for frame in 0..FRAMES {
             host.draw(strategy, &views(device, count, frame));
         }
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         let what = format!("{count} views, {strategy}, {}", predication.name());
         for (frame, (expected, image)) in expected.iter().zip(&host.images).enumerate() {
             let wrong = pixels_that_differ(expected, &image.rgba8().unwrap());
@@ -223,7 +224,7 @@ fn the_faces_of_a_cube_in_one_pass_look_like_each_alone() {
 
 #[test]
 fn a_device_without_multiview_is_told_by_its_name() {
-    let without = Optional::Multiview.features();
+    let without = OptionalFeature::Multiview.features();
     // Lavapipe's is not used, since it draws wrong images.
     for (driver, without) in
         [(Driver::SwiftShader, without), (Driver::Lavapipe, Features::default())]

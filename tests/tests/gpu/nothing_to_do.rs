@@ -5,7 +5,7 @@
 use cull::{Camera, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use gpu::{Device, Readback};
-use render::{Rect, Renderer, RendererOptions, ViewState, ViewTarget, ViewsRequest};
+use render::{Rect, RenderView, Renderer, RendererOptions, ViewRequest, ViewsRequest};
 use scene::{
     Alpha, LightKind, Material, MaterialId, MeshId, Object, PunctualLight, Scene, Surfaces,
 };
@@ -88,7 +88,7 @@ fn lights(meets_objects: bool) -> Vec<PunctualLight> {
         range_m,
         position,
         direction: vec3(-0.3, -0.8, -0.6).normalize(),
-        picture: None,
+        cookie: None,
     };
     if meets_objects {
         vec![
@@ -104,7 +104,7 @@ fn lights(meets_objects: bool) -> Vec<PunctualLight> {
 /// first looked before.
 fn film(renderer: &mut Renderer, strategy: Strategy, view_count: usize) -> Vec<Readback> {
     let mut finder = renderer.new_view().unwrap();
-    let mut states: Vec<ViewState> =
+    let mut states: Vec<RenderView> =
         (0..view_count).map(|_| renderer.new_view().unwrap()).collect();
     let areas: Vec<Rect> = Rect::side_by_side(SIZE, view_count as u32).collect();
     let mut images = Vec::new();
@@ -123,11 +123,11 @@ fn film(renderer: &mut Renderer, strategy: Strategy, view_count: usize) -> Vec<R
                 is_wanted.then(|| renderer.visible_set(&mut finder, *camera, *area).unwrap())
             })
             .collect();
-        let mut targets: Vec<ViewTarget<'_>> = states
+        let mut targets: Vec<ViewRequest<'_>> = states
             .iter_mut()
             .zip(&cameras)
             .zip(areas.iter().zip(&sets))
-            .map(|((state, camera), (area, set))| ViewTarget {
+            .map(|((state, camera), (area, set))| ViewRequest {
                 state,
                 viewpoint: (*camera).into(),
                 visible: set.as_ref(),
@@ -139,7 +139,7 @@ fn film(renderer: &mut Renderer, strategy: Strategy, view_count: usize) -> Vec<R
         images.push(image);
     }
     for state in &mut states {
-        renderer.drain(state).unwrap();
+        renderer.wait_idle(state).unwrap();
     }
     images
 }

@@ -98,7 +98,7 @@ fn a_tick_of_another_device_proves_nothing() {
         queries.collect(other.completed().unwrap(), |tag, _| told.push(tag));
         assert!(told.is_empty() && other.completed().unwrap() > tick);
         gate.signal(Tick(1)).unwrap();
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         queries.collect(device.completed().unwrap(), |tag, _| told.push(tag));
         assert_eq!(told, [7]);
     });

@@ -4,9 +4,9 @@
 use std::path::Path;
 
 use cull::{Camera, ObjectId, Strategy};
-use gpu::{Device, Predication};
-use render::{Costs, Rect, Renderer, RendererOptions, ViewState};
-use tests::reported::{Provocation, Reported};
+use gpu::{Device, PredicationMode};
+use render::{CostModel, Rect, RenderView, Renderer, RendererOptions};
+use tests::regressions::{Provocation, Reported};
 use tests::walk::{Loop, frame_loop, pixels_that_differ, walk_cameras_with};
 use tests::{Driver, run, run_on_all};
 
@@ -22,13 +22,13 @@ const SIZE: [u32; 2] = [167, 109];
 const SIZES: [[u32; 2]; 8] =
     [[333, 217], [1, 1], [333, 7], [3, 200], [97, 53], [127, 255], [64, 32], [65, 33]];
 
-fn options(predication: Option<Predication>) -> RendererOptions {
-    // Without prices everything is tested.
+fn options(predication: Option<PredicationMode>) -> RendererOptions {
+    // Without costs everything is tested.
     RendererOptions {
         methods: methods::all(),
         size: SIZE,
         predication,
-        costs: Costs::Ignored,
+        cost_model: CostModel::Off,
         ..Default::default()
     }
 }
@@ -46,7 +46,7 @@ fn check(device: &Device, kind: Reported, options: &RendererOptions, with: &[Str
     let mut renderer = Renderer::new(device, &provocation.scene, options).unwrap();
     let mut all = whole.new_view().unwrap();
     let strategies = [Strategy::FRUSTUM].into_iter().chain(with.iter().copied());
-    let mut views: Vec<(Strategy, ViewState, [u64; 2])> =
+    let mut views: Vec<(Strategy, RenderView, [u64; 2])> =
         strategies.map(|strategy| (strategy, renderer.new_view().unwrap(), [0; 2])).collect();
     for (size, cameras) in takes(&provocation) {
         whole.resize(size).unwrap();
@@ -90,14 +90,16 @@ const OURS: [Strategy; 4] = [
 ];
 
 /// The literature's methods that games use: coherent hierarchical culling and the depth pyramid.
-const THEIRS: [Strategy; 2] = [methods::COHERENT, methods::PYRAMID];
+const THEIRS: [Strategy; 2] = [methods::CHC, methods::HZB];
 
 fn check_everything(kind: Reported) {
     run_on_all(|device| {
         check(device, kind, &options(None), &[&OURS[..], &THEIRS].concat());
     });
     run(Driver::Lavapipe, |device| {
-        for predication in [Predication::Counts, Predication::Instances, Predication::Compacted] {
+        for predication in
+            [PredicationMode::Counts, PredicationMode::Instances, PredicationMode::Compacted]
+        {
             check(device, kind, &options(Some(predication)), &OURS);
         }
     });

@@ -5,7 +5,7 @@ use cull::{Camera, Decision, ObjectId, Outcome, Projection, Strategy};
 use glam::{Affine3A, Vec2, Vec3};
 use gpu::{Readback, SampleCount};
 use render::{
-    Costs, DebugOverlay, FrameRequest, PointedSurface, Renderer, RendererOptions, ViewState,
+    CostModel, DebugOverlay, FrameRequest, PointedSurface, RenderView, Renderer, RendererOptions,
 };
 use scene::{Mesh, MeshId, Object, ObjectChange, Scene};
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
@@ -15,7 +15,7 @@ use tests::{Driver, run, run_on_all};
 const SIZE: [u32; 2] = [320, 180];
 
 fn options() -> RendererOptions {
-    RendererOptions { size: SIZE, costs: Costs::Ignored, ..RendererOptions::default() }
+    RendererOptions { size: SIZE, cost_model: CostModel::Off, ..RendererOptions::default() }
 }
 
 /// The first triangle along a ray.
@@ -28,13 +28,13 @@ struct Hit {
 /// Draws a frame and waits for it. Returns what it shows at a pixel.
 fn pointed(
     renderer: &mut Renderer,
-    view: &mut ViewState,
+    view: &mut RenderView,
     camera: Camera,
     pixel: [u32; 2],
 ) -> Option<PointedSurface> {
     view.point_at(Some(pixel)).unwrap();
     renderer.render(view, &FrameRequest::new(Strategy::ANTUMBRA, camera)).unwrap();
-    renderer.drain(view).unwrap();
+    renderer.wait_idle(view).unwrap();
     let found = view.pointed().expect("it is over");
     assert_eq!((found.pixel, found.frame), (pixel, view.plan().frame));
     found.surface
@@ -247,7 +247,7 @@ fn what_is_explained_of_objects_is_what_was_drawn() {
 /// explained; counts those drawn, hidden and outside.
 fn check(
     renderer: &mut Renderer,
-    view: &mut ViewState,
+    view: &mut RenderView,
     camera: &Camera,
     scene: &Scene,
     counts: &mut [usize; 3],
@@ -301,7 +301,7 @@ fn each_answer_is_about_the_frame_that_it_names() {
             distances.insert(view.plan().frame, f64::from(metres));
             answers.extend(view.pointed().copied());
         }
-        renderer.drain(&mut view).unwrap();
+        renderer.wait_idle(&mut view).unwrap();
         answers.extend(view.pointed().copied());
         answers.dedup();
         // None waits, none is about another frame, and the frame without a pointer has none.
@@ -337,7 +337,7 @@ fn an_outline_and_a_debug_overlay_are_not_in_the_image_of_the_scene() {
             .unwrap();
         let both = FrameRequest { image: Some(&whole), scene_image: Some(&alone), ..request };
         renderer.render(&mut view, &both).unwrap();
-        renderer.drain(&mut view).unwrap();
+        renderer.wait_idle(&mut view).unwrap();
         let differing = |a: &Readback, b: &Readback| {
             let [a, b] = [a, b].map(|image| image.rgba8().unwrap());
             a.chunks(4).zip(b.chunks(4)).filter(|(a, b)| a != b).count()
@@ -347,11 +347,11 @@ fn an_outline_and_a_debug_overlay_are_not_in_the_image_of_the_scene() {
         // The outline alone, and gone again.
         renderer.set_debug_overlay(DebugOverlay::default()).unwrap();
         renderer.render(&mut view, &both).unwrap();
-        renderer.drain(&mut view).unwrap();
+        renderer.wait_idle(&mut view).unwrap();
         assert!((20..5000).contains(&differing(&plain, &whole)));
         renderer.outline(None).unwrap();
         renderer.render(&mut view, &both).unwrap();
-        renderer.drain(&mut view).unwrap();
+        renderer.wait_idle(&mut view).unwrap();
         assert_eq!(differing(&plain, &whole), 0);
     });
 }

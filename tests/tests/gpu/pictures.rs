@@ -4,15 +4,17 @@
 use cull::{Aabb, Camera, Strategy};
 use glam::{Vec2, Vec3, vec2, vec3};
 use gpu::Device;
-use render::{Costs, Error, Renderer, RendererOptions, SpareRoom, TextureRoom, ViewState};
+use render::{
+    CostModel, Error, RenderView, Renderer, RendererOptions, SpareCapacity, TextureCapacity,
+};
 use scene::{
-    Encoding, Filter, Image, ImageId, LightId, LightKind, LightPicture, PreparedTexture,
+    Encoding, Filter, Image, ImageId, LightCookie, LightId, LightKind, PreparedTexture,
     PunctualLight, Sampler, Scene, Texture, TextureId,
 };
 use shadows::{ShadowMethod, ShadowOptions};
-use tests::still::{first_image, image};
+use tests::single_frame::{first_image, image};
 use tests::walk::pixels_that_differ;
-use tests::{run_on_all, yard};
+use tests::{run_on_all, shadow_scene};
 
 const SIZE: [u32; 2] = [160, 120];
 
@@ -54,7 +56,7 @@ fn spot(texture: u32, up: Vec3) -> PunctualLight {
         range_m: Some(30.0),
         position: vec3(1.0, 2.0, 9.0),
         direction: vec3(-0.1, -0.15, -1.0).normalize(),
-        picture: Some(LightPicture { texture: TextureId(texture), up }),
+        cookie: Some(LightCookie { texture: TextureId(texture), up }),
     }
 }
 
@@ -69,7 +71,7 @@ fn boxes() -> Vec<Aabb> {
 }
 
 fn scene(light: PunctualLight) -> Scene {
-    let mut scene = yard::scene(&boxes(), &[light]);
+    let mut scene = shadow_scene::scene(&boxes(), &[light]);
     (scene.light.ambient_above, scene.light.ambient_below) = ([0.02; 3], [0.02; 3]);
     let surfaces = scene.surfaces.as_mut().unwrap();
     surfaces.images = vec![picture_image(0), picture_image(1)];
@@ -81,14 +83,14 @@ fn scene(light: PunctualLight) -> Scene {
 
 fn camera() -> Camera {
     let eye = vec3(3.0, 1.0, 11.0);
-    Camera { eye, forward: (vec3(0.0, 0.2, 0.0) - eye).normalize(), ..yard::camera() }
+    Camera { eye, forward: (vec3(0.0, 0.2, 0.0) - eye).normalize(), ..shadow_scene::camera() }
 }
 
 fn options() -> RendererOptions {
     RendererOptions {
         methods: methods::all(),
         size: SIZE,
-        costs: Costs::Ignored,
+        cost_model: CostModel::Off,
         ..Default::default()
     }
 }
@@ -98,7 +100,7 @@ fn shadowed() -> RendererOptions {
     RendererOptions { shadows, ..options() }
 }
 
-fn draw(renderer: &mut Renderer, view: &mut ViewState) -> Vec<u8> {
+fn draw(renderer: &mut Renderer, view: &mut RenderView) -> Vec<u8> {
     image(renderer, view, Strategy::ANTUMBRA, camera())
 }
 
@@ -145,7 +147,7 @@ fn check(device: &Device, up: Vec3, options: &RendererOptions) {
         let of = light.colour;
         let channels = channels(mask);
         let colour = std::array::from_fn(|part| of[part] * channels[part]);
-        fresh(device, PunctualLight { colour, picture: None, ..light }, options)
+        fresh(device, PunctualLight { colour, cookie: None, ..light }, options)
     };
     let plain: Vec<Vec<u8>> = (0..8).map(plain).collect();
     let renderer = Renderer::new(device, &scene(light), options).unwrap();
@@ -183,9 +185,9 @@ fn a_picture_without_an_upward_direction_is_some_way_round() {
     run_on_all(|device| {
         let light = spot(0, Vec3::Y);
         for up in [Vec3::ZERO, light.direction] {
-            let picture = Some(LightPicture { texture: TextureId(0), up });
-            let odd = fresh(device, PunctualLight { picture, ..light }, &options());
-            let none = fresh(device, PunctualLight { picture: None, ..light }, &options());
+            let picture = Some(LightCookie { texture: TextureId(0), up });
+            let odd = fresh(device, PunctualLight { cookie: picture, ..light }, &options());
+            let none = fresh(device, PunctualLight { cookie: None, ..light }, &options());
             assert!(pixels_that_differ(&odd, &none) > 500, "there is a picture");
         }
     });
@@ -194,8 +196,8 @@ fn a_picture_without_an_upward_direction_is_some_way_round() {
 /// Returns room for a light, and for two textures of the picture's kind.
 fn roomy() -> RendererOptions {
     let room =
-        TextureRoom { size: [TEXELS; 2], encoding: Encoding::Srgb, sampler: SHARP, layers: 2 };
-    let spare = SpareRoom { lights: 1, textures: vec![room], ..SpareRoom::default() };
+        TextureCapacity { size: [TEXELS; 2], encoding: Encoding::Srgb, sampler: SHARP, layers: 2 };
+    let spare = SpareCapacity { lights: 1, textures: vec![room], ..SpareCapacity::default() };
     RendererOptions { spare, ..options() }
 }
 
@@ -211,7 +213,7 @@ fn pictures_come_change_and_go() {
         same(&draw(&mut renderer, &mut view), spot(0, Vec3::Y), "as it began");
         renderer.set_light(LightId(0), spot(0, Vec3::X)).unwrap();
         same(&draw(&mut renderer, &mut view), spot(0, Vec3::X), "turned");
-        let bare = PunctualLight { picture: None, ..spot(0, Vec3::Y) };
+        let bare = PunctualLight { cookie: None, ..spot(0, Vec3::Y) };
         renderer.set_light(LightId(0), bare).unwrap();
         same(&draw(&mut renderer, &mut view), bare, "without one");
         let came = PreparedTexture::new(picture_image(1), Encoding::Srgb, SHARP).unwrap();
@@ -250,14 +252,14 @@ fn pictures_that_cannot_be_are_refused() {
             (bulb, "only spots"),
         ] {
             let error = renderer.add_lights(&[light]).unwrap_err();
-            assert!(matches!(error, Error::LightPicture { index: 0, .. }), "{error:?}");
+            assert!(matches!(error, Error::LightCookie { index: 0, .. }), "{error:?}");
             assert!(error.to_string().contains(reason), "{error}");
             if light.kind != LightKind::Point {
                 let error = renderer.set_light(LightId(0), light).unwrap_err().to_string();
                 assert!(error.contains(reason), "{error}");
             }
         }
-        let bare = PunctualLight { picture: None, ..spot(0, Vec3::Y) };
+        let bare = PunctualLight { cookie: None, ..spot(0, Vec3::Y) };
         let mut renderer = Renderer::new(device, &scene(bare), &roomy()).unwrap();
         let error = renderer.set_light(LightId(0), spot(0, Vec3::Y)).unwrap_err().to_string();
         assert!(error.contains("is not on the GPU"), "no light and no material uses it: {error}");

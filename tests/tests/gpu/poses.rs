@@ -4,7 +4,7 @@
 use cull::{Aabb, Camera, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use gpu::{Device, Readback};
-use render::{DebugOverlay, Error, FrameRequest, Renderer, ViewState};
+use render::{DebugOverlay, Error, FrameRequest, RenderView, Renderer};
 use scene::{MeshId, Object, ObjectChange, PoseUpdate, Scene, SceneUpdate, SkinnedMeshId};
 use tests::run_on_all;
 use tests::walk::pixels_that_differ;
@@ -71,7 +71,7 @@ fn the_box_of_an_object_is_that_of_its_pose_wherever_it_is() {
 }
 
 /// Returns the work of a frame for poses, seen along `forward`.
-fn skinned(renderer: &mut Renderer, view: &mut ViewState, forward: Vec3) -> (u32, u64) {
+fn skinned(renderer: &mut Renderer, view: &mut RenderView, forward: Vec3) -> (u32, u64) {
     let camera = Camera { forward, ..camera() };
     // Without a test, whatever is in the frustum is drawn for certain.
     let report = renderer.render(view, &FrameRequest::new(Strategy::FRUSTUM, camera)).unwrap();
@@ -107,7 +107,7 @@ fn poses_wait_until_a_view_may_show_them() {
         renderer.update(&[ObjectChange::Remove { object: ObjectId(0) }]).unwrap();
         renderer.set_pose(SkinnedMeshId(0), &far(10.0), &weights).unwrap();
         assert_eq!(look(&mut renderer, away), (0, 0), "no object has it");
-        renderer.drain(&mut view).unwrap();
+        renderer.wait_idle(&mut view).unwrap();
     });
 }
 
@@ -130,7 +130,7 @@ fn what_stays_hidden_is_not_skinned() {
                 let request =
                     FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, camera()) };
                 let report = renderer.render(&mut view, &request).unwrap();
-                renderer.drain(&mut view).unwrap();
+                renderer.wait_idle(&mut view).unwrap();
                 let expected = draw(&mut reference, Strategy::FRUSTUM);
                 let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &image.rgba8().unwrap());
                 assert_eq!(wrong, 0, "{strategy}, turn {turn}");
@@ -179,7 +179,7 @@ fn looking_about(device: &Device, strategy: Strategy, sees_all: bool) -> Vec<Rea
         image
     };
     let images = (0..20).map(frame).collect();
-    renderer.drain(&mut view).unwrap();
+    renderer.wait_idle(&mut view).unwrap();
     images
 }
 
@@ -187,7 +187,7 @@ fn looking_about(device: &Device, strategy: Strategy, sees_all: bool) -> Vec<Rea
 fn who_looks_about_sees_the_newest_poses() {
     run_on_all(|device| {
         let expected = looking_about(device, Strategy::FRUSTUM, true);
-        for strategy in [Strategy::FRUSTUM, methods::PYRAMID, Strategy::ANTUMBRA] {
+        for strategy in [Strategy::FRUSTUM, methods::HZB, Strategy::ANTUMBRA] {
             let found = looking_about(device, strategy, false);
             for (frame, (expected, found)) in expected.iter().zip(&found).enumerate() {
                 let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &found.rgba8().unwrap());

@@ -3,10 +3,10 @@
 
 use cull::{Camera, ClipY, DepthConvention, Projection, Strategy, ViewProjection};
 use glam::{Vec2, Vec3};
-use gpu::{Device, Optional, Predication};
-use render::{Costs, Error, FrameRequest, Renderer, RendererOptions, Viewpoint};
+use gpu::{Device, OptionalFeature, PredicationMode};
+use render::{CostModel, Error, FrameRequest, Renderer, RendererOptions, Viewpoint};
 use scenes::{CameraPath, GeneratedScene, PathKind};
-use tests::lens::Lens;
+use tests::projections::Lens;
 use tests::run_on_all;
 use tests::walk::{SceneKind, walk_cameras_with};
 
@@ -17,16 +17,16 @@ const STRATEGIES: [Strategy; 5] = [
     Strategy::ANTUMBRA_QUERIES,
     Strategy::ANTUMBRA_FLAGS,
     Strategy::ANTUMBRA_COMPUTE,
-    methods::PYRAMID,
+    methods::HZB,
 ];
 
-fn options(predication: Option<Predication>) -> RendererOptions {
+fn options(predication: Option<PredicationMode>) -> RendererOptions {
     RendererOptions {
         methods: methods::all(),
         size: SIZE,
         predication,
         // Everything is tested that may be hidden, whatever it costs.
-        costs: Costs::Ignored,
+        cost_model: CostModel::Off,
         ..Default::default()
     }
 }
@@ -35,8 +35,8 @@ fn options(predication: Option<Predication>) -> RendererOptions {
 /// objects in the frustum that were drawn by the first.
 fn check(device: &Device, scene: &GeneratedScene, seen: &[Viewpoint], what: &str) -> f64 {
     let mut share = 1.0;
-    let all = Predication::ALL.map(Some);
-    let has_all = device.capabilities().has(Optional::ConditionalRendering);
+    let all = PredicationMode::ALL.map(Some);
+    let has_all = device.capabilities().has(OptionalFeature::ConditionalRendering);
     let ways = if has_all { &all[..] } else { &[None] };
     for (number, strategy) in STRATEGIES.into_iter().enumerate() {
         let options = options(ways[number % ways.len()]);
@@ -127,7 +127,7 @@ fn matrices_that_cannot_be_drawn_are_refused() {
         assert!(matches!(error, Error::StandardDepth), "{error}");
         let flat = ViewProjection { matrix: glam::Mat4::ZERO, ..good };
         let error = render(flat).unwrap_err();
-        assert!(matches!(error, Error::View(_)), "{error}");
+        assert!(matches!(error, Error::CullView(_)), "{error}");
         render(good).unwrap();
     });
 }

@@ -6,12 +6,14 @@ use std::collections::BTreeMap;
 use cull::{Camera, ObjectId, Projection, Strategy};
 use glam::{Affine3A, Vec3, vec3};
 use gpu::{Device, Readback};
-use render::{Costs, Error, FrameRequest, Renderer, RendererOptions, SpareRoom, ViewState};
+use render::{
+    CostModel, Error, FrameRequest, RenderView, Renderer, RendererOptions, SpareCapacity,
+};
 use scene::{
     Alpha, LightId, LightKind, Material, MaterialId, MeshId, Object, ObjectChange, PunctualLight,
     Scene, SurfaceVertex, Surfaces,
 };
-use tests::studio::{mesh, scene, snorm16};
+use tests::surface_fixture::{mesh, scene, snorm16};
 use tests::{run_on_all, shapes};
 
 const SIZE: [u32; 2] = [128, 96];
@@ -58,18 +60,18 @@ fn bulb(position: Vec3) -> PunctualLight {
         range_m: Some(4.0),
         position,
         direction: Vec3::NEG_Z,
-        picture: None,
+        cookie: None,
     }
 }
 
-fn image(renderer: &mut Renderer, view: &mut ViewState) -> Vec<u8> {
+fn image(renderer: &mut Renderer, view: &mut RenderView) -> Vec<u8> {
     let image = draw(renderer, view, Strategy::ANTUMBRA);
-    renderer.drain(view).unwrap();
+    renderer.wait_idle(view).unwrap();
     image.rgba8().unwrap().to_vec()
 }
 
 /// Draws a frame, which may be on its way yet.
-fn draw(renderer: &mut Renderer, view: &mut ViewState, strategy: Strategy) -> Readback {
+fn draw(renderer: &mut Renderer, view: &mut RenderView, strategy: Strategy) -> Readback {
     let camera = Camera {
         eye: vec3(8.0, 6.0, 8.0),
         forward: vec3(0.0, -0.5, -1.0),
@@ -83,13 +85,13 @@ fn draw(renderer: &mut Renderer, view: &mut ViewState, strategy: Strategy) -> Re
     image
 }
 
-fn options(spare: SpareRoom) -> RendererOptions {
-    let costs = Costs::Ignored;
-    RendererOptions { size: SIZE, frames_in_flight: 3, costs, spare, ..Default::default() }
+fn options(spare: SpareCapacity) -> RendererOptions {
+    let cost_model = CostModel::Off;
+    RendererOptions { size: SIZE, frames_in_flight: 3, cost_model, spare, ..Default::default() }
 }
 
 fn renderer(device: &Device, scene: &Scene) -> Renderer {
-    Renderer::new(device, scene, &options(SpareRoom::default())).unwrap()
+    Renderer::new(device, scene, &options(SpareCapacity::default())).unwrap()
 }
 
 fn fresh(device: &Device, scene: &Scene) -> Vec<u8> {
@@ -172,7 +174,7 @@ fn lights_come_and_go_as_if_they_had_always_been_there() {
         let mut scene = room();
         let mut there: BTreeMap<u32, PunctualLight> =
             (0..).zip(scene.surfaces.as_ref().unwrap().lights.iter().copied()).collect();
-        let spare = SpareRoom { lights: 2, directional_lights: 2, ..Default::default() };
+        let spare = SpareCapacity { lights: 2, directional_lights: 2, ..Default::default() };
         let mut renderer = Renderer::new(device, &scene, &options(spare)).unwrap();
         let mut views = [(); 2].map(|()| renderer.new_view().unwrap());
         let mut frames = Vec::new();
@@ -198,7 +200,7 @@ fn lights_come_and_go_as_if_they_had_always_been_there() {
                 there.remove(&light.0);
             }
         }
-        views.iter_mut().for_each(|view| renderer.drain(view).unwrap());
+        views.iter_mut().for_each(|view| renderer.wait_idle(view).unwrap());
         let mut before = Vec::new();
         for (step, (images, lights)) in frames.into_iter().enumerate() {
             scene.surfaces.as_mut().unwrap().lights = lights;
@@ -219,7 +221,7 @@ fn the_first_lights_of_a_dark_room_shine_as_if_they_had_always_been_there() {
     run_on_all(|device| {
         let mut scene = room();
         scene.surfaces.as_mut().unwrap().lights.clear();
-        let spare = SpareRoom { lights: 2, directional_lights: 1, ..Default::default() };
+        let spare = SpareCapacity { lights: 2, directional_lights: 1, ..Default::default() };
         let mut renderer = Renderer::new(device, &scene, &options(spare)).unwrap();
         let mut view = renderer.new_view().unwrap();
         let mut before = image(&mut renderer, &mut view);
@@ -245,12 +247,12 @@ fn lights_come_where_they_have_room_only() {
             Renderer::new(
                 device,
                 scene,
-                &options(SpareRoom { lights, directional_lights, ..Default::default() }),
+                &options(SpareCapacity { lights, directional_lights, ..Default::default() }),
             )
         };
         let no_room = |renderer: &mut Renderer, lights: &[PunctualLight]| {
             let error = renderer.add_lights(lights).unwrap_err();
-            let Error::NoRoom { what, wanted, left } = error else { panic!("{error}") };
+            let Error::CapacityExceeded { what, wanted, left } = error else { panic!("{error}") };
             (what, wanted, left)
         };
         let mut renderer = with(&room(), 1, 1).unwrap();

@@ -5,14 +5,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use ash::vk;
-use cull::{Camera, CoherentOptions, FirstPass, ObjectId, Projection, Strategy};
+use cull::{Camera, ChcOptions, FirstPass, ObjectId, Projection, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
-use gpu::{Device, DeviceOptions, Instance, Optional, Readback, SampleCount};
+use gpu::{Device, DeviceOptions, Instance, OptionalFeature, Readback, SampleCount};
 use render::{
-    Costs, DebugOverlay, FrameRequest, Rect, Renderer, RendererOptions, ShaderSet, ViewState,
+    CostModel, DebugOverlay, FrameRequest, Rect, RenderView, Renderer, RendererOptions, ShaderSet,
 };
 use scene::{MeshId, MorphTarget, Object, Scene, SkinnedMesh, SkinnedMeshId};
-use tests::machine::{Fault, Machine};
+use tests::fault_injection::{Fault, FaultInjection};
 use tests::shapes::coloured_cubes;
 use tests::{Driver, instance_with, run_on_all};
 
@@ -52,7 +52,7 @@ fn cubes(has_surfaces: bool) -> Scene {
 /// A renderer all of whose passes are in use.
 struct Studio {
     renderer: Renderer,
-    view: ViewState,
+    view: RenderView,
     image: Readback,
     has_surfaces: bool,
 }
@@ -68,12 +68,12 @@ impl Studio {
         samples: SampleCount,
         shaders: Option<ShaderSet>,
     ) -> Self {
-        let coherent = CoherentOptions { first_pass: FirstPass::DepthOnly, ..Default::default() };
+        let coherent = ChcOptions { first_pass: FirstPass::DepthOnly, ..Default::default() };
         let options = RendererOptions {
-            methods: [vec![methods::coherent(coherent)], methods::all()].concat(),
+            methods: [vec![methods::chc(coherent)], methods::all()].concat(),
             size: SIZE,
             samples,
-            costs: Costs::Ignored,
+            cost_model: CostModel::Off,
             shaders,
             ..RendererOptions::default()
         };
@@ -87,7 +87,7 @@ impl Studio {
         let image = Some(&self.image);
         let request = FrameRequest { image, ..FrameRequest::new(strategy, camera()) };
         self.renderer.render(&mut self.view, &request).unwrap();
-        self.renderer.drain(&mut self.view).unwrap();
+        self.renderer.wait_idle(&mut self.view).unwrap();
         self.image.rgba8().unwrap().to_vec()
     }
 
@@ -97,9 +97,9 @@ impl Studio {
         // Debug overlays show the history.
         self.view = self.renderer.new_view().unwrap();
         let mut shown = vec![("objects", self.frame(Strategy::ANTUMBRA))];
-        shown.push(("depth first", self.frame(methods::COHERENT)));
-        self.frame(methods::PYRAMID);
-        if device.capabilities().has(Optional::PreciseQueries) {
+        shown.push(("depth first", self.frame(methods::CHC)));
+        self.frame(methods::HZB);
+        if device.capabilities().has(OptionalFeature::PreciseQueries) {
             self.view.watch(&[ObjectId(0)]).unwrap();
         }
         if self.has_surfaces {
@@ -112,7 +112,7 @@ impl Studio {
         for debug_overlay in [
             DebugOverlay { has_boxes: true, ..DebugOverlay::default() },
             DebugOverlay {
-                has_wireframe: device.capabilities().has(Optional::Wireframe),
+                has_wireframe: device.capabilities().has(OptionalFeature::Wireframe),
                 top_down: Some(Rect { origin: [0, 0], size: [40, 40] }),
                 ..DebugOverlay::default()
             },
@@ -124,7 +124,7 @@ impl Studio {
         self.renderer.outline(Some(ObjectId(1))).unwrap();
         shown.push(("outline", self.frame(Strategy::ANTUMBRA)));
         self.renderer.outline(None).unwrap();
-        if device.capabilities().has(Optional::FragmentStores) {
+        if device.capabilities().has(OptionalFeature::FragmentStores) {
             let set = self.renderer.visible_set(&mut self.view, camera(), Rect::whole(SIZE));
             let leaves = set.unwrap().leaves().len();
             shown.push(("seen leaves", vec![leaves as u8]));
@@ -186,7 +186,7 @@ fn every_pass_has_the_other_shaders() {
             let mut studio = Studio::sampled(device, is_sampled, samples, None);
             if studio.renderer.supports(Strategy::ANTUMBRA).is_err() {
                 assert!(
-                    !device.capabilities().has(Optional::SampleDepths),
+                    !device.capabilities().has(OptionalFeature::SampleDepths),
                     "{is_sampled}, {samples:?}"
                 );
                 continue;
@@ -215,10 +215,10 @@ fn failures(
     for number in 0.. {
         let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
         let fault = Fault { call, fails: number..number + 1, code };
-        Machine { faults: vec![fault], ..Machine::default() }.install();
+        FaultInjection { faults: vec![fault], ..FaultInjection::default() }.install();
         match studio.renderer.reload(changed.clone()) {
             Ok(()) => {
-                Machine::default().install();
+                FaultInjection::default().install();
                 return number;
             }
             Err(error) => assert!(error.to_string().contains("memory"), "{error}"),
@@ -226,7 +226,7 @@ fn failures(
         for (expected, found) in shown.iter().zip(studio.shown()) {
             assert!(expected.1 == found.1, "{}, {call:?} {number}", found.0);
         }
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
     }
     0
 }
@@ -235,7 +235,7 @@ fn failures(
 fn a_reload_that_fails_changes_nothing() {
     let changed = changed_shaders("fails");
     for has_surfaces in [false, true] {
-        let instance: Instance = instance_with(Machine::default().entry());
+        let instance: Instance = instance_with(FaultInjection::default().entry());
         let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
         let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
         let mut studio = Studio::new(&device, has_surfaces, None);
@@ -262,7 +262,7 @@ fn an_answer_about_the_pointer_outlives_a_reload() {
                 if has_reload {
                     studio.renderer.reload(ShaderSet::embedded().unwrap()).unwrap();
                 }
-                studio.renderer.drain(&mut view).unwrap();
+                studio.renderer.wait_idle(&mut view).unwrap();
                 view.pointed().expect("it is over").surface.map(|surface| surface.object)
             };
             (20..140).step_by(12).map(owner).collect::<Vec<_>>()

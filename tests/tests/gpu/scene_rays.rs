@@ -113,7 +113,7 @@ fn lights(bounds: &Aabb) -> [PunctualLight; 2] {
         range_m: None,
         position: Vec3::ZERO,
         direction: vec3(-0.5, -0.8, -0.35).normalize(),
-        picture: None,
+        cookie: None,
     };
     let point = PunctualLight {
         kind: LightKind::Point,

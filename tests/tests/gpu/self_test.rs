@@ -4,14 +4,15 @@
 use std::time::Instant;
 
 use cull::Strategy;
-use gpu::{Device, DeviceOptions, Predication};
+use gpu::{Device, DeviceOptions, PredicationMode};
 use render::{
-    Assumption, Costs, Finding, FrameRequest, Renderer, RendererOptions, SelfTest, self_test,
+    CheckResult, CostModel, DriverAssumption, FrameRequest, Renderer, RendererOptions, SelfTest,
+    self_test,
 };
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use shadows::{CasterCulling, ShadowCaching, ShadowMethod, ShadowOptions};
-use tests::machine::{CONDITIONAL_BLOCKS, Lie, Machine, calls};
-use tests::{Driver, instance_with, run, run_on_all, still, yard};
+use tests::fault_injection::{CONDITIONAL_BLOCKS, FaultInjection, Lie, calls};
+use tests::{Driver, instance_with, run, run_on_all, shadow_scene, single_frame};
 
 fn examined(device: &Device) -> SelfTest {
     self_test(device, &RendererOptions::default()).unwrap()
@@ -26,17 +27,19 @@ fn both_drivers_are_trusted() {
         assert_eq!(found.broken(), []);
         assert_eq!(found.safest, Some(Strategy::ANTUMBRA));
         let tested = found.findings.iter().map(|(assumption, _)| *assumption);
-        assert!(tested.eq(Assumption::ALL), "each once, in their order");
+        assert!(tested.eq(DriverAssumption::ALL), "each once, in their order");
         let lacks_some = device.adapter().name.contains(Driver::SwiftShader.device_name());
-        let is_untested = |(_, verdict): &&(_, Finding)| matches!(verdict, Finding::NotTested(_));
+        let is_untested =
+            |(_, verdict): &&(_, CheckResult)| matches!(verdict, CheckResult::Skipped(_));
         let untested = found.findings.iter().filter(is_untested).count();
         assert_eq!(untested, if lacks_some { 3 } else { 0 }, "conditional rendering and counts");
     });
 }
 
 /// Returns what is broken on a driver with this lie, and the safest strategy.
-fn broken_by(driver: Driver, lie: Lie) -> (Vec<Assumption>, Option<Strategy>) {
-    let instance = instance_with(Machine { lie: Some(lie), ..Machine::default() }.entry());
+fn broken_by(driver: Driver, lie: Lie) -> (Vec<DriverAssumption>, Option<Strategy>) {
+    let instance =
+        instance_with(FaultInjection { lie: Some(lie), ..FaultInjection::default() }.entry());
     let adapter = instance.pick_adapter(Some(driver.device_name())).unwrap();
     let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
     let found = examined(&device);
@@ -47,7 +50,7 @@ fn broken_by(driver: Driver, lie: Lie) -> (Vec<Assumption>, Option<Strategy>) {
 
 #[test]
 fn a_lie_of_the_driver_is_found() {
-    use Assumption::*;
+    use DriverAssumption::*;
     let ours = Some(Strategy::ANTUMBRA);
     let flags = Some(Strategy::ANTUMBRA_FLAGS);
     let without_compute =
@@ -74,13 +77,17 @@ fn a_lie_of_the_driver_is_found() {
 
 /// Draws the first frames of a walk under a strategy, on a renderer that distrusts this. Returns
 /// the number of tests by it, and checks that images are those of frustum culling.
-fn walk(device: &Device, distrusted: &[Assumption], strategy: Strategy) -> (Renderer, [u32; 2]) {
+fn walk(
+    device: &Device,
+    disabled: &[DriverAssumption],
+    strategy: Strategy,
+) -> (Renderer, [u32; 2]) {
     let GeneratedScene { scene, routes } = city(300, 3).unwrap();
     let path = CameraPath::new(PathKind::Street, &routes).unwrap();
     let options = RendererOptions {
         size: [96, 54],
-        costs: Costs::Ignored,
-        distrusted: distrusted.to_vec(),
+        cost_model: CostModel::Off,
+        disabled: disabled.to_vec(),
         ..RendererOptions::default()
     };
     let mut renderer = Renderer::new(device, &scene, &options).unwrap();
@@ -91,8 +98,9 @@ fn walk(device: &Device, distrusted: &[Assumption], strategy: Strategy) -> (Rend
         let report = renderer.render(&mut view, &FrameRequest::new(strategy, camera)).unwrap();
         counts[0] += report.tests;
         counts[1] += report.predicated_draws;
-        let found = still::image(&mut renderer, &mut view, strategy, camera);
-        let expected = still::image(&mut renderer, &mut reference, Strategy::FRUSTUM, camera);
+        let found = single_frame::image(&mut renderer, &mut view, strategy, camera);
+        let expected =
+            single_frame::image(&mut renderer, &mut reference, Strategy::FRUSTUM, camera);
         assert!(found == expected, "frame {frame}");
     }
     (renderer, counts)
@@ -100,20 +108,20 @@ fn walk(device: &Device, distrusted: &[Assumption], strategy: Strategy) -> (Rend
 
 #[test]
 fn the_safest_tester_is_used_and_said() {
-    use Assumption::*;
+    use DriverAssumption::*;
     run(Driver::Lavapipe, |device| {
         for strategy in [Strategy::ANTUMBRA, Strategy::ANTUMBRA_FLAGS] {
             let (renderer, trusted) = walk(device, &[], strategy);
-            assert!(trusted[0] > 0 && renderer.distrust().is_empty());
+            assert!(trusted[0] > 0 && renderer.driver_quirks().is_empty());
             let (renderer, [tests, _]) = walk(device, &[EarlyTests], strategy);
             assert!(tests > 0);
-            let said = renderer.distrust().concat();
+            let said = renderer.driver_quirks().concat();
             assert!(said.contains("early tests") && said.contains("another tester"), "{said}");
             let (_, counts) = walk(device, &[ProxyDepth, ComputedDepths], strategy);
             assert_eq!(counts, [0, 0], "frustum culling");
         }
         let (renderer, counts) = walk(device, &[ConditionalRendering], Strategy::ANTUMBRA);
-        assert_eq!(renderer.predication(), Predication::Counts);
+        assert_eq!(renderer.predication(), PredicationMode::Counts);
         assert!(counts[1] > 0);
         let none = [ConditionalRendering, DrawCounts, InstanceCounts];
         assert_eq!(walk(device, &none, Strategy::ANTUMBRA).1, [0, 0], "nothing can be skipped");
@@ -125,14 +133,14 @@ fn casters_stay_unculled_where_flags_are_distrusted() {
     run(Driver::Lavapipe, |device| {
         let culled = ShadowOptions { method: ShadowMethod::Maps, ..ShadowOptions::default() };
         assert_eq!(culled.culling, CasterCulling::Culled);
-        let scene = yard::scene(&yard::boxes(), &yard::lights());
-        for (distrusted, expected) in [
+        let scene = shadow_scene::scene(&shadow_scene::boxes(), &shadow_scene::lights());
+        for (disabled, expected) in [
             (vec![], CasterCulling::Culled),
-            (vec![Assumption::EarlyTests], CasterCulling::Unculled),
+            (vec![DriverAssumption::EarlyTests], CasterCulling::Unculled),
         ] {
             let options = RendererOptions {
                 size: [96, 54],
-                distrusted,
+                disabled,
                 shadows: culled,
                 ..RendererOptions::default()
             };
@@ -146,28 +154,28 @@ fn casters_stay_unculled_where_flags_are_distrusted() {
 
 #[test]
 fn casters_are_skipped_in_no_way_that_is_distrusted() {
-    let blocks = [vec![], vec![Assumption::ConditionalRendering]].map(|distrusted| {
-        let instance = instance_with(Machine::default().entry());
+    let blocks = [vec![], vec![DriverAssumption::ConditionalRendering]].map(|disabled| {
+        let instance = instance_with(FaultInjection::default().entry());
         let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
         let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
-        let scene = yard::scene(&yard::boxes(), &yard::lights());
+        let scene = shadow_scene::scene(&shadow_scene::boxes(), &shadow_scene::lights());
         let shadows = ShadowOptions {
             method: ShadowMethod::Maps,
             caching: ShadowCaching::Uncached,
             ..ShadowOptions::default()
         };
         let size = [96, 54];
-        let costs = Costs::Ignored;
-        let options = RendererOptions { size, costs, distrusted, shadows, ..Default::default() };
+        let cost_model = CostModel::Off;
+        let options = RendererOptions { size, cost_model, disabled, shadows, ..Default::default() };
         let mut renderer = Renderer::new(&device, &scene, &options).unwrap();
         let mut view = renderer.new_view().unwrap();
         for _ in 0..4 {
             // Nothing but casters is tested.
-            let request = FrameRequest::new(Strategy::FRUSTUM, yard::camera());
+            let request = FrameRequest::new(Strategy::FRUSTUM, shadow_scene::camera());
             renderer.render(&mut view, &request).unwrap();
         }
         assert!(renderer.shadow_stats().tests > 0);
-        renderer.drain(&mut view).unwrap();
+        renderer.wait_idle(&mut view).unwrap();
         calls(CONDITIONAL_BLOCKS)
     });
     assert!(blocks[0] > 0 && blocks[1] == 0, "{blocks:?}");
@@ -175,8 +183,8 @@ fn casters_are_skipped_in_no_way_that_is_distrusted() {
 
 #[test]
 fn images_are_right_on_a_driver_that_lies_and_is_not_trusted() {
-    let machine = Machine { lie: Some(Lie::FirstResultForAll), ..Machine::default() };
-    let instance = instance_with(machine.entry());
+    let faults = FaultInjection { lie: Some(Lie::FirstResultForAll), ..FaultInjection::default() };
+    let instance = instance_with(faults.entry());
     let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
     let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
     let broken = examined(&device).broken();
@@ -219,7 +227,7 @@ mod shaders {
 
     #[test]
     fn a_wrong_result_of_a_shader_is_found() {
-        use Assumption::*;
+        use DriverAssumption::*;
         let position = "gl_Position = box_vertex(box.low.xyz, box.high.xyz, eye, view_proj, \
                         gl_VertexIndex);";
         let shaded = "gl_Position = snapped(clip, vec2(ambient_above.w, ambient_below.w));";

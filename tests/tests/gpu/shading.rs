@@ -13,7 +13,7 @@ use scene::{
 use tests::reference::{self, Ambient, ReferenceLight, ReferencePoint};
 use tests::run_on_all;
 use tests::shapes::square_camera;
-use tests::studio::{image, mesh, scene, snorm16};
+use tests::surface_fixture::{image, mesh, scene, snorm16};
 
 /// The side of the image in pixels, which the camera at the origin sees at a right angle.
 const SIDE: u32 = 256;
@@ -229,7 +229,7 @@ fn sun() -> PunctualLight {
         range_m: None,
         position: Vec3::ZERO,
         direction: vec3(-0.5, -0.6, -0.7),
-        picture: None,
+        cookie: None,
     }
 }
 
@@ -241,7 +241,7 @@ fn bulb() -> PunctualLight {
         range_m: Some(9.0),
         position: vec3(-1.5, 1.0, -2.0),
         direction: Vec3::NEG_Z,
-        picture: None,
+        cookie: None,
     }
 }
 
@@ -253,7 +253,7 @@ fn torch() -> PunctualLight {
         range_m: None,
         position: vec3(1.0, -0.5, 0.5),
         direction: vec3(0.1, 0.2, -1.0),
-        picture: None,
+        cookie: None,
     }
 }
 

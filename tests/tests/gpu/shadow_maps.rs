@@ -12,12 +12,12 @@ pub mod raycast;
 mod reach;
 
 use cull::Strategy;
-use gpu::{Device, Predication};
-use render::{Costs, Renderer, RendererOptions, SpareRoom};
+use gpu::{Device, PredicationMode};
+use render::{CostModel, Renderer, RendererOptions, SpareCapacity};
 use scene::Scene;
 use shadows::{ShadowFilter, ShadowMethod, ShadowOptions};
-pub use tests::still::image;
-use tests::{run_on_all, yard};
+pub use tests::single_frame::image;
+use tests::{run_on_all, shadow_scene};
 
 pub const SIZE: [u32; 2] = [128, 96];
 
@@ -43,14 +43,14 @@ pub fn renderer_that_skips(
     device: &Device,
     scene: &Scene,
     shadows: ShadowOptions,
-    predication: Option<Predication>,
+    predication: Option<PredicationMode>,
 ) -> Renderer {
     let options = RendererOptions {
         predication,
         size: SIZE,
-        costs: Costs::Ignored,
+        cost_model: CostModel::Off,
         spare_objects: 8,
-        spare: SpareRoom { lights: 4, ..SpareRoom::default() },
+        spare: SpareCapacity { lights: 4, ..SpareCapacity::default() },
         methods: methods::all(),
         shadows,
         ..RendererOptions::default()
@@ -61,11 +61,11 @@ pub fn renderer_that_skips(
 #[test]
 fn every_filter_darkens_the_same_places() {
     run_on_all(|device| {
-        let scene = yard::scene(&yard::boxes(), &yard::lights());
+        let scene = shadow_scene::scene(&shadow_scene::boxes(), &shadow_scene::lights());
         let draw = |shadows| {
             let mut renderer = renderer(device, &scene, shadows);
             let mut view = renderer.new_view().unwrap();
-            image(&mut renderer, &mut view, Strategy::FRUSTUM, yard::camera())
+            image(&mut renderer, &mut view, Strategy::FRUSTUM, shadow_scene::camera())
         };
         let lit = draw(ShadowOptions::default());
         let fixed = draw(ShadowOptions { filter: ShadowFilter::Fixed64, ..shadows() });

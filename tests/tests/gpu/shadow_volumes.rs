@@ -10,7 +10,7 @@ mod world;
 
 use cull::{Camera, Projection, ProjectionKind};
 use glam::{Affine3A, Quat, Vec3, Vec4, vec3};
-use gpu::{Device, Optional};
+use gpu::{Device, OptionalFeature};
 use render::passes::VolumePath;
 use tests::{Driver, run};
 
@@ -52,7 +52,7 @@ fn camera(eye: Vec3, at: Vec3, near: f32) -> Camera {
 
 /// Returns the ways of extruding that a device has.
 fn paths(device: &Device) -> Vec<VolumePath> {
-    if device.capabilities().has(Optional::GeometryShaders) {
+    if device.capabilities().has(OptionalFeature::GeometryShaders) {
         vec![VolumePath::GeometryShader, VolumePath::Compute]
     } else {
         vec![VolumePath::Compute]

@@ -3,8 +3,8 @@
 
 use cull::{Camera, Projection, Strategy};
 use glam::{Affine3A, Mat3A, Quat, Vec3, vec3};
-use gpu::{Device, Predication, Readback};
-use render::{Costs, FrameRequest, Renderer, RendererOptions};
+use gpu::{Device, PredicationMode, Readback};
+use render::{CostModel, FrameRequest, Renderer, RendererOptions};
 use scene::{
     Encoding, Image, ImageId, LightKind, Material, MaterialId, Mesh, MeshId, MorphTarget, Object,
     PunctualLight, Sampler, Scene, SkinWeights, SkinnedMesh, SkinnedMeshId, Surfaces, Texture,
@@ -149,7 +149,7 @@ pub fn scene() -> Scene {
             range_m: None,
             position: Vec3::ZERO,
             direction: vec3(-0.3, -0.8, -0.6).normalize(),
-            picture: None,
+            cookie: None,
         }],
         skinned_meshes: skinned_meshes.to_vec(),
         ..Surfaces::default()
@@ -174,7 +174,7 @@ pub fn options(frames_in_flight: usize) -> RendererOptions {
         methods: methods::all(),
         size: SIZE,
         frames_in_flight,
-        costs: Costs::Ignored,
+        cost_model: CostModel::Off,
         ..Default::default()
     }
 }
@@ -210,7 +210,7 @@ pub fn draw(renderer: &mut Renderer, strategy: Strategy) -> Readback {
     let mut view = renderer.new_view().unwrap();
     let request = FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, camera()) };
     renderer.render(&mut view, &request).unwrap();
-    renderer.drain(&mut view).unwrap();
+    renderer.wait_idle(&mut view).unwrap();
     image
 }
 
@@ -319,7 +319,7 @@ fn film(device: &Device, strategy: Strategy, options: &RendererOptions) -> Vec<R
         image
     };
     let images = (0..14).map(frame).collect();
-    renderer.drain(&mut view).unwrap();
+    renderer.wait_idle(&mut view).unwrap();
     images
 }
 
@@ -337,8 +337,8 @@ fn what_changes_its_form_hides_and_is_hidden_exactly() {
         let expected = film(device, Strategy::FRUSTUM, &options(1));
         let strategies = [
             methods::BATCHED,
-            methods::COHERENT,
-            methods::PYRAMID,
+            methods::CHC,
+            methods::HZB,
             Strategy::ANTUMBRA,
             Strategy::ANTUMBRA_QUERIES,
         ];
@@ -348,8 +348,8 @@ fn what_changes_its_form_hides_and_is_hidden_exactly() {
                 check_film(&expected, &found, &format!("{strategy}, {in_flight} in flight"));
             }
         }
-        let compacted = Some(Predication::Compacted);
-        if Predication::choose(device, compacted, 0, 0).is_ok() {
+        let compacted = Some(PredicationMode::Compacted);
+        if PredicationMode::choose(device, compacted, 0, 0).is_ok() {
             let options = RendererOptions { predication: compacted, ..options(2) };
             check_film(&expected, &film(device, Strategy::ANTUMBRA, &options), "compacted");
         }

@@ -5,14 +5,14 @@ use cull::Strategy;
 use glam::{Affine3A, Vec3, vec3};
 use gpu::{Device, Readback, SampleCount};
 use render::{
-    Assumption, FragmentCounts, FrameReport, FrameRequest, Rect, Renderer, RendererOptions,
-    TransparencyFallback, TransparencyMethod, TransparencyOptions, ViewTarget, ViewsRequest,
+    DriverAssumption, FragmentCounts, FrameReport, FrameRequest, Rect, Renderer, RendererOptions,
+    TransparencyFallback, TransparencyMethod, TransparencyOptions, ViewRequest, ViewsRequest,
 };
 use scene::{Alpha, Material, MeshId, Object, Scene, SurfaceVertex, Surfaces};
 use shadows::{ShadowMethod, ShadowOptions};
 use tests::run_on_all;
 use tests::section::{front, plane, planes};
-use tests::studio::{mesh, scene, snorm16};
+use tests::surface_fixture::{mesh, scene, snorm16};
 use tests::walk::pixels_that_differ;
 
 use crate::transparent::{camera, compare, film, options, scene as panes};
@@ -112,7 +112,7 @@ fn drawn(device: &Device, scene: &Scene, options: &RendererOptions) -> (Vec<u8>,
     for _ in 0..3 {
         report = renderer.render(&mut view, &request).unwrap();
     }
-    renderer.drain(&mut view).unwrap();
+    renderer.wait_idle(&mut view).unwrap();
     assert_eq!(renderer.fragment_counts(), report.fragments, "each frame stores the same");
     (image.rgba8().unwrap().to_vec(), report)
 }
@@ -226,20 +226,20 @@ fn stereo(device: &Device, strategy: Strategy) -> Vec<Readback> {
             _ => {}
         }
         let image = Readback::new(device, [160, 90]).unwrap();
-        let mut targets: Vec<ViewTarget<'_>> = (0..)
+        let mut targets: Vec<ViewRequest<'_>> = (0..)
             .zip(&mut eyes)
             .map(|(eye, state): (u32, _)| {
                 let mut camera = camera(frame);
                 camera.eye.x += 0.3 * eye as f32;
                 let rect = Rect { origin: [eye * 80, 0], size: [80, 90] };
-                ViewTarget { state, viewpoint: camera.into(), visible: None, rect }
+                ViewRequest { state, viewpoint: camera.into(), visible: None, rect }
             })
             .collect();
         let request = ViewsRequest { strategy, image: Some(&image), overlay: None, after: None };
         renderer.render_views(&mut targets, &request).unwrap();
         images.push(image);
     }
-    renderer.drain(&mut eyes[0]).unwrap();
+    renderer.wait_idle(&mut eyes[0]).unwrap();
     let snapshot = renderer.snapshot(&mut eyes[0], renderer.view_of(&camera(5)));
     let from_above = Readback::new(device, [160, 90]).unwrap();
     renderer.top_down(&snapshot.unwrap(), &from_above).unwrap();
@@ -309,10 +309,10 @@ fn where_fragments_cannot_be_sorted_objects_are_for_a_reason() {
         assert_eq!(method_and_reason(several), (objects, None));
         let fragments = TransparencyMethod::SortedFragments;
         assert_eq!(method_and_reason(sorted(of_side())), (fragments, None));
-        let distrusted = vec![Assumption::EarlyTests];
-        let distrusting = RendererOptions { distrusted, ..sorted(of_side()) };
-        let distrusted = Some(TransparencyFallback::Distrusted);
-        assert_eq!(method_and_reason(distrusting), (objects, distrusted));
+        let disabled = vec![DriverAssumption::EarlyTests];
+        let distrusting = RendererOptions { disabled, ..sorted(of_side()) };
+        let disabled = Some(TransparencyFallback::DriverQuirk);
+        assert_eq!(method_and_reason(distrusting), (objects, disabled));
         assert_eq!(several_samples.to_string(), "a pixel has several samples");
     });
 }

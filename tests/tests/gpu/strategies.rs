@@ -1,30 +1,30 @@
 //! The literature's methods on real drivers: exact if they promise it, counted if not, and each
 //! with its known waits.
 
-use cull::{Camera, CoherentOptions, FirstPass, LeafTest, Projection, Strategy};
+use cull::{Camera, ChcOptions, FirstPass, LeafTest, Projection, Strategy};
 use glam::Vec3;
 use gpu::{Device, FrameRing, Readback, Tick, Timeline};
-use render::{Costs, FrameRequest, Renderer, RendererOptions};
+use render::{CostModel, FrameRequest, Renderer, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind};
 use tests::walk::{Found, SceneKind, frame_loop, pixels_that_differ, walk_cameras_with, walk_with};
 use tests::{Driver, run, run_on_all};
 
 const DIALOGUES: [Strategy; 4] =
-    [methods::NAIVE, methods::BATCHED, methods::STOP_AND_WAIT, methods::COHERENT];
+    [methods::NAIVE, methods::BATCHED, methods::STOP_AND_WAIT, methods::CHC];
 
 fn options(size: [u32; 2], frames_in_flight: usize) -> RendererOptions {
-    // Prices that are measured differ from run to run; without any, everything is tested.
+    // Costs that are measured differ from run to run; without any, everything is tested.
     RendererOptions {
         methods: methods::all(),
         size,
         frames_in_flight,
-        costs: Costs::Ignored,
+        cost_model: CostModel::Off,
         ..Default::default()
     }
 }
 
-fn coherent(coherent: CoherentOptions) -> RendererOptions {
-    RendererOptions { methods: vec![methods::coherent(coherent)], ..options([160, 90], 2) }
+fn coherent(coherent: ChcOptions) -> RendererOptions {
+    RendererOptions { methods: vec![methods::chc(coherent)], ..options([160, 90], 2) }
 }
 
 fn check(found: &Found, what: &str) {
@@ -50,7 +50,7 @@ fn lavapipe_every_blocking_method_is_exact() {
             (methods::NAIVE, 300, 3),
             (methods::BATCHED, 500, 12),
             (methods::STOP_AND_WAIT, 500, 4),
-            (methods::COHERENT, 500, 24),
+            (methods::CHC, 500, 24),
         ] {
             walk_everything(device, strategy, objects, frames);
         }
@@ -64,7 +64,7 @@ fn swiftshader_every_blocking_method_is_exact() {
             (methods::NAIVE, 200, 2),
             (methods::BATCHED, 400, 8),
             (methods::STOP_AND_WAIT, 400, 3),
-            (methods::COHERENT, 500, 12),
+            (methods::CHC, 500, 12),
         ] {
             walk_everything(device, strategy, objects, frames);
         }
@@ -77,7 +77,7 @@ fn coherent_is_exact_with_ten_thousand_objects() {
         let scene = SceneKind::City.build(10_000);
         for path in [PathKind::Street, PathKind::Cut] {
             let options = options([256, 144], 3);
-            let found = walk_with(device, &scene, path, 12, &options, methods::COHERENT);
+            let found = walk_with(device, &scene, path, 12, &options, methods::CHC);
             check(&found, &format!("10,000 objects, {path}"));
             assert!(found.draws[1] * 4 < found.draws[0], "{found:?}");
         }
@@ -88,16 +88,16 @@ fn coherent_is_exact_with_ten_thousand_objects() {
 fn coherent_is_exact_with_all_options() {
     run_on_all(|device| {
         let scene = SceneKind::City.build(500);
-        let plain = CoherentOptions::default();
+        let plain = ChcOptions::default();
         for options in [
-            CoherentOptions { leaf_test: LeafTest::Box, ..plain },
-            CoherentOptions { assumed_visible_frames: 0, ..plain },
-            CoherentOptions { tests_per_submit: 1, draws_per_submit: 1, ..plain },
-            CoherentOptions { tests_per_submit: 10_000, draws_per_submit: 10_000, ..plain },
+            ChcOptions { leaf_test: LeafTest::Box, ..plain },
+            ChcOptions { assumed_visible_frames: 0, ..plain },
+            ChcOptions { tests_per_submit: 1, draws_per_submit: 1, ..plain },
+            ChcOptions { tests_per_submit: 10_000, draws_per_submit: 10_000, ..plain },
         ] {
             for path in [PathKind::Street, PathKind::Cut] {
                 let renderer = coherent(options);
-                let found = walk_with(device, &scene, path, 12, &renderer, methods::COHERENT);
+                let found = walk_with(device, &scene, path, 12, &renderer, methods::CHC);
                 check(&found, &format!("{options:?} {path}"));
             }
         }
@@ -110,8 +110,8 @@ fn a_depth_only_first_pass_gives_the_same_image() {
         let scene = SceneKind::City.build(500);
         for path in [PathKind::Street, PathKind::Cut] {
             let first_pass = FirstPass::DepthOnly;
-            let options = coherent(CoherentOptions { first_pass, ..Default::default() });
-            let found = walk_with(device, &scene, path, 12, &options, methods::COHERENT);
+            let options = coherent(ChcOptions { first_pass, ..Default::default() });
+            let found = walk_with(device, &scene, path, 12, &options, methods::CHC);
             // Faces of one object that have the same depth at a pixel: the last wins, not the
             // first.
             assert!(found.pixels_wrong <= 12 * 160 * 90 / 10_000, "{path}: {found:?}");
@@ -125,9 +125,9 @@ fn a_visibility_threshold_leaves_out_what_hardly_shows() {
     run_on_all(|device| {
         let scene = SceneKind::City.build(1000);
         let walk = |visibility_threshold_samples| {
-            let plain = CoherentOptions { assumed_visible_frames: 0, ..Default::default() };
-            let options = coherent(CoherentOptions { visibility_threshold_samples, ..plain });
-            walk_with(device, &scene, PathKind::Street, 16, &options, methods::COHERENT)
+            let plain = ChcOptions { assumed_visible_frames: 0, ..Default::default() };
+            let options = coherent(ChcOptions { visibility_threshold_samples, ..plain });
+            walk_with(device, &scene, PathKind::Street, 16, &options, methods::CHC)
         };
         let exact = walk(0);
         let loose = walk(20);
@@ -156,7 +156,7 @@ fn eyes_in_walls_and_on_the_ground_are_exact() {
             }
         };
         let cameras: Vec<Camera> = eyes.enumerate().map(camera).collect();
-        for strategy in [methods::BATCHED, methods::COHERENT] {
+        for strategy in [methods::BATCHED, methods::CHC] {
             let options = options([160, 90], 2);
             let found = walk_cameras_with(device, &scene, &cameras, &options, strategy);
             check(&found, &format!("{strategy}, eyes in boxes"));
@@ -232,12 +232,12 @@ fn strategies_change_from_frame_to_frame() {
         let mut views = [renderer.new_view().unwrap(), renderer.new_view().unwrap()];
         let mut plain = renderer.new_view().unwrap();
         let turns = [
-            methods::COHERENT,
+            methods::CHC,
             methods::NEXT_FRAME,
             Strategy::ANTUMBRA,
             methods::BATCHED,
-            methods::COHERENT,
-            methods::PYRAMID,
+            methods::CHC,
+            methods::HZB,
             methods::STOP_AND_WAIT,
         ];
         for (turn, strategy) in turns.into_iter().cycle().take(21).enumerate() {
@@ -279,13 +279,13 @@ fn passes_are_timed_by_their_labels() {
         let GeneratedScene { scene, routes } = SceneKind::City.build(300);
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let first_pass = FirstPass::DepthOnly;
-        let options = coherent(CoherentOptions { first_pass, ..Default::default() });
+        let options = coherent(ChcOptions { first_pass, ..Default::default() });
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
         renderer.time_passes().unwrap();
         let mut view = renderer.new_view().unwrap();
         // Nothing is known in the only frame of each slot whose times are read back.
         let cameras: Vec<_> = (0..3).map(|frame| path.camera(frame)).collect();
-        frame_loop(&mut renderer, &mut view, methods::COHERENT, &cameras);
+        frame_loop(&mut renderer, &mut view, methods::CHC, &cameras);
         let labels: Vec<_> = renderer.pass_times().iter().map(|time| time.label).collect();
         let batches = labels.iter().filter(|label| **label == "draw and query").count();
         assert!(batches > 1, "{labels:?}");
@@ -321,7 +321,7 @@ fn a_frame_is_sent_off_in_pieces() {
             given_up.flush(None).unwrap();
         }
         ring.begin().unwrap().submit(None).unwrap();
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
     });
 }
 
@@ -335,7 +335,7 @@ fn a_host_holds_a_blocking_method_back_only_up_to_its_gate() {
         let gate = Timeline::new(device, "gate").unwrap();
         gate.signal(Tick(1)).unwrap();
         let [expected, got] = [(); 2].map(|()| Readback::new(device, [160, 90]).unwrap());
-        for (strategy, image) in [(Strategy::FRUSTUM, &expected), (methods::COHERENT, &got)] {
+        for (strategy, image) in [(Strategy::FRUSTUM, &expected), (methods::CHC, &got)] {
             let request = FrameRequest {
                 image: Some(image),
                 after: Some((&gate, Tick(1))),
@@ -343,7 +343,7 @@ fn a_host_holds_a_blocking_method_back_only_up_to_its_gate() {
             };
             renderer.render(&mut view, &request).unwrap();
         }
-        renderer.drain(&mut view).unwrap();
+        renderer.wait_idle(&mut view).unwrap();
         assert_eq!(pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()), 0);
     });
 }

@@ -9,15 +9,15 @@ use std::sync::{Arc, Mutex};
 
 use cull::{Camera, ObjectId, Projection, Strategy};
 use glam::{Vec3, vec3};
-use gpu::{Device, Optional, Purpose, Readback};
-use render::{Error, FrameRequest, Renderer, SpareRoom, ViewState};
+use gpu::{Device, OptionalFeature, Purpose, Readback};
+use render::{Error, FrameRequest, RenderView, Renderer, SpareCapacity};
 use scene::{
     Encoding, ImageId, Material, MaterialId, Mesh, MeshId, Object, ObjectChange, PreparedMesh,
     PreparedTexture, SurfaceMesh, Surfaces, Texture, TextureId, TextureUse,
 };
 use tests::host_device::Host;
-use tests::stage::Random;
 use tests::walk::pixels_that_differ;
+use tests::window_fixture::Random;
 use tests::{Driver, run_on_all};
 
 use self::scenes::{
@@ -29,7 +29,7 @@ use self::scenes::{
 struct Stream {
     kind: Kind,
     renderer: Renderer,
-    views: [ViewState; 2],
+    views: [RenderView; 2],
     images: [Readback; 2],
     meshes: BTreeMap<MeshId, PreparedMesh>,
     materials: BTreeMap<MaterialId, Material>,
@@ -88,7 +88,7 @@ impl Stream {
                 self.added_textures += 1;
                 assert!(self.textures.insert(ids[0], new).is_none(), "{ids:?} were there");
             }
-            Err(Error::NoRoom { .. }) => self.refused_textures += 1,
+            Err(Error::CapacityExceeded { .. }) => self.refused_textures += 1,
             Err(error) => panic!("{error}"),
         }
         [(Encoding::Srgb, 0), (Encoding::Linear, 1)].map(|(encoding, first)| {
@@ -114,7 +114,7 @@ impl Stream {
                 assert!(self.materials.insert(ids[0], new).is_none(), "{ids:?} were there");
                 ids[0]
             }
-            Err(Error::NoRoom { .. }) => {
+            Err(Error::CapacityExceeded { .. }) => {
                 self.refused_materials += 1;
                 let there: Vec<_> = self.materials.keys().copied().collect();
                 there[random.below(there.len() as u32) as usize]
@@ -168,7 +168,7 @@ impl Stream {
                     self.objects.insert(added, object);
                 }
             }
-            Err(Error::NoRoom { .. }) => self.refused += 1,
+            Err(Error::CapacityExceeded { .. }) => self.refused += 1,
             Err(error) => panic!("{error}"),
         }
     }
@@ -210,7 +210,7 @@ impl Stream {
             resident(self) != before
         } {}
         self.draw_by(Strategy::FRUSTUM, 1, camera);
-        self.renderer.device().drain().unwrap();
+        self.renderer.device().wait_idle().unwrap();
         let [culled, all] = self.images.each_ref().map(|image| image.rgba8().unwrap().to_vec());
         assert_eq!(pixels_that_differ(&culled, &all), 0, "frame {} of {:?}", self.frame, self.kind);
         culled
@@ -273,7 +273,8 @@ impl Stream {
         let object = |object: &Object| Object { mesh: MeshId(numbers[&object.mesh]), ..*object };
         scene.objects = self.objects.values().map(object).collect();
         let renderer =
-            Renderer::new(device, &scene, &options_of(self.kind, SpareRoom::default())).unwrap();
+            Renderer::new(device, &scene, &options_of(self.kind, SpareCapacity::default()))
+                .unwrap();
         let [view, other] = [(); 2].map(|()| renderer.new_view().unwrap());
         let images = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
         let meshes = BTreeMap::new();
@@ -313,7 +314,7 @@ fn stream(device: &Device, kind: Kind, rounds: u32) -> Stream {
 #[test]
 fn meshes_that_come_and_go_look_as_if_they_had_always_been_there() {
     run_on_all(|device| {
-        let has_indexing = device.capabilities().has(Optional::IndexedTextures);
+        let has_indexing = device.capabilities().has(OptionalFeature::DescriptorIndexing);
         let kinds = [Some(Kind::Plain), Some(Kind::Surfaces), has_indexing.then_some(Kind::Images)];
         for kind in kinds.into_iter().flatten() {
             let stream = stream(device, kind, 48);
@@ -346,7 +347,7 @@ fn a_host_copies_the_image_while_meshes_and_textures_arrive() {
             arriving += u32::from(stream.renderer.is_uploading());
             // Nothing is waited for but the host's own copy.
             let copied = host.copy(&*lock, &stream.renderer.finished_image().unwrap());
-            device.drain().unwrap();
+            device.wait_idle().unwrap();
             assert!(copied == *stream.images[0].rgba8().unwrap(), "{driver:?}");
             stream.remove(&mut random);
         }

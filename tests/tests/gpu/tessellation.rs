@@ -3,21 +3,21 @@
 
 use std::collections::{BTreeSet, HashMap};
 
-use cull::{Camera, ObjectId, Projection, Strategy, View};
+use cull::{Camera, CullView, ObjectId, Projection, Strategy};
 use glam::{Affine3A, Vec3, vec3};
-use gpu::{Device, DeviceOptions, Optional, Readback, vk};
+use gpu::{Device, DeviceOptions, OptionalFeature, Readback, vk};
 use render::{
-    FrameRequest, Renderer, RendererOptions, ShaderSet, SpareRoom, TessellationPath, Tessellator,
-    ViewState,
+    FrameRequest, RenderView, Renderer, RendererOptions, ShaderSet, SpareCapacity,
+    TessellationPath, Tessellator,
 };
 use scene::{
     Mesh, MeshId, Object, ObjectChange, Patch, PatchSurface, PreparedMesh, TessellationLevels,
     TessellationView, ellipsoid, tessellated, unpack_normal,
 };
-use tests::machine::Machine;
+use tests::fault_injection::FaultInjection;
 use tests::shapes::{box_at, box_scene};
-use tests::stage::Random;
 use tests::walk::pixels_that_differ;
+use tests::window_fixture::Random;
 use tests::{Driver, instance_with, run, run_on_all};
 
 const SIZE: [u32; 2] = [320, 240];
@@ -36,7 +36,7 @@ fn tessellator(device: &Device) -> Tessellator {
 /// Returns a tessellator for each path of a device.
 fn tessellators(device: &Device) -> Vec<Tessellator> {
     let mut paths = vec![TessellationPath::Compute];
-    if device.capabilities().has(Optional::TessellationCapture) {
+    if device.capabilities().has(OptionalFeature::TessellationCapture) {
         paths.push(TessellationPath::Hardware);
     }
     let shaders = ShaderSet::embedded().unwrap();
@@ -52,7 +52,7 @@ fn captured(
 ) -> Mesh {
     assert!(tessellator.request(surface, levels, "ball", COLOUR).unwrap());
     assert!(!tessellator.request(surface, levels, "another", COLOUR).unwrap(), "one at a time");
-    device.drain().unwrap();
+    device.wait_idle().unwrap();
     let mesh = tessellator.finished().unwrap().expect("a mesh");
     assert_eq!(tessellator.finished().unwrap(), None, "a mesh is returned once");
     mesh
@@ -150,11 +150,11 @@ fn tessellation_shaders_make_the_points_of_the_compute_pass_and_leave_no_crack()
 fn a_device_without_tessellation_shaders_computes_and_refuses_the_other_path() {
     let hides: fn(&mut vk::PhysicalDeviceFeatures) =
         |features| features.tessellation_shader = vk::FALSE;
-    let machine = Machine { hides: Some(hides), ..Machine::default() };
-    let instance = instance_with(machine.entry());
+    let faults = FaultInjection { hides: Some(hides), ..FaultInjection::default() };
+    let instance = instance_with(faults.entry());
     let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
     let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
-    let missing = Optional::TessellationCapture;
+    let missing = OptionalFeature::TessellationCapture;
     assert!(!device.capabilities().has(missing));
     let mut tessellator = tessellator(&device);
     assert_eq!(tessellator.path(), TessellationPath::Compute);
@@ -183,7 +183,7 @@ fn a_surface_of_too_many_points_is_refused_before_it_takes_memory() {
             let refused = tessellator.request(&surface, &finest, "many", COLOUR).unwrap_err();
             assert!(refused.to_string().contains("points of a curved surface"), "{refused}");
             assert!(tessellator.request(&surface, &coarse, "many", COLOUR).unwrap());
-            device.drain().unwrap();
+            device.wait_idle().unwrap();
             assert_eq!(tessellator.finished().unwrap().unwrap().triangles(), 8000);
         }
     });
@@ -192,7 +192,7 @@ fn a_surface_of_too_many_points_is_refused_before_it_takes_memory() {
 /// A renderer with one curved object behind a wall's edge, made anew as the camera comes nearer.
 struct Stage {
     renderer: Renderer,
-    views: [ViewState; 2],
+    views: [RenderView; 2],
     images: [Readback; 2],
     shown: Option<(MeshId, ObjectId)>,
 }
@@ -200,8 +200,12 @@ struct Stage {
 impl Stage {
     fn new(device: &Device) -> Self {
         let scene = box_scene(&[box_at(Vec3::ZERO, vec3(1.0, 1.0, 0.1))]);
-        let spare =
-            SpareRoom { meshes: 2, vertices: 1 << 16, indices: 1 << 18, ..SpareRoom::default() };
+        let spare = SpareCapacity {
+            meshes: 2,
+            vertices: 1 << 16,
+            indices: 1 << 18,
+            ..SpareCapacity::default()
+        };
         let options =
             RendererOptions { size: SIZE, spare, spare_objects: 2, ..RendererOptions::default() };
         let renderer = Renderer::new(device, &scene, &options).unwrap();
@@ -231,7 +235,7 @@ impl Stage {
             self.draw(0, Strategy::ANTUMBRA, camera);
         }
         self.draw(1, Strategy::FRUSTUM, camera);
-        self.renderer.device().drain().unwrap();
+        self.renderer.device().wait_idle().unwrap();
         let [culled, all] = self.images.each_ref().map(|image| image.rgba8().unwrap().to_vec());
         assert_eq!(pixels_that_differ(&culled, &all), 0);
         culled
@@ -265,7 +269,7 @@ fn stream(device: &Device, mut tessellator: Tessellator) {
         let projection = Projection::perspective(0.9);
         let eye = vec3(0.0, 0.3, z);
         let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, projection, near: 0.1 };
-        let view = View::new(&camera, SIZE, 8);
+        let view = CullView::new(&camera, SIZE, 8);
         let wanted = TessellationView::new(&view, &transform, 4.0);
         let now = TessellationLevels::new(&surface, &wanted, levels.as_ref());
         let mesh = captured(device, &mut tessellator, &surface, &now);

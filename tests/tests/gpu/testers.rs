@@ -1,8 +1,8 @@
 //! The image is the same with every tester of the proxies: queries, fragments, a compute shader.
 
 use cull::Strategy;
-use gpu::{Device, Predication, Readback};
-use render::{Costs, FrameRequest, Renderer, RendererOptions};
+use gpu::{Device, PredicationMode, Readback};
+use render::{CostModel, FrameRequest, Renderer, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind};
 use tests::walk::{SceneKind, pixels_that_differ, walk_with};
 use tests::{Driver, run, run_on_all};
@@ -27,9 +27,13 @@ fn walk_testers(device: &Device, objects: u32, options: &RendererOptions, frames
 #[test]
 fn every_tester_is_exact() {
     run_on_all(|device| {
-        for (frames_in_flight, costs) in [(1, Costs::Ignored), (3, Costs::default())] {
-            let options =
-                RendererOptions { size: [160, 90], frames_in_flight, costs, ..Default::default() };
+        for (frames_in_flight, cost_model) in [(1, CostModel::Off), (3, CostModel::default())] {
+            let options = RendererOptions {
+                size: [160, 90],
+                frames_in_flight,
+                cost_model,
+                ..Default::default()
+            };
             walk_testers(device, 400, &options, 22);
         }
     });
@@ -39,13 +43,15 @@ fn every_tester_is_exact() {
 fn every_tester_is_exact_with_every_way_to_skip_draws() {
     run(Driver::Lavapipe, |device| {
         let scene = SceneKind::City.build(900);
-        for predication in [Predication::Conditional, Predication::Counts, Predication::Instances] {
+        for predication in
+            [PredicationMode::Conditional, PredicationMode::Counts, PredicationMode::Instances]
+        {
             for strategy in TESTERS {
                 let options = RendererOptions {
                     size: [200, 120],
                     predication: Some(predication),
                     // Everything is tested that may be hidden, whatever it costs.
-                    costs: Costs::Ignored,
+                    cost_model: CostModel::Off,
                     ..Default::default()
                 };
                 let found = walk_with(device, &scene, PathKind::Cut, 25, &options, strategy);
@@ -63,8 +69,11 @@ fn every_tester_is_exact_after_the_image_was_resized() {
         let GeneratedScene { scene, routes } = SceneKind::City.build(400);
         let path = CameraPath::new(PathKind::Cut, &routes).unwrap();
         for strategy in TESTERS {
-            let options =
-                RendererOptions { size: [64, 36], costs: Costs::Ignored, ..Default::default() };
+            let options = RendererOptions {
+                size: [64, 36],
+                cost_model: CostModel::Off,
+                ..Default::default()
+            };
             let mut renderer = Renderer::new(device, &scene, &options).unwrap();
             let mut views = [0, 1].map(|_| renderer.new_view().unwrap());
             for (round, size) in [[64, 36], [240, 135], [97, 53], [240, 135]].iter().enumerate() {
@@ -80,7 +89,7 @@ fn every_tester_is_exact_after_the_image_was_resized() {
                         };
                         renderer.render(view, &request).unwrap();
                     }
-                    device.drain().unwrap();
+                    device.wait_idle().unwrap();
                     let [expected, found] = images.each_ref().map(|image| image.rgba8().unwrap());
                     let wrong = pixels_that_differ(&expected, &found);
                     assert_eq!(wrong, 0, "{strategy}, round {round}, {size:?}, frame {frame}");

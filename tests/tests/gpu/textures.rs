@@ -15,7 +15,7 @@ use scene::{
 use tests::reference;
 use tests::run_on_all;
 use tests::shapes::square_camera;
-use tests::studio;
+use tests::surface_fixture;
 
 /// The side of the images in pixels.
 const SIDE: u32 = 64;
@@ -64,12 +64,12 @@ fn one(image: Image, texture: Texture, material: Material) -> Surfaces {
 
 /// Returns a square over the whole image.
 fn whole(uv: [[f32; 2]; 2], change: impl Fn(&mut SurfaceVertex)) -> (Mesh, SurfaceMesh) {
-    studio::quad(SIDE, [0, 0], [SIDE, SIDE], 4.0, uv, 0, change)
+    surface_fixture::quad(SIDE, [0, 0], [SIDE, SIDE], 4.0, uv, 0, change)
 }
 
 fn scene_of(meshes: Vec<(Mesh, SurfaceMesh)>, surfaces: Surfaces) -> Scene {
     let places = vec![Affine3A::IDENTITY; meshes.len()];
-    studio::scene(meshes, &places, surfaces)
+    surface_fixture::scene(meshes, &places, surfaces)
 }
 
 fn draw(device: &Device, scene: &Scene) -> Vec<[u8; 4]> {
@@ -77,7 +77,7 @@ fn draw(device: &Device, scene: &Scene) -> Vec<[u8; 4]> {
 }
 
 fn draw_with(device: &Device, scene: &Scene, options: &SurfaceOptions) -> Vec<[u8; 4]> {
-    let image = studio::image(device, scene, &square_camera(), [SIDE; 2], options);
+    let image = surface_fixture::image(device, scene, &square_camera(), [SIDE; 2], options);
     image.chunks_exact(4).map(|pixel| pixel.try_into().unwrap()).collect()
 }
 

@@ -1,10 +1,10 @@
 //! A visibility threshold: images that are not exact, with a counted error: it is never larger than
 //! the count.
 
-use cull::{Aabb, Camera, CoherentOptions, Strategy};
+use cull::{Aabb, Camera, ChcOptions, Strategy};
 use glam::Vec3;
-use gpu::{Device, Predication, Readback};
-use render::{Costs, FrameRequest, Rect, Renderer, RendererOptions};
+use gpu::{Device, PredicationMode, Readback};
+use render::{CostModel, FrameRequest, Rect, Renderer, RendererOptions};
 use scene::Scene;
 use scenes::{CameraPath, Cast, GeneratedScene, Motion, PathKind, Routes};
 use tests::shapes::{box_at, box_scene, square_camera};
@@ -14,16 +14,14 @@ use tests::{Driver, run, run_on_all};
 const SIZE: [u32; 2] = [240, 135];
 
 fn options(threshold_samples: u32) -> RendererOptions {
-    let coherent = CoherentOptions {
-        visibility_threshold_samples: threshold_samples,
-        ..CoherentOptions::default()
-    };
-    // Prices that are measured differ from run to run; without any, everything is tested.
+    let coherent =
+        ChcOptions { visibility_threshold_samples: threshold_samples, ..ChcOptions::default() };
+    // Costs that are measured differ from run to run; without any, everything is tested.
     RendererOptions {
-        methods: vec![methods::coherent(coherent)],
+        methods: vec![methods::chc(coherent)],
         size: SIZE,
         threshold_samples,
-        costs: Costs::Ignored,
+        cost_model: CostModel::Off,
         ..Default::default()
     }
 }
@@ -76,7 +74,7 @@ fn cameras(routes: &Routes, path: PathKind, frames: u32) -> Vec<Camera> {
 fn no_frame_is_more_wrong_than_what_was_counted() {
     run_on_all(|device| {
         let GeneratedScene { scene, routes } = SceneKind::City.build(1_500);
-        for strategy in [Strategy::ANTUMBRA, Strategy::ANTUMBRA_QUERIES, methods::COHERENT] {
+        for strategy in [Strategy::ANTUMBRA, Strategy::ANTUMBRA_QUERIES, methods::CHC] {
             for path in [PathKind::Street, PathKind::Cut] {
                 let cameras = cameras(&routes, path, 20);
                 let walk =
@@ -98,7 +96,9 @@ fn every_executor_that_can_compare_leaves_out_the_same() {
         let GeneratedScene { scene, routes } = SceneKind::City.build(700);
         let cameras = cameras(&routes, PathKind::Cut, 24);
         let mut found = Vec::new();
-        for predication in [Predication::Counts, Predication::Instances, Predication::Compacted] {
+        for predication in
+            [PredicationMode::Counts, PredicationMode::Instances, PredicationMode::Compacted]
+        {
             // With more frames in flight, a busy machine decides when answers come.
             let options = RendererOptions {
                 predication: Some(predication),
@@ -146,13 +146,13 @@ fn what_shows_as_much_as_the_threshold_is_hidden_and_a_sample_more_is_not() {
 }
 
 #[test]
-fn moving_scenes_and_prices_keep_the_bound() {
+fn moving_scenes_and_costs_keep_the_bound() {
     run(Driver::Lavapipe, |device| {
         let GeneratedScene { scene, routes } = SceneKind::City.build(600);
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let motion = Motion::new(&scene, 20, 3).unwrap();
         let options = RendererOptions {
-            costs: render::Costs::Table(cull::CostTable::default()),
+            cost_model: render::CostModel::Table(cull::CostTable::default()),
             ..options(50)
         };
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
@@ -169,11 +169,11 @@ fn moving_scenes_and_prices_keep_the_bound() {
                     ..FrameRequest::new(strategy, path.camera(number * 2))
                 };
                 renderer.render(view, &request).unwrap();
-                renderer.drain(view).unwrap();
+                renderer.wait_idle(view).unwrap();
             }
             let [expected, got] = images.each_ref().map(|image| image.rgba8().unwrap());
             let wrong = pixels_that_differ(&expected, &got) as u64;
-            let outcome = views[1].take_outcomes().next_back().unwrap();
+            let outcome = views[1].drain_stats().next_back().unwrap();
             assert!(
                 wrong <= outcome.samples_below_threshold,
                 "frame {number}: {wrong} {outcome:?}"
@@ -209,11 +209,11 @@ fn the_ideal_and_other_methods_stay_exact() {
                     };
                     renderer.render(&mut view, &request).unwrap();
                 }
-                renderer.drain(&mut view).unwrap();
+                renderer.wait_idle(&mut view).unwrap();
                 let [expected, got] = images.each_ref().map(|image| image.rgba8().unwrap());
                 assert_eq!(pixels_that_differ(&expected, &got), 0, "{strategy}, frame {number}");
             }
-            assert!(view.take_outcomes().all(|outcome| outcome.samples_below_threshold == 0));
+            assert!(view.drain_stats().all(|outcome| outcome.samples_below_threshold == 0));
         }
     });
 }
@@ -227,10 +227,10 @@ fn what_cannot_count_or_compare_is_refused() {
             let options = RendererOptions { predication, ..options(threshold) };
             Renderer::new(device, &scene, &options)
         };
-        let refused = renderer(Some(Predication::Conditional), 3).err().unwrap().to_string();
+        let refused = renderer(Some(PredicationMode::Conditional), 3).err().unwrap().to_string();
         assert!(refused.contains("cannot compare samples with a threshold of 3"), "{refused}");
         let mut chosen = renderer(None, 3).unwrap();
-        assert_ne!(chosen.predication(), Predication::Conditional);
+        assert_ne!(chosen.predication(), PredicationMode::Conditional);
         let mut view = chosen.new_view().unwrap();
         for strategy in [Strategy::ANTUMBRA_FLAGS, Strategy::ANTUMBRA_COMPUTE] {
             let request = FrameRequest::new(strategy, path.camera(0));
@@ -238,6 +238,6 @@ fn what_cannot_count_or_compare_is_refused() {
             assert!(refused.contains("use `antumbra` or `antumbra_queries`"), "{refused}");
         }
         chosen.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, path.camera(0))).unwrap();
-        chosen.drain(&mut view).unwrap();
+        chosen.wait_idle(&mut view).unwrap();
     });
 }

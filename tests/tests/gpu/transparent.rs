@@ -2,8 +2,8 @@
 
 use cull::{Camera, Projection, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
-use gpu::{Device, Predication, Readback};
-use render::{Costs, Error, FrameReport, FrameRequest, Renderer, RendererOptions};
+use gpu::{Device, PredicationMode, Readback};
+use render::{CostModel, Error, FrameReport, FrameRequest, Renderer, RendererOptions};
 use scene::{Alpha, Material, MaterialId, MeshId, Object, ObjectChange, Scene, TransparentId};
 use tests::run_on_all;
 use tests::shapes::coloured_cubes;
@@ -78,14 +78,14 @@ pub(crate) fn options(frames_in_flight: usize) -> RendererOptions {
         methods: methods::all(),
         size: SIZE,
         frames_in_flight,
-        costs: Costs::Ignored,
+        cost_model: CostModel::Off,
         ..Default::default()
     }
 }
 
 fn draw_into(
     renderer: &mut Renderer,
-    view: &mut render::ViewState,
+    view: &mut render::RenderView,
     strategy: Strategy,
     camera: Camera,
 ) -> (Readback, FrameReport) {
@@ -117,7 +117,7 @@ pub(crate) fn film(
         draw_into(&mut renderer, &mut view, strategy, camera(frame)).0
     };
     let images = (0..12).map(frame).collect();
-    renderer.drain(&mut view).unwrap();
+    renderer.wait_idle(&mut view).unwrap();
     images
 }
 
@@ -146,7 +146,9 @@ fn every_strategy_shows_the_same_panes() {
         }
         compare(device, &expected, Strategy::ANTUMBRA, &options(1));
         compare(device, &expected, Strategy::ANTUMBRA, &options(3));
-        for predication in [Predication::Counts, Predication::Instances, Predication::Compacted] {
+        for predication in
+            [PredicationMode::Counts, PredicationMode::Instances, PredicationMode::Compacted]
+        {
             let options = RendererOptions { predication: Some(predication), ..options(2) };
             if Renderer::new(device, &scene(), &options).is_ok() {
                 compare(device, &expected, Strategy::ANTUMBRA_QUERIES, &options);
@@ -179,7 +181,7 @@ fn what_was_hidden_shows_in_the_frame_in_which_it_shows() {
         let away = Affine3A::from_translation(Vec3::Y * 90.0);
         renderer.move_transparent(TransparentId(0), away).unwrap();
         let without = draw(&mut renderer);
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         let differ = |a: &Readback, b: &Readback| {
             pixels_that_differ(&a.rgba8().unwrap(), &b.rgba8().unwrap())
         };
@@ -200,7 +202,7 @@ fn the_farther_pane_is_drawn_first() {
             let mut view = renderer.new_view().unwrap();
             let camera = Camera { eye: Vec3::ZERO, forward: Vec3::NEG_Z, ..camera(0) };
             let (image, report) = draw_into(&mut renderer, &mut view, Strategy::ANTUMBRA, camera);
-            renderer.drain(&mut view).unwrap();
+            renderer.wait_idle(&mut view).unwrap();
             assert_eq!(report.transparent, 2);
             let middle = (SIZE[1] / 2 * SIZE[0] + SIZE[0] / 2) as usize * 4;
             let linear = |byte: u8| (f32::from(byte) / 255.0).powf(2.2);

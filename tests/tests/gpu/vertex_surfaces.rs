@@ -4,7 +4,7 @@
 use cull::{Camera, ObjectId, Strategy};
 use glam::{Affine3A, Vec3, vec3};
 use gpu::{Device, Readback};
-use render::{Costs, Error, FrameRequest, Renderer, RendererOptions};
+use render::{CostModel, Error, FrameRequest, Renderer, RendererOptions};
 use scene::{
     Alpha, Light, LightKind, Material, MaterialId, MeshId, Object, ObjectChange, PunctualLight,
     Scene, pack_unorm,
@@ -16,7 +16,7 @@ use tests::shapes::{box_scene, cube};
 const SIZE: [u32; 2] = [160, 96];
 
 fn renderer(device: &Device, scene: &Scene) -> Renderer {
-    let options = RendererOptions { size: SIZE, costs: Costs::Ignored, ..Default::default() };
+    let options = RendererOptions { size: SIZE, cost_model: CostModel::Off, ..Default::default() };
     Renderer::new(device, scene, &options).unwrap()
 }
 
@@ -26,7 +26,7 @@ fn image(renderer: &mut Renderer, camera: Camera) -> Vec<u8> {
     let request =
         FrameRequest { image: Some(&image), ..FrameRequest::new(Strategy::FRUSTUM, camera) };
     renderer.render(&mut view, &request).unwrap();
-    renderer.drain(&mut view).unwrap();
+    renderer.wait_idle(&mut view).unwrap();
     image.rgba8().unwrap().to_vec()
 }
 
@@ -91,7 +91,7 @@ fn tints_stay_while_lights_come_and_go() {
             range_m: Some(3.0),
             position: vec3(0.5, 0.5, 2.0),
             direction: Vec3::NEG_Z,
-            picture: None,
+            cookie: None,
         });
         let mut moved = renderer(device, &scene);
         let before = image(&mut moved, camera());

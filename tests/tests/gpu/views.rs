@@ -3,9 +3,9 @@
 
 use cull::{Camera, Projection, Strategy};
 use glam::Vec3;
-use gpu::{Device, Predication, Readback};
+use gpu::{Device, PredicationMode, Readback};
 use render::{
-    Costs, FrameReport, FrameRequest, Rect, Renderer, RendererOptions, ViewState, ViewTarget,
+    CostModel, FrameReport, FrameRequest, Rect, RenderView, Renderer, RendererOptions, ViewRequest,
     ViewsRequest, VisibleSet,
 };
 use scenes::{CameraPath, Cast, GeneratedScene, Motion, PathKind};
@@ -15,12 +15,12 @@ use tests::{Driver, run, run_on_all};
 const SIZE: [u32; 2] = [320, 100];
 
 fn options(frames_in_flight: usize) -> RendererOptions {
-    // Prices that are measured differ from run to run; without any, everything is tested.
+    // Costs that are measured differ from run to run; without any, everything is tested.
     RendererOptions {
         methods: methods::all(),
         size: SIZE,
         frames_in_flight,
-        costs: Costs::Ignored,
+        cost_model: CostModel::Off,
         ..Default::default()
     }
 }
@@ -34,17 +34,17 @@ fn pair(camera: Camera) -> [Camera; 2] {
 /// Renders a frame with as many views as there are cameras, in `areas`.
 fn render(
     renderer: &mut Renderer,
-    histories: &mut [ViewState],
+    histories: &mut [RenderView],
     strategy: Strategy,
     cameras: &[Camera],
     areas: &[Rect],
     image: &Readback,
 ) -> FrameReport {
-    let mut eyes: Vec<ViewTarget<'_>> = histories
+    let mut eyes: Vec<ViewRequest<'_>> = histories
         .iter_mut()
         .zip(cameras)
         .zip(areas)
-        .map(|((history, camera), area)| ViewTarget {
+        .map(|((history, camera), area)| ViewRequest {
             state: history,
             viewpoint: (*camera).into(),
             visible: None,
@@ -97,8 +97,8 @@ fn check_pair_with(
         assert_eq!(waited > 0, strategy.is_blocking(), "{strategy} waited for {waited} answers");
         let mut draws = 0;
         for view in &mut views {
-            renderer.drain(view).unwrap();
-            draws += view.take_outcomes().map(|outcome| outcome.draws).sum::<u64>();
+            renderer.wait_idle(view).unwrap();
+            draws += view.drain_stats().map(|outcome| outcome.draws).sum::<u64>();
         }
         (images, draws)
     });
@@ -128,8 +128,8 @@ fn a_stereo_pair_is_exact_with_every_tester() {
             methods::NAIVE,
             methods::BATCHED,
             methods::STOP_AND_WAIT,
-            methods::COHERENT,
-            methods::PYRAMID,
+            methods::CHC,
+            methods::HZB,
             Strategy::ANTUMBRA_QUERIES,
             Strategy::ANTUMBRA_FLAGS,
             Strategy::ANTUMBRA_COMPUTE,
@@ -162,10 +162,10 @@ fn each_eye_has_an_ideal_of_its_own() {
                 .map(|eye| renderer.visible_set(&mut views[eye], cameras[eye], areas[eye]).unwrap())
                 .collect();
             render(&mut renderer, &mut plain, Strategy::FRUSTUM, &cameras, &areas, &expected);
-            let mut eyes: Vec<ViewTarget<'_>> = ideals
+            let mut eyes: Vec<ViewRequest<'_>> = ideals
                 .iter_mut()
                 .enumerate()
-                .map(|(eye, history)| ViewTarget {
+                .map(|(eye, history)| ViewRequest {
                     state: history,
                     viewpoint: cameras[eye].into(),
                     visible: Some(&sets[eye]),
@@ -179,7 +179,7 @@ fn each_eye_has_an_ideal_of_its_own() {
                 after: None,
             };
             renderer.render_views(&mut eyes, &request).unwrap();
-            device.drain().unwrap();
+            device.wait_idle().unwrap();
             assert_eq!(
                 pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
                 0,
@@ -204,7 +204,7 @@ fn a_stereo_pair_is_exact_while_objects_move() {
 fn every_way_to_skip_draws_knows_its_view() {
     run(Driver::Lavapipe, |device| {
         let scene = SceneKind::City.build(1_200);
-        for predication in Predication::ALL {
+        for predication in PredicationMode::ALL {
             let options = RendererOptions { predication: Some(predication), ..options(2) };
             check_pair(device, &scene, PathKind::Cut, 20, &options, 22);
         }
@@ -231,7 +231,7 @@ fn areas_may_be_anywhere() {
                 render(&mut renderer, &mut views, Strategy::ANTUMBRA, &cameras, &areas, &got);
             let queries: usize = views.iter().map(|view| view.plan().query_count()).sum();
             assert_eq!(report.queries as usize, queries, "a report is of all views");
-            device.drain().unwrap();
+            device.wait_idle().unwrap();
             assert_eq!(
                 pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
                 0,
@@ -266,7 +266,7 @@ fn views_on_one_tight_budget_are_exact() {
                 render(&mut renderer, &mut plain, Strategy::FRUSTUM, &cameras, &areas, &expected);
                 let strategy = Strategy::ANTUMBRA_QUERIES;
                 let report = render(&mut renderer, &mut views, strategy, &cameras, &areas, &got);
-                device.drain().unwrap();
+                device.wait_idle().unwrap();
                 let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap());
                 assert_eq!(wrong, 0, "frame {frame}, {query_budget} queries");
                 let used = views.each_ref().map(|view| view.plan().query_count());
@@ -300,7 +300,7 @@ fn a_view_does_not_notice_the_others() {
         let GeneratedScene { scene, routes } = SceneKind::City.build(900);
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let half = [SIZE[0] / 2, SIZE[1]];
-        // Plans are compared, so no prices that are measured.
+        // Plans are compared, so no costs that are measured.
         let options = options(2);
         let mut both = Renderer::new(device, &scene, &options).unwrap();
         let alone_options = RendererOptions { size: half, ..options };
@@ -318,7 +318,7 @@ fn a_view_does_not_notice_the_others() {
                 ..FrameRequest::new(Strategy::ANTUMBRA, cameras[0])
             };
             alone.render(&mut single, &request).unwrap();
-            device.drain().unwrap();
+            device.wait_idle().unwrap();
             let row_bytes = SIZE[0] as usize * 4;
             let pixels = pair_image.rgba8().unwrap();
             let rows = pixels.chunks_exact(row_bytes);
@@ -346,7 +346,7 @@ fn areas_outside_of_the_image_are_refused() {
         ] {
             let area = Rect { origin, size };
             let camera = path.camera(0);
-            let mut eyes = [ViewTarget {
+            let mut eyes = [ViewRequest {
                 state: &mut view,
                 viewpoint: camera.into(),
                 visible: None,

@@ -11,11 +11,11 @@ mod rays;
 use cull::{Camera, Strategy};
 use glam::{Vec3, vec3};
 use gpu::{Device, Readback};
-use render::{Rect, Renderer, ViewState, ViewTarget, ViewsRequest};
+use render::{Rect, RenderView, Renderer, ViewRequest, ViewsRequest};
 use scene::Scene;
 use shadows::{ShadowMethod, ShadowOptions};
 use tests::walk::pixels_that_differ;
-use tests::{run_on_all, yard};
+use tests::{run_on_all, shadow_scene};
 
 use crate::shadow_maps::bad_options::badly_lit;
 use crate::shadow_maps::casters::walking;
@@ -38,14 +38,14 @@ fn fresh(device: &Device, scene: &Scene, options: ShadowOptions, camera: Camera)
 #[test]
 fn every_exact_strategy_has_the_same_volumes() {
     run_on_all(|device| {
-        let scene = yard::scene(&yard::boxes(), &yard::lights());
+        let scene = shadow_scene::scene(&shadow_scene::boxes(), &shadow_scene::lights());
         let mut renderer = renderer(device, &scene, volumes());
         let strategies = [
             Strategy::ANTUMBRA_QUERIES,
             Strategy::ANTUMBRA_FLAGS,
             Strategy::ANTUMBRA_COMPUTE,
-            methods::COHERENT,
-            methods::PYRAMID,
+            methods::CHC,
+            methods::HZB,
         ];
         let supported =
             strategies.into_iter().filter(|strategy| renderer.supports(*strategy).is_ok());
@@ -74,15 +74,18 @@ fn every_exact_strategy_has_the_same_volumes() {
 #[test]
 fn each_of_two_views_has_a_mask_of_its_own() {
     run_on_all(|device| {
-        let scene = yard::scene(&yard::boxes(), &yard::lights());
+        let scene = shadow_scene::scene(&shadow_scene::boxes(), &shadow_scene::lights());
         // Of different sizes, the second one larger.
         let parts = [
             Rect { origin: [8, 4], size: [40, 70] },
             Rect { origin: [56, 8], size: [72, SIZE[1] - 8] },
         ];
-        let far =
-            Camera { eye: vec3(-9.0, 3.0, -12.0), forward: vec3(0.5, -0.2, 0.8), ..yard::camera() };
-        let cameras = [yard::camera(), far];
+        let far = Camera {
+            eye: vec3(-9.0, 3.0, -12.0),
+            forward: vec3(0.5, -0.2, 0.8),
+            ..shadow_scene::camera()
+        };
+        let cameras = [shadow_scene::camera(), far];
         let draw = |shown: &[usize]| {
             let mut renderer = renderer(device, &scene, volumes());
             let mut views: Vec<_> = shown.iter().map(|_| renderer.new_view().unwrap()).collect();
@@ -104,13 +107,13 @@ fn each_of_two_views_has_a_mask_of_its_own() {
 
 fn draw_parts(
     renderer: &mut Renderer,
-    views: &mut [ViewState],
+    views: &mut [RenderView],
     shown: &[usize],
     cameras: [Camera; 2],
     parts: [Rect; 2],
 ) -> Vec<u8> {
     let image = Readback::new(renderer.device(), SIZE).unwrap();
-    let target = |(state, view): (_, &usize)| ViewTarget {
+    let target = |(state, view): (_, &usize)| ViewRequest {
         state,
         viewpoint: cameras[*view].into(),
         visible: None,
@@ -124,24 +127,25 @@ fn draw_parts(
         after: None,
     };
     renderer.render_views(&mut targets, &request).unwrap();
-    renderer.device().drain().unwrap();
+    renderer.device().wait_idle().unwrap();
     image.rgba8().unwrap().to_vec()
 }
 
 #[test]
 fn images_of_other_sizes_have_masks_of_their_size() {
     run_on_all(|device| {
-        let scene = yard::scene(&yard::boxes(), &yard::lights());
+        let scene = shadow_scene::scene(&shadow_scene::boxes(), &shadow_scene::lights());
         let mut resized = renderer(device, &scene, volumes());
         let mut view = resized.new_view().unwrap();
-        let first = image(&mut resized, &mut view, Strategy::ANTUMBRA, yard::camera());
+        let first = image(&mut resized, &mut view, Strategy::ANTUMBRA, shadow_scene::camera());
         for size in [[200, 60], [40, 90], SIZE] {
             resized.resize(size).unwrap();
-            let found = image(&mut resized, &mut view, Strategy::ANTUMBRA, yard::camera());
+            let found = image(&mut resized, &mut view, Strategy::ANTUMBRA, shadow_scene::camera());
             let mut other = renderer(device, &scene, volumes());
             other.resize(size).unwrap();
             let mut its_view = other.new_view().unwrap();
-            let expected = image(&mut other, &mut its_view, Strategy::FRUSTUM, yard::camera());
+            let expected =
+                image(&mut other, &mut its_view, Strategy::FRUSTUM, shadow_scene::camera());
             assert!(found == expected, "{size:?}");
             assert!(size != SIZE || found == first);
         }
@@ -156,9 +160,12 @@ fn impossible_lights_and_ten_thousand_of_them_cast_no_harmful_volumes() {
             let mut renderer = renderer(device, &scene, volumes());
             let mut view = renderer.new_view().unwrap();
             // Most of them are at this corner.
-            let corner = yard::GROUND.max;
-            let camera =
-                Camera { eye: corner + 3.0, forward: Vec3::NEG_ONE.normalize(), ..yard::camera() };
+            let corner = shadow_scene::GROUND.max;
+            let camera = Camera {
+                eye: corner + 3.0,
+                forward: Vec3::NEG_ONE.normalize(),
+                ..shadow_scene::camera()
+            };
             for _ in 0..2 {
                 image(&mut renderer, &mut view, Strategy::ANTUMBRA, camera);
             }

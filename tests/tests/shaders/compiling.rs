@@ -133,7 +133,7 @@ fn image(device: &gpu::Device, shaders: Option<ShaderSet>) -> Vec<u8> {
     let request =
         FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, path.camera(3)) };
     renderer.render(&mut history, &request).unwrap();
-    renderer.drain(&mut history).unwrap();
+    renderer.wait_idle(&mut history).unwrap();
     image.rgba8().unwrap().to_vec()
 }
 

@@ -2,7 +2,7 @@
 
 use std::mem::offset_of;
 
-use gpu::{DrawLink, IndirectDraw, LISTED_LEAVES, Optional, Required, Reveal};
+use gpu::{DrawLink, IndirectDraw, LISTED_LEAVES, OptionalFeature, RequiredFeature, Reveal};
 use spirq::prelude::*;
 use spirq::ty::Type;
 use spirq::var::Variable;
@@ -24,7 +24,7 @@ fn interface(name: &str) -> (Buffers, usize) {
     for variable in &entry.vars {
         match variable {
             Variable::Descriptor { desc_bind, ty, nbind, .. } => {
-                if name.contains("_indexed") && desc_bind.set() == 1 {
+                if name.contains("_bindless") && desc_bind.set() == 1 {
                     // The one table of textures, as long as it is.
                     assert_eq!((desc_bind.bind(), *nbind), (0, 0), "{name}");
                     continue;
@@ -45,8 +45,9 @@ fn interface(name: &str) -> (Buffers, usize) {
                         "surface_shadowed_sorted_section.frag" => 13,
                         _ => 0,
                     };
-                    let is_surface = name.starts_with("surface") || name.starts_with("flare_veil");
-                    let is_surface = is_surface && !name.contains("_indexed");
+                    let is_surface =
+                        name.starts_with("surface") || name.starts_with("flare_transmittance");
+                    let is_surface = is_surface && !name.contains("_bindless");
                     let is_array = is_surface && desc_bind.bind() >= first_array;
                     assert_eq!(
                         *nbind,
@@ -151,11 +152,11 @@ fn flares_have_blocks_and_sprites() {
         offset_of!(FlareBlockRow, unused),
     ];
     let blocks = |binding| (binding, size_of::<FlareBlockRow>(), offsets.clone());
-    let veil = |binding| (binding, 4, vec![0]);
+    let transmittance = |binding| (binding, 4, vec![0]);
     assert_eq!(interface("flare_block.vert"), (vec![blocks(0)], 12));
-    assert_eq!(interface("flare_block.frag"), (vec![blocks(0), veil(1)], 0));
-    let found = interface("flare_veil.frag").0;
-    assert!(found.ends_with(&[blocks(3), veil(4)]), "{found:?}");
+    assert_eq!(interface("flare_block.frag"), (vec![blocks(0), transmittance(1)], 0));
+    let found = interface("flare_transmittance.frag").0;
+    assert!(found.ends_with(&[blocks(3), transmittance(4)]), "{found:?}");
     let offsets = vec![
         offset_of!(FlareSprite, middle),
         offset_of!(FlareSprite, radius),
@@ -272,11 +273,11 @@ fn textures_with_an_image_each_change_no_other_input() {
         "surface_depth",
         "surface_sorted",
         "surface_shadowed_sorted",
-        "flare_veil",
+        "flare_transmittance",
     ];
     for pass in passes {
         let [on_pages, indexed] =
-            ["", "_indexed"].map(|end| interface(&format!("{pass}{end}.frag")));
+            ["", "_bindless"].map(|end| interface(&format!("{pass}{end}.frag")));
         assert_eq!(on_pages, indexed, "{pass}");
     }
     let source = std::fs::read_to_string(crate::folder().join("texels.glsl")).unwrap();
@@ -353,11 +354,11 @@ fn the_required_storage_buffers_are_the_most_that_a_stage_binds() {
     let most = names().filter(|name| !is_cut(name)).map(bound).max().unwrap();
     let asked = include_str!("../../../engine/gpu/src/core/capabilities.rs");
     assert!(asked.contains(&format!("STAGE_STORAGE_BUFFERS: u32 = {most};")), "{most} are bound");
-    let told = Required::StorageBuffers.name();
+    let told = RequiredFeature::StorageBuffers.name();
     assert!(told.ends_with(&format!("of at least {most}")), "{told}, but {most} are bound");
     let most_cut = names().filter(is_cut).map(bound).max().unwrap();
     let asked_cut = format!("SECTION_STORAGE_BUFFERS: u32 = {most_cut};");
     assert!(asked.contains(&asked_cut), "{most_cut} are bound");
-    let told = Optional::SectionBuffers.name();
+    let told = OptionalFeature::SectionBuffers.name();
     assert!(told.ends_with(&format!("of at least {most_cut}")), "{told}, but {most_cut} are bound");
 }

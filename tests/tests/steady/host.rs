@@ -6,11 +6,11 @@ use glam::Vec3;
 use gpu::{Features, FrameRing, Purpose};
 use tests::Driver;
 use tests::counting::allocations;
+use tests::fault_injection::{CALLS_THAT_MAKE, FaultInjection, calls};
 use tests::host_commands::{HostCommands, Runs, record_frame};
 use tests::host_device::Host;
 use tests::host_scene::{BoxOptions, ComparedScene, IN_FLIGHT};
 use tests::host_walk::{boxes, camera};
-use tests::machine::{CALLS_THAT_MAKE, Machine, calls};
 
 /// The frames until all memory has its size.
 const BEFORE: u64 = 40;
@@ -61,7 +61,7 @@ fn made_and_allocated(
     moves: Moves,
     options: &BoxOptions,
 ) -> (usize, u64) {
-    let entry = Machine::default().entry();
+    let entry = FaultInjection::default().entry();
     let purpose = Purpose::Executor;
     let host = Host::through(entry, driver, purpose, &[], Features::default());
     let device = host.adopt(None);

@@ -9,8 +9,8 @@ use render::{FrameRequest, Renderer, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::Driver;
 use tests::counting::allocations;
-use tests::machine::{CALLS_THAT_MAKE, CALLS_THAT_SHOW, Machine, calls};
-use tests::stage::{Random, WindowStage};
+use tests::fault_injection::{CALLS_THAT_MAKE, CALLS_THAT_SHOW, FaultInjection, calls};
+use tests::window_fixture::{Random, WindowStage};
 use tests::x11_window::{Library, X11Window};
 use tests::xvfb::Xvfb;
 
@@ -48,7 +48,7 @@ fn a_frame_loop_at_rest_makes_nothing_and_allocates_nothing() {
     for (driver, _) in MODES {
         for strategy in methods::strategies().into_iter().filter(is_ours) {
             let window = X11Window::open(&server, Library::Xcb, SIZE);
-            let stage = WindowStage::with_entry(Machine::default().entry(), driver, window);
+            let stage = WindowStage::with_entry(FaultInjection::default().entry(), driver, window);
             let options =
                 RendererOptions { methods: methods::all(), size: SIZE, ..Default::default() };
             let mut renderer = Renderer::new(&stage.device, &scene, &options).unwrap();
@@ -61,7 +61,7 @@ fn a_frame_loop_at_rest_makes_nothing_and_allocates_nothing() {
                 let before = allocations();
                 let request = FrameRequest::new(strategy, camera);
                 renderer.render(&mut view, &request).unwrap();
-                view.take_outcomes();
+                view.drain_stats();
                 let shown = renderer.present(&mut swapchain, SIZE).unwrap();
                 allocated.push(allocations() - before);
                 assert!(shown.presented().is_some());
@@ -88,7 +88,7 @@ fn a_thousand_switches_leave_the_image_and_keep_nothing() {
     let camera = CameraPath::new(PathKind::Street, &routes).unwrap().camera(0);
     for (driver, modes) in MODES {
         let window = X11Window::open(&server, Library::Xcb, SIZE);
-        let stage = WindowStage::with_entry(Machine::default().entry(), driver, window);
+        let stage = WindowStage::with_entry(FaultInjection::default().entry(), driver, window);
         let options = RendererOptions { methods: methods::all(), size: SIZE, ..Default::default() };
         let mut renderer = Renderer::new(&stage.device, &scene, &options).unwrap();
         let strategies = methods::strategies().into_iter().filter(is_ours);
@@ -121,7 +121,7 @@ fn a_thousand_switches_leave_the_image_and_keep_nothing() {
             most_retired = most_retired.max(stage.device.retired());
             assert_eq!(stage.device.wait_counts().other, waits, "a switch waits for nothing");
             if is_looked_at {
-                stage.device.drain().unwrap();
+                stage.device.wait_idle().unwrap();
                 let found = image.rgba8().unwrap().to_vec();
                 if expected.is_empty() {
                     expected = found;
@@ -133,7 +133,7 @@ fn a_thousand_switches_leave_the_image_and_keep_nothing() {
                 halfway = (stage.device.memory_bytes().0, most_retired);
             }
         }
-        stage.device.drain().unwrap();
+        stage.device.wait_idle().unwrap();
         let memory = stage.device.memory_bytes().0;
         // The memory that the strategies used in turn may be laid out a little differently.
         assert!(memory <= halfway.0 + (8 << 20), "{driver:?}: {memory} bytes, {}", halfway.0);

@@ -4,13 +4,13 @@
 use cull::{Camera, Projection, Strategy};
 use glam::{Affine2, Affine3A, Vec3, vec3};
 use gpu::{Device, DeviceOptions};
-use render::{Costs, FrameRequest, Renderer, RendererOptions, SpareRoom, TextureRoom};
+use render::{CostModel, FrameRequest, Renderer, RendererOptions, SpareCapacity, TextureCapacity};
 use scene::{
     Encoding, Image, LightKind, Material, MaterialId, Mesh, MeshId, Object, ObjectChange,
     PreparedMesh, PreparedTexture, PunctualLight, Sampler, Scene, Surfaces, TextureUse,
 };
 use tests::counting::allocations;
-use tests::machine::Machine;
+use tests::fault_injection::FaultInjection;
 use tests::shapes::{cube, surface_of};
 use tests::{Driver, instance_with};
 
@@ -39,7 +39,7 @@ fn scene(mesh: &Mesh) -> Scene {
 }
 
 fn options() -> RendererOptions {
-    let kind = TextureRoom {
+    let kind = TextureCapacity {
         size: [16, 16],
         encoding: Encoding::Srgb,
         sampler: Sampler::default(),
@@ -47,9 +47,9 @@ fn options() -> RendererOptions {
     };
     RendererOptions {
         size: [96, 64],
-        costs: Costs::Ignored,
+        cost_model: CostModel::Off,
         spare_objects: 8,
-        spare: SpareRoom {
+        spare: SpareCapacity {
             lights: 2,
             directional_lights: 1,
             meshes: 4,
@@ -81,7 +81,7 @@ fn change(renderer: &mut Renderer, mesh: &Mesh) {
             range_m: None,
             position: vec3(2.0, 2.0, 2.0),
             direction: Vec3::NEG_Z,
-            picture: None,
+            cookie: None,
         };
         let lights = renderer.add_lights(&[lamp]).unwrap();
         let change = ObjectChange::Add { object: object(mesh, vec3(2.5, 0.0, 0.0)) };
@@ -99,7 +99,7 @@ fn change(renderer: &mut Renderer, mesh: &Mesh) {
 #[test]
 fn a_renderer_that_things_came_to_is_at_rest_again() {
     for driver in Driver::ALL {
-        let instance = instance_with(Machine::default().entry());
+        let instance = instance_with(FaultInjection::default().entry());
         let adapter = instance.pick_adapter(Some(driver.device_name())).unwrap();
         let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
         let mesh = cube(0, 1);
@@ -110,7 +110,7 @@ fn a_renderer_that_things_came_to_is_at_rest_again() {
         let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, projection, near: 0.1 };
         let mut draw = |renderer: &mut Renderer| {
             renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, camera)).unwrap();
-            view.take_outcomes();
+            view.drain_stats();
         };
         (0..FRAMES).for_each(|_| draw(&mut renderer));
 
@@ -121,7 +121,7 @@ fn a_renderer_that_things_came_to_is_at_rest_again() {
         let before = (made(), allocations());
         (0..FRAMES).for_each(|_| draw(&mut renderer));
         assert_eq!((made(), allocations()), before, "{driver:?}");
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         drop((view, renderer, device));
         assert_eq!(instance.validation_log().drain(), []);
     }

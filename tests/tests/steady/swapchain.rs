@@ -3,8 +3,8 @@
 use gpu::{PresentMode, SwapchainOptions};
 use tests::Driver;
 use tests::counting::allocations;
-use tests::machine::{CALLS_THAT_MAKE, CALLS_THAT_SHOW, Machine, calls};
-use tests::stage::{Painter, WindowStage};
+use tests::fault_injection::{CALLS_THAT_MAKE, CALLS_THAT_SHOW, FaultInjection, calls};
+use tests::window_fixture::{Painter, WindowStage};
 use tests::x11_window::{Library, X11Window};
 use tests::xvfb::Xvfb;
 
@@ -18,7 +18,7 @@ fn a_window_at_rest_makes_nothing_and_allocates_nothing() {
         for &mode in modes {
             let size = [200, 100];
             let window = X11Window::open(&server, Library::Xcb, size);
-            let stage = WindowStage::with_entry(Machine::default().entry(), driver, window);
+            let stage = WindowStage::with_entry(FaultInjection::default().entry(), driver, window);
             let mut painter = Painter::new(&stage.device, size);
             let mut swapchain = stage.swapchain(&SwapchainOptions { mode, ..Default::default() });
             let made = || CALLS_THAT_MAKE.iter().chain(CALLS_THAT_SHOW).map(|c| calls(c)).sum();

@@ -4,9 +4,9 @@ use gpu::{Acquired, PresentMode, PresentResult, PresentSkipped, SwapchainOptions
 use tests::Driver;
 use tests::xvfb::Xvfb;
 
-use tests::show::Show;
-use tests::stage::{Painter, Random, WindowStage, await_image, show_surely};
-use tests::ways::{LASTING_WAYS, WAYS, modes};
+use tests::display::Show;
+use tests::window_fixture::{Painter, Random, WindowStage, await_image, show_surely};
+use tests::window_matrix::{LASTING_WAYS, WAYS, modes};
 use tests::x11_window::{Library, X11Window};
 
 #[test]

@@ -12,8 +12,8 @@ mod steady;
 mod wayland;
 
 use gpu::SwapchainOptions;
-use tests::stage::{Painter, WindowStage, await_image, show_surely};
-use tests::ways::{WAYS, modes};
+use tests::window_fixture::{Painter, WindowStage, await_image, show_surely};
+use tests::window_matrix::{WAYS, modes};
 use tests::x11_window::X11Window;
 use tests::xvfb::Xvfb;
 

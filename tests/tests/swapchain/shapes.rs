@@ -4,8 +4,8 @@ use gpu::{Device, FrameRing, Target};
 use tests::xvfb::Xvfb;
 
 use crate::show_surely;
-use tests::stage::WindowStage;
-use tests::ways::WAYS;
+use tests::window_fixture::WindowStage;
+use tests::window_matrix::WAYS;
 use tests::x11_window::X11Window;
 
 const IMAGE: [u32; 2] = [320, 180];
@@ -62,7 +62,7 @@ fn a_circle_stays_a_circle_in_windows_of_any_shape() {
         for size in [IMAGE, [700, 180], [320, 700], [90, 500], [333, 181], [640, 360], [641, 200]] {
             window.resize(size);
             assert_eq!(show_surely(&mut swapchain, &target, size).size, size);
-            stage.device.drain().unwrap();
+            stage.device.wait_idle().unwrap();
             let scale = (f64::from(size[0]) / 320.0).min(f64::from(size[1]) / 180.0);
             let is_right = |pixels: &[[u8; 3]]| {
                 let white = extent(pixels, size, |pixel| *pixel == [255; 3])?;

@@ -7,9 +7,9 @@ use cull::Strategy;
 use gpu::{PresentId, PresentResult, Readback, SwapchainOptions};
 use render::{FrameRequest, Renderer, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind};
-use tests::stage::{WindowStage, await_image};
 use tests::walk::SceneKind;
-use tests::ways::{WAYS, modes};
+use tests::window_fixture::{WindowStage, await_image};
+use tests::window_matrix::{WAYS, modes};
 use tests::x11_window::X11Window;
 use tests::xvfb::Xvfb;
 
@@ -47,7 +47,7 @@ fn the_renderers_image_in_a_window_is_the_one_without_it() {
             ..FrameRequest::new(Strategy::FRUSTUM, camera(11))
         };
         renderer.render(&mut headless, &request).unwrap();
-        renderer.drain(&mut headless).unwrap();
+        renderer.wait_idle(&mut headless).unwrap();
         let pixel = |pixel: &[u8]| [pixel[0], pixel[1], pixel[2]];
         let expected: Vec<_> = image.rgba8().unwrap().chunks_exact(4).map(pixel).collect();
         await_image(&expected, seen);
@@ -73,12 +73,12 @@ fn presents_are_numbered_and_told_of_where_the_driver_tells() {
         let size = [64, 64];
         let window = X11Window::open(&server, library, size);
         let stage = WindowStage::new(driver, window.clone());
-        let mut painter = tests::stage::Painter::new(&stage.device, size);
+        let mut painter = tests::window_fixture::Painter::new(&stage.device, size);
         let mut swapchain = stage.swapchain(&SwapchainOptions::default());
         assert_eq!((swapchain.newest_presented(), swapchain.size()), (None, None));
         for number in 1..=5 {
             painter.paint(number, None);
-            tests::stage::show_surely(&mut swapchain, &painter.target, size);
+            tests::window_fixture::show_surely(&mut swapchain, &painter.target, size);
             assert_eq!(swapchain.newest_presented(), Some(PresentId(number.into())));
         }
         assert!(swapchain.format().unwrap().contains("UNORM in SRGB_NONLINEAR"));

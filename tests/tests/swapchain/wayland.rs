@@ -4,9 +4,9 @@ use std::time::{Duration, Instant};
 
 use gpu::{Device, PresentMode, PresentResult, PresentSkipped, Swapchain, SwapchainOptions};
 use tests::Driver;
-use tests::stage::{Painter, Random, WindowStage};
 use tests::wayland_window::WaylandWindow;
 use tests::weston::Weston;
+use tests::window_fixture::{Painter, Random, WindowStage};
 
 const SIZE: [u32; 2] = [320, 200];
 const BOUND: Duration = Duration::from_millis(100);
@@ -125,7 +125,7 @@ fn a_window_may_be_closed_while_it_holds_a_image_back() {
     while stage.surface.holders() >= held {
         assert!(began.elapsed() < 10 * A_WHILE, "the window is never let go");
         std::thread::sleep(Duration::from_millis(5));
-        stage.device.drain().unwrap();
+        stage.device.wait_idle().unwrap();
     }
     stage.end();
 }

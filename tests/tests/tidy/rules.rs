@@ -147,7 +147,7 @@ const GLOBAL: [(&str, &str); 6] = [
     ("engine/gpu/src/core/xcb.rs", "a library"),
     ("engine/gpu/src/present/display_link.rs", "a library"),
     ("engine/occlusion/src/leaf_table.rs", "numbers of tables"),
-    ("engine/render/src/view_state.rs", "numbers of renderers"),
+    ("engine/render/src/render_view.rs", "numbers of renderers"),
 ];
 
 /// Finds state of the whole process in the engine's crates: what can change, or is made when it is

@@ -38,10 +38,10 @@ static AntumbraRenderer create_renderer(AntumbraContext *context, AntumbraDevice
         .index_count = 36};
     AntumbraShadowDesc shadows = {.struct_size = sizeof shadows, .method = ANTUMBRA_SHADOWS_MAPS, .map_side = 512,
         .cascades = 2, .distance = 40, .penumbra = 0.1F};
-    /* So small a scene is drawn whole where tests cost more than they save: the prices are ignored here. */
+    /* So small a scene is drawn whole where tests cost more than they save: the costs are ignored here. */
     AntumbraRendererDesc desc = {.struct_size = sizeof desc, .device = device, .width = WIDTH,
         .height = HEIGHT, .meshes = (const AntumbraMeshDesc *[]){&mesh}, .mesh_count = 1, .objects = objects,
-        .object_count = BOXES, .costs = ANTUMBRA_COSTS_IGNORED, .shadows = &shadows};
+        .object_count = BOXES, .cost_model = ANTUMBRA_COST_MODEL_OFF, .shadows = &shadows};
     AntumbraRenderer renderer;
     check(antumbra_renderer_create(context, &desc, &renderer, &error));
     return renderer;

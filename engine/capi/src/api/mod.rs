@@ -4,9 +4,9 @@ pub mod context;
 pub mod culler;
 #[cfg(feature = "vulkan")]
 pub mod device;
-pub mod hierarchy;
 #[cfg(feature = "renderer")]
-pub mod prices;
+pub mod device_costs;
+pub mod hierarchy;
 #[cfg(feature = "renderer")]
 pub mod renderer;
 #[cfg(feature = "vulkan")]

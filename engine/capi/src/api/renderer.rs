@@ -19,8 +19,8 @@ use crate::renderer::frame::{
     AntumbraFinishedImage, AntumbraRenderDesc, AntumbraRenderer, AntumbraRendererStats,
     HostedRenderer,
 };
+use crate::renderer::self_test::AntumbraSelfTest;
 use crate::renderer::shadows::{AntumbraShadowDesc, AntumbraShadowStats};
-use crate::renderer::trust::AntumbraSelfTest;
 
 /// Writes what `antumbra_requirements` does, for devices that are adopted with a queue.
 ///

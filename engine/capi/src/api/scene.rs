@@ -30,12 +30,12 @@ pub unsafe extern "C" fn antumbra_scene_create(
             let desc = read("desc", desc)?;
             let attachments = read("desc.attachments", desc.attachments)?;
             let device = context.devices.find(desc.device)?.read()?.clone();
-            let prices = match desc.prices.id {
+            let costs = match desc.costs.id {
                 0 => None,
-                _ => Some(context.prices.find(desc.prices)?),
+                _ => Some(context.costs.find(desc.costs)?),
             };
-            let prices = prices.as_ref().map(Shared::read).transpose()?;
-            let mut new = HostedScene::new(device, &desc, &attachments, prices.as_deref())?;
+            let costs = costs.as_ref().map(Shared::read).transpose()?;
+            let mut new = HostedScene::new(device, &desc, &attachments, costs.as_deref())?;
             // No view of this scene has the handle of another's.
             *scene = context.scenes.insert_with(|handle| {
                 new.views = Table::new(std::ptr::from_ref(context) as u64 ^ handle.id);

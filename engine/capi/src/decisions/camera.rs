@@ -1,6 +1,6 @@
 //! Cameras from the matrices of a host.
 
-use cull::{ClipY, DepthConvention, View, ViewProjection};
+use cull::{ClipY, CullView, DepthConvention, ViewProjection};
 use glam::Mat4;
 
 use crate::error::Failure;
@@ -52,8 +52,8 @@ versioned!(AntumbraCamera: 5,
 
 impl AntumbraCamera {
     /// Returns the view.
-    pub(crate) fn view(&self) -> Result<View, Failure> {
-        View::from_matrix(&self.projection()?, [self.width, self.height], self.sub_pixel_bits)
+    pub(crate) fn view(&self) -> Result<CullView, Failure> {
+        CullView::from_matrix(&self.projection()?, [self.width, self.height], self.sub_pixel_bits)
             .map_err(|error| Failure::argument(format_args!("camera.clip_from_world: {error}")))
     }
 

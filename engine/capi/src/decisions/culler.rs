@@ -1,6 +1,8 @@
 //! Cullers: the decisions of one view.
 
-use cull::{CullConfig, Culler, DrawPhases, FramePlan, Hierarchy, Strategy, TesterSupport, View};
+use cull::{
+    CullConfig, CullView, Culler, DrawPhases, FramePlan, Hierarchy, Strategy, VisibilityTestSupport,
+};
 
 use super::camera::AntumbraCamera;
 use super::plan::{AntumbraAnswer, AntumbraFramePlan, PlanArrays};
@@ -93,7 +95,7 @@ impl ViewCuller {
             let message = "desc.testers has other bits than those of ANTUMBRA_HAS_..";
             return Err(Failure::argument(message));
         }
-        let support = TesterSupport {
+        let support = VisibilityTestSupport {
             queries: true,
             flags: testers & ANTUMBRA_HAS_FLAGS != 0,
             compute: testers & ANTUMBRA_HAS_COMPUTE != 0,
@@ -130,7 +132,7 @@ impl ViewCuller {
         &mut self,
         hierarchy: &Hierarchy,
         strategy: Strategy,
-        view: &View,
+        view: &CullView,
         query_budget: usize,
     ) -> AntumbraFramePlan {
         let Self { culler, plan, arrays } = self;

@@ -188,7 +188,7 @@ impl BoxHierarchy {
     }
 
     pub fn update(&mut self) {
-        self.hierarchy.restructure(&mut self.reordered);
+        self.hierarchy.rebuild_subtrees(&mut self.reordered);
         self.list_reordered();
     }
 }

@@ -2,7 +2,7 @@
 
 use cull::{
     Answer, FrameId, FramePlan, Generation, Hierarchy, NodeId, ProxyTest, QueryKind, QueryTag,
-    Tester,
+    VisibilityTest,
 };
 
 use super::hierarchy::{ANTUMBRA_NO_OBJECT, AntumbraAabb};
@@ -248,11 +248,11 @@ impl PlanArrays {
 }
 
 /// Returns the number of a tester in C.
-pub(crate) fn tester_number(tester: Tester) -> u32 {
+pub(crate) fn tester_number(tester: VisibilityTest) -> u32 {
     match tester {
-        Tester::Query => ANTUMBRA_TESTER_QUERY,
-        Tester::Flag | Tester::SharedProxy(_) => ANTUMBRA_TESTER_FLAG,
-        Tester::Compute => ANTUMBRA_TESTER_COMPUTE,
+        VisibilityTest::Query => ANTUMBRA_TESTER_QUERY,
+        VisibilityTest::Flag | VisibilityTest::SharedProxy(_) => ANTUMBRA_TESTER_FLAG,
+        VisibilityTest::Compute => ANTUMBRA_TESTER_COMPUTE,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::ffi::c_void;
 
-use cull::{CullConfig, DrawPhases, QueryShares, View};
+use cull::{CullConfig, CullView, DrawPhases, QueryShares};
 use gpu::{Attachments, Commands, Device, Frame, FrameNumbers, RenderTarget, Target, Tick, vk};
 use occlusion::{
     BucketId, HostScene, ObjectPass, ObjectRenderer, Rendering, ShaderSet, execute, list_draws,
@@ -150,11 +150,16 @@ impl ObjectRenderer for HostObjects<'_> {
         self.target
     }
 
-    fn rendering(&self, _view: &View, rendering: Rendering) -> RenderTarget {
+    fn rendering(&self, _view: &CullView, rendering: Rendering) -> RenderTarget {
         self.target.render_target((rendering == Rendering::First).then_some([0.0; 4]))
     }
 
-    fn begin_rendering(&mut self, commands: &Commands, view: &View, rendering: Rendering) -> bool {
+    fn begin_rendering(
+        &mut self,
+        commands: &Commands,
+        view: &CullView,
+        rendering: Rendering,
+    ) -> bool {
         let Some(callback) = self.desc.begin_rendering else {
             return commands.begin_rendering(self.rendering(view, rendering));
         };
@@ -170,7 +175,7 @@ impl ObjectRenderer for HostObjects<'_> {
         }
     }
 
-    fn bind(&self, commands: &Commands, _view: &View, bucket: BucketId, _pass: ObjectPass) {
+    fn bind(&self, commands: &Commands, _view: &CullView, bucket: BucketId, _pass: ObjectPass) {
         let binding = AntumbraBinding {
             struct_size: size_of::<AntumbraBinding>() as u32,
             bucket: bucket.0,

@@ -1,7 +1,7 @@
 //! The draws of a frame as lists, for hosts that record them themselves.
 
 use gpu::vk;
-use occlusion::{DrawList, VisibilityState};
+use occlusion::{DrawList, OcclusionState};
 
 use crate::layout::{Versioned, layout, versioned};
 
@@ -84,7 +84,7 @@ impl KeptLists {
     }
 
     /// Copies the lists of the newest frame.
-    pub fn update(&mut self, state: &VisibilityState) {
+    pub fn update(&mut self, state: &OcclusionState) {
         let lists = [state.visible_lists(), state.revealed_lists()];
         for (kept, lists) in [&mut self.visible, &mut self.revealed].into_iter().zip(lists) {
             kept.clear();

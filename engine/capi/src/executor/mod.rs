@@ -2,13 +2,13 @@
 //! draws.
 
 pub mod device;
+pub mod device_costs;
 pub mod frame;
 pub mod lists;
-pub mod prices;
 pub mod queue;
+pub mod quirks;
 pub mod scene;
 pub mod target;
-pub mod trust;
 
 use gpu::vk;
 

@@ -1,18 +1,18 @@
 //! The scene of a host: objects with draws in its own pipelines.
 
 use cull::{Aabb, DrawPhases, ObjectId};
-use gpu::{Attachments, Device, FrameRing, IndirectDraw, Predication, Resubmission};
+use gpu::{Attachments, Device, FrameRing, IndirectDraw, PredicationMode, Resubmission};
 use occlusion::{
-    BucketDraw, BucketId, BucketTableInfo, DevicePrices, HostObject, HostScene, OcclusionPasses,
-    ShaderSet, Trust, VisibilityState,
+    BucketDraw, BucketId, BucketTableInfo, DeviceCosts, DriverQuirks, HostObject, HostScene,
+    OcclusionPasses, OcclusionState, ShaderSet,
 };
 
 use super::device::AntumbraDevice;
+use super::device_costs::AntumbraDeviceCosts;
 use super::frame::SharedBudget;
 use super::lists::{ANTUMBRA_DRAWS_BY_CALLBACK, ANTUMBRA_DRAWS_BY_LISTS, KeptLists};
-use super::prices::AntumbraPrices;
+use super::quirks::assumptions;
 use super::target::{AntumbraAttachments, CachedTarget};
-use super::trust::assumptions;
 use crate::decisions::hierarchy::{AntumbraAabb, usable};
 use crate::error::{AntumbraResult, Failure};
 use crate::layout::{Versioned, layout, versioned};
@@ -36,7 +36,7 @@ pub struct AntumbraView {
 }
 handle!(AntumbraView = "view");
 
-/// Hidden draws are skipped by the best way that the device has: with prices the cheapest.
+/// Hidden draws are skipped by the best way that the device has: with costs the cheapest.
 pub const ANTUMBRA_PREDICATION_BEST: u32 = 0;
 /// Hidden draws are skipped by conditional rendering.
 pub const ANTUMBRA_PREDICATION_CONDITIONAL: u32 = 1;
@@ -48,23 +48,23 @@ pub const ANTUMBRA_PREDICATION_INSTANCES: u32 = 3;
 pub const ANTUMBRA_PREDICATION_COMPACTED: u32 = 4;
 
 /// Returns the number of an executor in C.
-pub(crate) fn predication_number(predication: Predication) -> u32 {
+pub(crate) fn predication_number(predication: PredicationMode) -> u32 {
     match predication {
-        Predication::Conditional => ANTUMBRA_PREDICATION_CONDITIONAL,
-        Predication::Counts => ANTUMBRA_PREDICATION_COUNTS,
-        Predication::Instances => ANTUMBRA_PREDICATION_INSTANCES,
-        Predication::Compacted => ANTUMBRA_PREDICATION_COMPACTED,
+        PredicationMode::Conditional => ANTUMBRA_PREDICATION_CONDITIONAL,
+        PredicationMode::Counts => ANTUMBRA_PREDICATION_COUNTS,
+        PredicationMode::Instances => ANTUMBRA_PREDICATION_INSTANCES,
+        PredicationMode::Compacted => ANTUMBRA_PREDICATION_COMPACTED,
     }
 }
 
 /// Returns the executor of a number in C; `None` for the best.
-fn predication(number: u32) -> Result<Option<Predication>, Failure> {
+fn predication(number: u32) -> Result<Option<PredicationMode>, Failure> {
     match number {
         ANTUMBRA_PREDICATION_BEST => Ok(None),
-        ANTUMBRA_PREDICATION_CONDITIONAL => Ok(Some(Predication::Conditional)),
-        ANTUMBRA_PREDICATION_COUNTS => Ok(Some(Predication::Counts)),
-        ANTUMBRA_PREDICATION_INSTANCES => Ok(Some(Predication::Instances)),
-        ANTUMBRA_PREDICATION_COMPACTED => Ok(Some(Predication::Compacted)),
+        ANTUMBRA_PREDICATION_CONDITIONAL => Ok(Some(PredicationMode::Conditional)),
+        ANTUMBRA_PREDICATION_COUNTS => Ok(Some(PredicationMode::Counts)),
+        ANTUMBRA_PREDICATION_INSTANCES => Ok(Some(PredicationMode::Instances)),
+        ANTUMBRA_PREDICATION_COMPACTED => Ok(Some(PredicationMode::Compacted)),
         other => Err(Failure::argument(format!("there is no ANTUMBRA_PREDICATION_.. {other}"))),
     }
 }
@@ -102,16 +102,16 @@ pub struct AntumbraSceneDesc {
     pub resubmission: u32,
     /// A set of `ANTUMBRA_ASSUMPTION_..` that a self-test found broken: what rests on them is not
     /// used. Default: 0, none.
-    pub distrusted: u32,
+    pub disabled: u32,
     /// Must be 0.
     pub reserved: u32,
-    /// The measured prices of the same physical device: the way to skip hidden draws that costs
+    /// The measured costs of the same physical device: the way to skip hidden draws that costs
     /// least for `object_capacity` objects is taken, and tests that cost more than they are
     /// expected to save are left out. Default: 0, none: all that may be hidden is tested.
-    pub prices: AntumbraPrices,
+    pub costs: AntumbraDeviceCosts,
 }
 layout!(AntumbraSceneDesc: struct_size, frames_in_flight, device, attachments, bucket_count,
-    object_capacity, draw_capacity, predication, draws, resubmission, distrusted, reserved, prices);
+    object_capacity, draw_capacity, predication, draws, resubmission, disabled, reserved, costs);
 
 versioned!(AntumbraSceneDesc: 6,
     required: [attachments],
@@ -186,18 +186,18 @@ pub struct AntumbraViewStats {
     /// An `ANTUMBRA_PREDICATION_..`: the way that hidden draws are skipped, unless the host draws
     /// from lists.
     pub predication: u32,
-    /// 1 if prices decide which boxes are tested, and by which tester; else 0.
-    pub is_priced: u32,
+    /// 1 if costs decide which boxes are tested, and by which tester; else 0.
+    pub has_cost: u32,
 }
 layout!(AntumbraViewStats: struct_size, reserved, frame, objects, revealed, queries, tests,
-    predication, is_priced);
+    predication, has_cost);
 
 versioned!(AntumbraViewStats: 5, required: [], defaults: {});
 
 /// A view of a scene.
 pub(crate) struct HostedView {
     /// The history; made for the first target.
-    pub state: Option<VisibilityState>,
+    pub state: Option<OcclusionState>,
     pub target: CachedTarget,
     pub lists: KeptLists,
     stats: AntumbraViewStats,
@@ -206,7 +206,7 @@ pub(crate) struct HostedView {
 impl HostedView {
     /// Returns the newest counts.
     pub fn stats(&mut self) -> AntumbraViewStats {
-        let outcomes = self.state.iter_mut().flat_map(VisibilityState::take_outcomes);
+        let outcomes = self.state.iter_mut().flat_map(OcclusionState::drain_stats);
         if let Some(outcome) = outcomes.last() {
             self.stats.frame = outcome.frame.0;
             self.stats.objects = outcome.draws;
@@ -215,7 +215,7 @@ impl HostedView {
         self.stats.queries = self.query_count() as u64;
         if let Some(state) = &self.state {
             self.stats.tests = state.plan().tests.len() as u64;
-            self.stats.is_priced = state.has_cost_model().into();
+            self.stats.has_cost = state.has_cost_model().into();
         }
         self.stats
     }
@@ -245,7 +245,7 @@ impl HostedScene {
         device: Device,
         desc: &AntumbraSceneDesc,
         attachments: &AntumbraAttachments,
-        prices: Option<&DevicePrices>,
+        costs: Option<&DeviceCosts>,
     ) -> Result<Self, Failure> {
         let attachments = attachments.attachments()?;
         let predication = predication(desc.predication)?;
@@ -273,9 +273,9 @@ impl HostedScene {
         let mut frames = FrameRing::new(&device, frames_in_flight)?;
         frames.set_resubmission(resubmission);
         let shaders = ShaderSet::embedded()?;
-        let trust = Trust::without(&assumptions(desc.distrusted)?);
-        trust.texts().iter().for_each(|text| tracing::warn!("{text}"));
-        let passes = OcclusionPasses::with_trust(&device, &shaders, attachments, trust)?;
+        let quirks = DriverQuirks::without(&assumptions(desc.disabled)?);
+        quirks.texts().iter().for_each(|text| tracing::warn!("{text}"));
+        let passes = OcclusionPasses::with_quirks(&device, &shaders, attachments, quirks)?;
         let info = BucketTableInfo {
             bucket_count: desc.bucket_count,
             draw_capacity: desc.draw_capacity,
@@ -283,8 +283,8 @@ impl HostedScene {
             frames_in_flight,
         };
         let capacity = desc.object_capacity as usize;
-        let scene = match prices {
-            Some(prices) => HostScene::with_prices(&device, passes, capacity, info, prices)?,
+        let scene = match costs {
+            Some(costs) => HostScene::with_costs(&device, passes, capacity, info, costs)?,
             None => HostScene::new(&device, passes, capacity, info)?,
         };
         Ok(Self {
@@ -349,7 +349,7 @@ impl HostedScene {
     /// Creates a view that knows nothing yet.
     pub fn add_view(&self) -> Result<AntumbraView, Failure> {
         let target = CachedTarget::default();
-        let predication = predication_number(self.scene.price_choice().predication);
+        let predication = predication_number(self.scene.culling_setup().predication);
         let stats = AntumbraViewStats { predication, ..AntumbraViewStats::INIT };
         let lists = KeptLists::default();
         self.views.insert(HostedView { state: None, target, lists, stats })

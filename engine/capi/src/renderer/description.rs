@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, Vec3};
 use gpu::SampleCount;
-use render::{Costs, RendererOptions, SpareRoom};
+use render::{CostModel, RendererOptions, SpareCapacity};
 use scene::{
     Light, Mesh, MeshId, Object, Scene, SurfaceMesh, Vertex, bounds_of_vertices, pack_normal,
     pack_unorm,
@@ -13,7 +13,7 @@ use shadows::ShadowOptions;
 use crate::decisions::culler::queries;
 use crate::error::Failure;
 use crate::executor::device::AntumbraDevice;
-use crate::executor::trust::assumptions;
+use crate::executor::quirks::assumptions;
 use crate::layout::{layout, versioned};
 use crate::pointers::{read, slice};
 use crate::renderer::shadows::AntumbraShadowDesc;
@@ -124,11 +124,11 @@ impl AntumbraSunlight {
     }
 }
 
-/// Tests that cost more than they are expected to save are left out, by prices that are measured
+/// Tests that cost more than they are expected to save are left out, by costs that are measured
 /// when the renderer is made.
-pub const ANTUMBRA_COSTS_MEASURED: u32 = 0;
+pub const ANTUMBRA_COST_MODEL_MEASURED: u32 = 0;
 /// All that may be hidden is tested.
-pub const ANTUMBRA_COSTS_IGNORED: u32 = 1;
+pub const ANTUMBRA_COST_MODEL_OFF: u32 = 1;
 
 /// The options of a renderer, and the scene that it begins with.
 #[repr(C)]
@@ -158,8 +158,8 @@ pub struct AntumbraRendererDesc {
     /// The most occlusion queries of a frame, any number, or `ANTUMBRA_NO_QUERIES`; objects for
     /// which none is left are drawn. Default: 8192.
     pub query_budget: usize,
-    /// An `ANTUMBRA_COSTS_..`. Default: `ANTUMBRA_COSTS_MEASURED`.
-    pub costs: u32,
+    /// An `ANTUMBRA_COST_MODEL_..`. Default: `ANTUMBRA_COST_MODEL_MEASURED`.
+    pub cost_model: u32,
     /// Room for objects that are added later. Default: 0.
     pub spare_objects: u32,
     /// Room for meshes that are added later. Default: 0.
@@ -181,13 +181,13 @@ pub struct AntumbraRendererDesc {
     pub shadows: *const AntumbraShadowDesc,
     /// A set of `ANTUMBRA_ASSUMPTION_..` that a self-test found broken: what rests on them is not
     /// used. Default: 0, none.
-    pub distrusted: u32,
+    pub disabled: u32,
     /// Must be 0.
     pub reserved_2: u32,
 }
 layout!(AntumbraRendererDesc: struct_size, frames_in_flight, device, width, height, meshes,
-    mesh_count, objects, object_count, light, query_budget, costs, spare_objects, spare_meshes,
-    spare_vertices, spare_indices, upload_bytes_per_frame, samples, reserved, shadows, distrusted,
+    mesh_count, objects, object_count, light, query_budget, cost_model, spare_objects, spare_meshes,
+    spare_vertices, spare_indices, upload_bytes_per_frame, samples, reserved, shadows, disabled,
     reserved_2);
 
 versioned!(AntumbraRendererDesc: 9,
@@ -206,12 +206,12 @@ impl AntumbraRendererDesc {
     /// # Safety
     /// As the rules of the interface.
     pub(crate) unsafe fn options(&self) -> Result<RendererOptions, Failure> {
-        let costs = match self.costs {
-            ANTUMBRA_COSTS_MEASURED => Costs::Measured,
-            ANTUMBRA_COSTS_IGNORED => Costs::Ignored,
+        let cost_model = match self.cost_model {
+            ANTUMBRA_COST_MODEL_MEASURED => CostModel::Measured,
+            ANTUMBRA_COST_MODEL_OFF => CostModel::Off,
             other => {
                 return Err(Failure::argument(format_args!(
-                    "there is no ANTUMBRA_COSTS_.. {other}"
+                    "there is no ANTUMBRA_COST_MODEL_.. {other}"
                 )));
             }
         };
@@ -227,18 +227,18 @@ impl AntumbraRendererDesc {
             size: [self.width, self.height],
             frames_in_flight: self.frames_in_flight as usize,
             query_budget: queries(self.query_budget),
-            costs,
+            cost_model,
             samples,
             shadows,
             spare_objects: self.spare_objects as usize,
-            spare: SpareRoom {
+            spare: SpareCapacity {
                 meshes: self.spare_meshes,
                 vertices: self.spare_vertices,
                 indices: self.spare_indices,
                 ..default.spare
             },
             upload_bytes_per_frame: self.upload_bytes_per_frame as usize,
-            distrusted: assumptions(self.distrusted)?,
+            disabled: assumptions(self.disabled)?,
             ..default
         })
     }

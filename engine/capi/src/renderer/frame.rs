@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use cull::FrameId;
 use gpu::{Device, FinishedImage, vk};
-use render::{FrameRequest, Renderer, RendererOptions, ViewState, Viewpoint};
+use render::{FrameRequest, RenderView, Renderer, RendererOptions, Viewpoint};
 use scene::{Mesh, MeshId, PreparedMesh, Scene, SceneError};
 use shadows::{ShadowMethod, ShadowOptions};
 
@@ -110,7 +110,7 @@ pub struct AntumbraRendererStats {
     /// The boxes that were tested.
     pub tests: u64,
     /// An `ANTUMBRA_PREDICATION_..`: the way that hidden draws are skipped. It costs least by the
-    /// prices that were measured when the renderer was created.
+    /// costs that were measured when the renderer was created.
     pub predication: u32,
     /// An `ANTUMBRA_TESTER_..`: the tester that was expected to cost least.
     pub tester: u32,
@@ -132,7 +132,7 @@ pub(crate) struct HostedRenderer {
     pub renderer: Renderer,
     /// True if its scene has surfaces, on which shadows can fall.
     has_surfaces: bool,
-    view: ViewState,
+    view: RenderView,
     /// The frames whose results are not known yet.
     submitted: VecDeque<SubmittedFrame>,
     stats: AntumbraRendererStats,
@@ -181,7 +181,7 @@ impl HostedRenderer {
             total: total as u64,
             tests: u64::from(report.tests),
         });
-        self.take_outcomes();
+        self.drain_stats();
         Ok(())
     }
 
@@ -212,12 +212,12 @@ impl HostedRenderer {
 
     /// Waits until all frames are over.
     pub fn wait(&mut self) -> Result<(), Failure> {
-        Ok(self.renderer.drain(&mut self.view)?)
+        Ok(self.renderer.wait_idle(&mut self.view)?)
     }
 
     /// Returns the newest counts.
     pub fn stats(&mut self) -> AntumbraRendererStats {
-        self.take_outcomes();
+        self.drain_stats();
         let is_uploading = u32::from(self.renderer.is_uploading());
         AntumbraRendererStats {
             is_uploading,
@@ -227,8 +227,8 @@ impl HostedRenderer {
         }
     }
 
-    fn take_outcomes(&mut self) {
-        for outcome in self.view.take_outcomes() {
+    fn drain_stats(&mut self) {
+        for outcome in self.view.drain_stats() {
             // Frames before it whose results are lost have no outcome.
             while self.submitted.front().is_some_and(|first| first.frame < outcome.frame) {
                 self.submitted.pop_front();

@@ -2,18 +2,18 @@
 
 use std::ptr::{null, null_mut};
 
-use antumbra_capi::api::prices::*;
+use antumbra_capi::api::device_costs::*;
 use antumbra_capi::api::renderer::*;
 use antumbra_capi::context::AntumbraContext;
 use antumbra_capi::error::AntumbraResult::{self, BadPointer, Ok, UnknownHandle};
 use antumbra_capi::executor::device::AntumbraDevice;
-use antumbra_capi::executor::prices::AntumbraPrices;
+use antumbra_capi::executor::device_costs::AntumbraDeviceCosts;
 use antumbra_capi::layout::Versioned;
 use antumbra_capi::renderer::description::AntumbraRendererDesc;
+use antumbra_capi::renderer::device_costs::AntumbraDeviceCostsDesc;
 use antumbra_capi::renderer::frame::*;
-use antumbra_capi::renderer::prices::AntumbraPricesDesc;
+use antumbra_capi::renderer::self_test::AntumbraSelfTest;
 use antumbra_capi::renderer::shadows::*;
-use antumbra_capi::renderer::trust::AntumbraSelfTest;
 
 use crate::Host;
 
@@ -67,12 +67,15 @@ fn every_function_of_the_renderer_checks_its_handles() {
                 let mut outcome = AntumbraSelfTest::INIT;
                 antumbra_self_test(x, AntumbraDevice { id }, &mut outcome, e())
             }),
-            ("prices_measure", &|x, id| {
+            ("device_costs_measure", &|x, id| {
                 let device = AntumbraDevice { id };
-                let desc = AntumbraPricesDesc { device, width: 8, height: 8, ..Versioned::INIT };
-                antumbra_prices_measure(x, &desc, &mut AntumbraPrices { id: 0 }, e())
+                let desc =
+                    AntumbraDeviceCostsDesc { device, width: 8, height: 8, ..Versioned::INIT };
+                antumbra_device_costs_measure(x, &desc, &mut AntumbraDeviceCosts { id: 0 }, e())
             }),
-            ("prices_destroy", &|x, id| antumbra_prices_destroy(x, AntumbraPrices { id }, e())),
+            ("device_costs_destroy", &|x, id| {
+                antumbra_device_costs_destroy(x, AntumbraDeviceCosts { id }, e())
+            }),
             ("wait", &|x, id| antumbra_renderer_wait(x, r(id), e())),
         ]
     };
@@ -103,8 +106,8 @@ fn every_function_of_the_renderer_checks_its_handles() {
             antumbra_renderer_stats(x, r(0), null_mut(), e()),
             antumbra_renderer_set_shadows(x, r(0), null(), e()),
             antumbra_renderer_shadow_stats(x, r(0), null_mut(), e()),
-            antumbra_prices_measure(x, null(), &mut AntumbraPrices { id: 0 }, e()),
-            antumbra_prices_measure(x, &Versioned::INIT, null_mut(), e()),
+            antumbra_device_costs_measure(x, null(), &mut AntumbraDeviceCosts { id: 0 }, e()),
+            antumbra_device_costs_measure(x, &Versioned::INIT, null_mut(), e()),
         ];
         assert_eq!(results, [BadPointer; 16]);
     }

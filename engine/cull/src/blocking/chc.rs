@@ -42,9 +42,9 @@ pub enum FirstPass {
     DepthOnly,
 }
 
-/// The options of [`BlockingKind::Coherent`](crate::BlockingKind::Coherent).
+/// The options of [`BlockingKind::Chc`](crate::BlockingKind::Chc).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct CoherentOptions {
+pub struct ChcOptions {
     /// The test of a visible leaf.
     pub leaf_test: LeafTest,
     /// The draws of the phase that tests.
@@ -62,7 +62,7 @@ pub struct CoherentOptions {
     pub draws_per_submit: usize,
 }
 
-impl Default for CoherentOptions {
+impl Default for ChcOptions {
     fn default() -> Self {
         Self {
             leaf_test: LeafTest::OwnGeometry,
@@ -92,8 +92,8 @@ impl LastTest {
 
 /// The history and the traversal of one view.
 #[derive(Debug)]
-pub(super) struct Coherent {
-    options: CoherentOptions,
+pub(super) struct Chc {
+    options: ChcOptions,
     frame: FrameId,
     /// For each node, the last frame in which something of it was visible.
     shown: Vec<FrameId>,
@@ -105,10 +105,10 @@ pub(super) struct Coherent {
     rng: SplitMix64,
 }
 
-impl Coherent {
-    pub(super) fn new(options: CoherentOptions) -> Self {
+impl Chc {
+    pub(super) fn new(options: ChcOptions) -> Self {
         Self {
-            options: CoherentOptions {
+            options: ChcOptions {
                 tests_per_submit: options.tests_per_submit.max(1),
                 draws_per_submit: options.draws_per_submit.max(1),
                 ..options
@@ -265,7 +265,7 @@ impl Coherent {
     }
 }
 
-impl BlockingStrategy for Coherent {
+impl BlockingStrategy for Chc {
     fn begin(&mut self, viewed: &ViewedHierarchy<'_>, _: &mut BlockingStats) {
         self.adopt(viewed.hierarchy);
         self.frame.0 += 1;

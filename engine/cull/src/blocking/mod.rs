@@ -26,13 +26,13 @@ mod naive;
 mod recorder;
 mod stop_and_wait;
 
-use crate::geom::view::View;
+use crate::geom::view::CullView;
 use crate::hierarchy::Hierarchy;
 use crate::hierarchy::front_to_back::ViewedHierarchy;
 use batched::Batched;
 pub use batched::BatchedOptions;
-use chc::Coherent;
-pub use chc::{CoherentOptions, FirstPass, LeafTest};
+use chc::Chc;
+pub use chc::{ChcOptions, FirstPass, LeafTest};
 use naive::Naive;
 pub use recorder::{Batch, BatchDraw, BatchTest, BlockingStats, NextAction, TestAnswer, TestToken};
 use recorder::{BlockingStrategy, PendingQueries, QueryResult, Recorder};
@@ -49,21 +49,21 @@ pub enum BlockingKind {
     StopAndWait,
     /// Coherent hierarchical culling as published, with several submits per frame and results that
     /// are read between them (GPU Gems 2, 6.4 and 6.5).
-    Coherent(CoherentOptions),
+    Chc(ChcOptions),
 }
 
 impl BlockingKind {
     /// Returns true if its results must be counts of samples, which a threshold needs.
     #[must_use]
     pub const fn counts_samples(&self) -> bool {
-        matches!(self, Self::Coherent(options) if options.visibility_threshold_samples > 0)
+        matches!(self, Self::Chc(options) if options.visibility_threshold_samples > 0)
     }
 
     /// Returns the contents of its batches: the shaded image, or its depth alone.
     #[must_use]
     pub const fn first_pass(&self) -> FirstPass {
         match self {
-            Self::Coherent(options) => options.first_pass,
+            Self::Chc(options) => options.first_pass,
             Self::Naive | Self::Batched(_) | Self::StopAndWait => FirstPass::Shaded,
         }
     }
@@ -95,13 +95,17 @@ impl BlockingCuller {
             BlockingKind::Naive => Box::new(Naive::default()),
             BlockingKind::Batched(options) => Box::new(Batched::new(options)),
             BlockingKind::StopAndWait => Box::new(StopAndWait::default()),
-            BlockingKind::Coherent(options) => Box::new(Coherent::new(options)),
+            BlockingKind::Chc(options) => Box::new(Chc::new(options)),
         };
         Self { strategy, pending: PendingQueries::default(), results: Vec::new() }
     }
 
     /// Begins a frame.
-    pub fn begin<'a>(&'a mut self, hierarchy: &'a Hierarchy, view: &'a View) -> BlockingFrame<'a> {
+    pub fn begin<'a>(
+        &'a mut self,
+        hierarchy: &'a Hierarchy,
+        view: &'a CullView,
+    ) -> BlockingFrame<'a> {
         self.pending.clear();
         let viewed = ViewedHierarchy { hierarchy, view };
         let mut stats = BlockingStats::default();

@@ -3,7 +3,7 @@
 use std::ops::AddAssign;
 
 use crate::cost::table::CostTable;
-use crate::plan::frame_plan::{FramePlan, QueryKind, Tester};
+use crate::plan::frame_plan::{FramePlan, QueryKind, VisibilityTest};
 
 /// The contents of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -50,12 +50,12 @@ impl FrameContents {
             let mut has_leaf_tests = false;
             for test in plan.tests.get(round.clone()).unwrap_or_default() {
                 match test.tester {
-                    Tester::Query => contents.queried_boxes += 1,
-                    Tester::Flag => contents.flagged_boxes += 1,
-                    Tester::Compute => contents.computed_boxes += 1,
-                    Tester::SharedProxy(_) => {}
+                    VisibilityTest::Query => contents.queried_boxes += 1,
+                    VisibilityTest::Flag => contents.flagged_boxes += 1,
+                    VisibilityTest::Compute => contents.computed_boxes += 1,
+                    VisibilityTest::SharedProxy(_) => {}
                 }
-                has_computed |= test.tester == Tester::Compute;
+                has_computed |= test.tester == VisibilityTest::Compute;
                 has_leaf_tests |= test.tag.kind == QueryKind::PerLeaf;
                 contents.predicates += u32::from(!test.leaves.is_empty());
                 contents.predicated_leaves += u64::from(test.leaves.count);
@@ -74,8 +74,8 @@ impl FrameContents {
 
     /// Returns the time that this should take.
     pub(crate) fn predicted(&self, table: &CostTable) -> Predicted {
-        let each = |count: u32, price_ns: f32| f64::from(count) * f64::from(price_ns);
-        // A range's own price is that of its first draw.
+        let each = |count: u32, cost_ns: f32| f64::from(count) * f64::from(cost_ns);
+        // A range's own cost is that of its first draw.
         let skipped = self.predicated_leaves.saturating_sub(self.predicates.into());
         let draw_ns = self.draws as f64 * f64::from(table.draw_ns)
             + self.triangles as f64 * f64::from(table.triangle_ns);

@@ -1,4 +1,4 @@
-//! Corrections of the prices of tests in proportion to draws, learned from the times of frames.
+//! Corrections of the costs of tests in proportion to draws, learned from the times of frames.
 //!
 //! Recursive least squares with a prior and forgetting, as a Kalman filter (R. E. Kalman 1960, "A
 //! New Approach to Linear Filtering and Prediction Problems") for
@@ -7,8 +7,8 @@
 //! gpu_ns = draws * (draw_ns + test_ns) + excess * test_ns + rest_ns
 //! ```
 //!
-//! where `draw_ns` and `test_ns` are the table's prices of the frame, and the rest has no price in
-//! it: above all the shading of pixels. Tests cost `draws + excess` times their price in the table.
+//! where `draw_ns` and `test_ns` are the table's costs of the frame, and the rest has no cost in
+//! it: above all the shading of pixels. Tests cost `draws + excess` times their cost in the table.
 //! The prior is that the table is right, and that the excess is 0 for any `draws`: a wrong clock
 //! makes everything dearer and changes no decision. The rest may have any size and drifts. So only
 //! frames that differ in their tests teach anything about tests. The corrections fade back to the
@@ -27,7 +27,7 @@ pub struct Corrections {
     pub draws: f32,
     /// The factor by which tests seem dearer than the table says (1/8 to 8).
     pub tests: f32,
-    /// The factor of the prices of tests: `tests` over `draws`, as far as that is sure (1/8 to 8; 1
+    /// The factor of the costs of tests: `tests` over `draws`, as far as that is sure (1/8 to 8; 1
     /// as long as it is not).
     pub proportion: f32,
     /// The frames that these were learned from; 0 where the device measures no times.
@@ -73,7 +73,7 @@ const ODD_FRAMES: u32 = 4;
 /// The deviations that make a correction sure.
 const SURE: f64 = 2.0;
 
-/// The least change of prices that is applied, so that decisions do not flap.
+/// The least change of costs that is applied, so that decisions do not flap.
 const LEAST_CHANGE: f64 = 1.125;
 
 /// The places in the state.

@@ -2,7 +2,7 @@
 
 pub(crate) mod contents;
 pub(crate) mod corrections;
-pub(crate) mod cost_model;
 pub(crate) mod decaying_rate;
-pub(crate) mod skip_prices;
+pub(crate) mod learned_costs;
+pub(crate) mod predication_costs;
 pub(crate) mod table;

@@ -1,10 +1,10 @@
-//! The prices of a device's work, which decide if a test pays.
+//! The costs of a device's work, which decide if a test pays.
 
 use thiserror::Error;
 
-use crate::cost::skip_prices::SkipPrices;
+use crate::cost::predication_costs::PredicationCosts;
 
-/// The prices of the work in a frame, in nanoseconds of GPU time.
+/// The costs of the work in a frame, in nanoseconds of GPU time.
 ///
 /// Only their proportions steer decisions. They may come from a measurement of the device; no image
 /// depends on them.
@@ -44,7 +44,7 @@ pub struct CostTable {
 }
 
 impl Default for CostTable {
-    /// Returns the prices found on Mesa's software rasteriser (lavapipe 22.3, two cores, 1280x720):
+    /// Returns the costs found on Mesa's software rasteriser (lavapipe 22.3, two cores, 1280x720):
     /// a fallback where nothing can be measured. A GPU is faster in all, but in similar proportions
     /// of setup to work.
     fn default() -> Self {
@@ -67,7 +67,7 @@ impl Default for CostTable {
     }
 }
 
-/// An impossible price.
+/// An impossible cost.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[error(
     "the cost `{name}` is {value}: costs are finite and not negative, a share is at most 1; \
@@ -81,7 +81,7 @@ pub struct BadCost {
 }
 
 impl CostTable {
-    /// Returns a table with `ns` for every price, and without waits at breaks.
+    /// Returns a table with `ns` for every cost, and without waits at breaks.
     #[must_use]
     pub const fn uniform(ns: f32) -> Self {
         Self {
@@ -161,7 +161,7 @@ impl CostTable {
     /// Returns the table with tests, and the breaks that they need, `times` as dear in proportion
     /// to draws.
     pub(crate) fn with_tests_at(&self, times: f32) -> Self {
-        let at = |price: f32| (price * times).min(f32::MAX);
+        let at = |item_cost: f32| (item_cost * times).min(f32::MAX);
         Self {
             query_ns: at(self.query_ns),
             query_box_ns: at(self.query_box_ns),
@@ -180,10 +180,10 @@ impl CostTable {
         }
     }
 
-    /// Returns the table of a device that skips hidden draws at these prices. A round's own price
+    /// Returns the table of a device that skips hidden draws at these costs. A round's own cost
     /// is part of its break.
     #[must_use]
-    pub fn skipping_at(self, skip: &SkipPrices) -> Self {
+    pub fn skipping_at(self, skip: &PredicationCosts) -> Self {
         Self {
             predicate_ns: skip.range_ns,
             skipped_draw_ns: skip.draw_ns,

@@ -26,7 +26,7 @@ use glam::{Vec2, Vec3, Vec4};
 use crate::geom::bounds::Aabb;
 use crate::geom::frustum::{Containment, Frustum, PlaneMask};
 use crate::geom::margin::rounding;
-use crate::geom::view::View;
+use crate::geom::view::CullView;
 
 /// The least share of the light's reach that a box must keep from it to have a volume of its own.
 const NEAREST_SHARE: f32 = 1.0 / 64.0;
@@ -75,7 +75,7 @@ impl<'a> BoxShadowVolumes<'a> {
     /// Creates the volumes for a view that sees `receivers` only. Of casters, only those in one of
     /// the light's `frusta` count.
     #[must_use]
-    pub fn new(view: &View, reach: LightReach, receivers: Aabb, frusta: &'a [Frustum]) -> Self {
+    pub fn new(view: &CullView, reach: LightReach, receivers: Aabb, frusta: &'a [Frustum]) -> Self {
         let farthest_m = receivers
             .corners()
             .into_iter()
@@ -126,7 +126,7 @@ impl<'a> BoxShadowVolumes<'a> {
     /// Returns the box around everything that a local light lights, to be tested as its own volume;
     /// `None` if the near plane may cut it, and for a sun.
     #[must_use]
-    pub fn whole(&self, view: &View) -> Option<Aabb> {
+    pub fn whole(&self, view: &CullView) -> Option<Aabb> {
         let position = self.reach.light.truncate();
         let is_local = self.reach.light.w != 0.0;
         is_local.then(|| self.proxy(&Aabb::new(position, position), view)).flatten()
@@ -158,7 +158,7 @@ impl<'a> BoxShadowVolumes<'a> {
 
     /// Returns `Outside` for a box that casts no shadow that the view could see, by the light's
     /// reach, its frusta and the planes of the view.
-    pub(crate) fn classify(&self, bounds: &Aabb, view: &View) -> Containment {
+    pub(crate) fn classify(&self, bounds: &Aabb, view: &CullView) -> Containment {
         let LightReach { light, reach_m, .. } = self.reach;
         let is_lit =
             light.w == 0.0 || bounds.distance_squared(light.truncate()) <= reach_m * reach_m;
@@ -180,7 +180,7 @@ impl<'a> BoxShadowVolumes<'a> {
 
     /// Returns the box whose volume is tested in place of `bounds`, or `None` if its shadows must
     /// count as visible, because the near plane may cut the volume.
-    pub(crate) fn proxy(&self, bounds: &Aabb, view: &View) -> Option<Aabb> {
+    pub(crate) fn proxy(&self, bounds: &Aabb, view: &CullView) -> Option<Aabb> {
         let proxy = self.enlarged(bounds);
         let VolumeLength { towards, away } = self.length(&proxy);
         let LightReach { light, .. } = self.reach;
@@ -284,7 +284,7 @@ mod tests {
             let forward = numbers.point(1.0);
             let projection = Projection::perspective(1.2);
             let camera = Camera { eye, forward, up: Vec3::Y, projection, near: 0.1 };
-            let view = View::new(&camera, [320, 180], 8);
+            let view = CullView::new(&camera, [320, 180], 8);
             let volumes = BoxShadowVolumes::new(&view, reach, RECEIVERS, &[]);
             let size = numbers.point(4.0).abs() + 0.05;
             let low = match round % 2 {

@@ -7,7 +7,7 @@ const STEEPEST: f32 = 0.999;
 
 /// A camera in a right-handed world.
 ///
-/// [`View::new`](crate::View::new) repairs values that describe no camera, and says how.
+/// [`CullView::new`](crate::CullView::new) repairs values that describe no camera, and says how.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// Position of the eye (metres).
@@ -77,14 +77,14 @@ impl Projection {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::View;
+    use crate::CullView;
 
     #[test]
     fn a_target_is_in_the_middle_of_the_image_wherever_it_is() {
         let eye = Vec3::new(1.0, 2.0, 3.0);
         for target in [Vec3::X * 9.0, eye + Vec3::Y, eye - Vec3::Y * 5.0, Vec3::NEG_ONE * 1e4] {
             let camera = Camera::look_at(eye, target);
-            let clip = View::new(&camera, [640, 480], 8).clip(target);
+            let clip = CullView::new(&camera, [640, 480], 8).clip(target);
             assert!((clip.truncate().truncate() / clip.w).abs().max_element() < 1e-3, "{target}");
             assert!(clip.w > 0.0 && camera.up.cross(camera.forward).length() > 0.01);
         }

@@ -63,8 +63,8 @@ impl DetailPolicy {
 
     /// Returns the form of an object whose forms have the errors `errors_m` (metres in the world,
     /// ascending; the first belongs to the finest form), where a metre covers `pixels_per_metre`
-    /// (as [`View::pixels_per_metre`](crate::View::pixels_per_metre) says) and the object has the
-    /// form `now`.
+    /// (as [`CullView::pixels_per_metre`](crate::CullView::pixels_per_metre) says) and the object
+    /// has the form `now`.
     ///
     /// It depends on nothing else, above all not on culling: every renderer of the same frame draws
     /// the same forms. Without errors, or with values that are not numbers, it is the finest.
@@ -87,7 +87,7 @@ mod tests {
     use super::*;
     use crate::geom::bounds::Aabb;
     use crate::geom::camera::{Camera, Projection};
-    use crate::geom::view::View;
+    use crate::geom::view::CullView;
     use crate::rng::SplitMix64;
 
     const ERRORS_M: [f32; 4] = [0.0, 0.01, 0.02, 0.08];
@@ -207,7 +207,7 @@ mod tests {
             projection: Projection::perspective(std::f32::consts::FRAC_PI_2),
             near: 0.1,
         };
-        let view = View::new(&camera, [400, 200], 8);
+        let view = CullView::new(&camera, [400, 200], 8);
         let at = |z: f32| Aabb::new(Vec3::new(-1.0, -1.0, z - 1.0), Vec3::new(1.0, 1.0, z));
         for (z, pixels) in [(-1.0, 100.0), (-10.0, 10.0), (0.5, 1000.0)] {
             assert!((view.pixels_per_metre(&at(z)) - pixels).abs() < 0.01, "{z}");

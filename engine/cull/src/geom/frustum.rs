@@ -147,7 +147,7 @@ fn far_plane(row: DVec4, w: DVec4, terms: f64, rays: &Rays) -> Option<DVec4> {
 mod tests {
     use super::*;
     use crate::geom::camera::{Camera, Projection};
-    use crate::geom::view::View;
+    use crate::geom::view::CullView;
 
     fn looking_down_z() -> Frustum {
         let camera = Camera {
@@ -157,7 +157,7 @@ mod tests {
             projection: Projection::perspective(std::f32::consts::FRAC_PI_2),
             near: 0.1,
         };
-        View::new(&camera, [64, 64], 8).frustum
+        CullView::new(&camera, [64, 64], 8).frustum
     }
 
     fn cube(centre: Vec3, half: f32) -> Aabb {

@@ -2,12 +2,12 @@
 //!
 //! A rasteriser moves every vertex to a grid of `2^-b` pixels (`b` = `subPixelPrecisionBits`)
 //! before it looks which samples a triangle covers. A fragment of the object at sample `s`
-//! therefore stands for a point `p` of the object whose true projection is up to `e = sqrt(2) *
-//! 2^-b` pixels away from `s`, and it carries the depth of `p`: the vertex shader must see to that,
-//! since some rasterisers take depth from the positions of the vertices before the snapping
-//! ([`View::snap_steps`](crate::View::snap_steps)). In the same way the fragment of the proxy at
-//! `s` stands for the point `q` of the proxy's front that the true ray up to `e` away from `s`
-//! meets: that ray passes `p` in a distance of at most `2e` pixels.
+//! therefore stands for a point `p` of the object whose true projection is up to
+//! `e = sqrt(2) * 2^-b` pixels away from `s`, and it carries the depth of `p`: the vertex shader
+//! must see to that, since some rasterisers take depth from the positions of the vertices before
+//! the snapping ([`CullView::snap_steps`](crate::CullView::snap_steps)). In the same way the
+//! fragment of the proxy at `s` stands for the point `q` of the proxy's front that the true ray up
+//! to `e` away from `s` meets: that ray passes `p` in a distance of at most `2e` pixels.
 //!
 //! A shift by one pixel is a shift in the plane through `p` parallel to the image, by at most
 //! `footprint(w) = w * pixel`: `pixel` is the longest such shift where the clip coordinate `w` is 1
@@ -33,11 +33,12 @@
 //!
 //! The last term pays for coordinates far from the origin of the world, by the largest coordinate
 //! `C` of the box and of the eye. Objects and proxies have a matrix each. Shaders of objects
-//! multiply [`View::from_anchor`](crate::View::from_anchor) with positions relative to the anchor,
-//! which lies at the eye or near it. Shaders of proxies multiply
-//! [`View::proxy_view_proj`](crate::View::proxy_view_proj) with coordinates of the world. The
-//! columns of both but the last are the same. The last, the translation, is almost exact in the one
-//! and rounded in the other, and nothing of that error cancels: the errors of both paths add up.
+//! multiply [`CullView::from_anchor`](crate::CullView::from_anchor) with positions relative to the
+//! anchor, which lies at the eye or near it. Shaders of proxies multiply
+//! [`CullView::proxy_view_proj`](crate::CullView::proxy_view_proj) with coordinates of the world.
+//! The columns of both but the last are the same. The last, the translation, is almost exact in the
+//! one and rounded in the other, and nothing of that error cancels: the errors of both paths add
+//! up.
 //!
 //! An error of clip x, y and w shifts a vertex along the rows of the matrix, by a distance that
 //! does not depend on the angle of view. Depth that is reversed and infinite has a constant clip z
@@ -63,12 +64,13 @@
 //! Other depths are a sum `a + b / w`, or `a + b * view depth` without perspective, and lose digits
 //! to the constant `a`. No distance in the world pays for that. So proxies are moved towards the
 //! eye by a bound on this rounding, by the matrix that they are drawn with
-//! ([`View::proxy_view_proj`](crate::View::proxy_view_proj)): `|a| * 2^-19`, and `2^-19` of what
-//! `a` times a coordinate of the eye adds to the clip coordinate z: `16 eps` of each. The shifts
-//! above cancel but for the errors of z and of `a w`. In perspective only a host's matrix has such
-//! an `a`, so these are `6 u a s(e) / w` by the shader of the proxy, as much by that of an object
-//! which is drawn with the same matrix, and what is relative to `d`: less than `11 eps a C / w`,
-//! and some `eps a`. Rounding to a depth buffer with fewer bits keeps the order of depths.
+//! ([`CullView::proxy_view_proj`](crate::CullView::proxy_view_proj)): `|a| * 2^-19`, and `2^-19` of
+//! what `a` times a coordinate of the eye adds to the clip coordinate z: `16 eps` of each. The
+//! shifts above cancel but for the errors of z and of `a w`. In perspective only a host's matrix
+//! has such an `a`, so these are `6 u a s(e) / w` by the shader of the proxy, as much by that of an
+//! object which is drawn with the same matrix, and what is relative to `d`: less than
+//! `11 eps a C / w`, and some `eps a`. Rounding to a depth buffer with fewer bits keeps the order
+//! of depths.
 //!
 //! # The near plane
 //! Only front faces of proxies are drawn. A proxy that reaches before the near plane would lose

@@ -14,13 +14,13 @@ use crate::geom::bounds::Aabb;
 use crate::geom::box_shadow_volumes::BoxShadowVolumes;
 use crate::geom::frustum::{Containment, PlaneMask};
 use crate::geom::outline::covered_pixels;
-use crate::geom::view::View;
+use crate::geom::view::CullView;
 
 /// The views of one plan: one, or several that are drawn in one pass, each to its layer of the
 /// image. The eyes of a stereo pair, or the faces of a cube.
 #[derive(Clone, Copy, Debug)]
 pub struct MultiView<'a> {
-    views: &'a [View],
+    views: &'a [CullView],
     volumes: Option<&'a BoxShadowVolumes<'a>>,
 }
 
@@ -48,8 +48,8 @@ pub enum MultiViewError {
     },
 }
 
-impl<'a> From<&'a View> for MultiView<'a> {
-    fn from(view: &'a View) -> Self {
+impl<'a> From<&'a CullView> for MultiView<'a> {
+    fn from(view: &'a CullView) -> Self {
         Self { views: std::slice::from_ref(view), volumes: None }
     }
 }
@@ -64,11 +64,11 @@ impl<'a> MultiView<'a> {
     /// # Errors
     /// No view or more than [`MultiView::MAX`]; views of different sizes, places or directions of
     /// depth.
-    pub fn new(views: &'a [View]) -> Result<Self, MultiViewError> {
+    pub fn new(views: &'a [CullView]) -> Result<Self, MultiViewError> {
         let (Some(first), 1..=Self::MAX) = (views.first(), views.len()) else {
             return Err(MultiViewError::Count { count: views.len() });
         };
-        let common = |view: &View| (view.size, view.origin, view.depth);
+        let common = |view: &CullView| (view.size, view.origin, view.depth);
         match views.iter().position(|view| common(view) != common(first)) {
             Some(number) => Err(MultiViewError::Unlike { number }),
             None => Ok(Self { views, volumes: None }),
@@ -78,7 +78,7 @@ impl<'a> MultiView<'a> {
     /// Takes a view whose plan is about the shadows of boxes in it: the leaves that it draws are
     /// casters, and the proxies that it tests are [shadow volumes](BoxShadowVolumes).
     #[must_use]
-    pub fn of_shadows(view: &'a View, volumes: &'a BoxShadowVolumes<'a>) -> Self {
+    pub fn of_shadows(view: &'a CullView, volumes: &'a BoxShadowVolumes<'a>) -> Self {
         Self { views: std::slice::from_ref(view), volumes: Some(volumes) }
     }
 
@@ -89,13 +89,13 @@ impl<'a> MultiView<'a> {
 
     /// Returns the views, at least one.
     #[must_use]
-    pub fn as_slice(self) -> &'a [View] {
+    pub fn as_slice(self) -> &'a [CullView] {
         self.views
     }
 
     /// Returns the first view: that of the image's size, place and direction of depth.
     #[must_use]
-    pub fn first(self) -> &'a View {
+    pub fn first(self) -> &'a CullView {
         &self.views[0]
     }
 
@@ -106,7 +106,7 @@ impl<'a> MultiView<'a> {
         self,
         bounds: &Aabb,
         masks: ViewMasks,
-        is_cut_away: impl Fn(&View) -> bool,
+        is_cut_away: impl Fn(&CullView) -> bool,
     ) -> (Containment, ViewMasks) {
         if let Some(volumes) = self.volumes {
             return if is_cut_away(self.first()) {
@@ -155,13 +155,13 @@ impl<'a> MultiView<'a> {
 
     /// Returns the square of the distance from the nearest eye to a box (square metres).
     pub(crate) fn distance_squared(self, bounds: &Aabb) -> f32 {
-        let of = |view: &View| view.rays.distance_squared(bounds);
+        let of = |view: &CullView| view.rays.distance_squared(bounds);
         self.views[1..].iter().fold(of(self.first()), |nearest, view| nearest.min(of(view)))
     }
 
     /// Returns how large an angle of 1 radian is at a distance (metres), where it is smallest.
     pub(crate) fn metres_per_radian(self, distance_m: f32) -> f32 {
-        let of = |view: &View| view.rays.metres_per_radian(distance_m);
+        let of = |view: &CullView| view.rays.metres_per_radian(distance_m);
         self.views[1..].iter().fold(of(self.first()), |least, view| least.min(of(view)))
     }
 
@@ -192,10 +192,10 @@ mod tests {
     use super::*;
     use crate::geom::camera::{Camera, Projection};
 
-    fn looking(eye: Vec3, forward: Vec3) -> View {
+    fn looking(eye: Vec3, forward: Vec3) -> CullView {
         let projection = Projection::perspective(std::f32::consts::FRAC_PI_2);
         let up = if forward.y == 0.0 { Vec3::Y } else { Vec3::X };
-        View::new(&Camera { eye, forward, up, projection, near: 0.1 }, [64, 64], 8)
+        CullView::new(&Camera { eye, forward, up, projection, near: 0.1 }, [64, 64], 8)
     }
 
     fn cube(centre: Vec3, half: f32) -> Aabb {
@@ -210,7 +210,7 @@ mod tests {
         for wrong in [0, MultiView::MAX + 1] {
             assert_eq!(count(wrong), Err(MultiViewError::Count { count: wrong }));
         }
-        let unlike = [view, view, View { origin: [1, 0], ..view }];
+        let unlike = [view, view, CullView { origin: [1, 0], ..view }];
         let error = MultiView::new(&unlike).map(|_| ()).unwrap_err();
         assert_eq!(error, MultiViewError::Unlike { number: 2 });
     }

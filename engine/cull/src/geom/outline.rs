@@ -5,7 +5,7 @@ use glam::Vec2;
 use crate::geom::bounds::Aabb;
 use crate::geom::margin::rounding;
 use crate::geom::rays::Rays;
-use crate::geom::view::View;
+use crate::geom::view::CullView;
 
 /// The outline of a box on the screen, in pixels, counter-clockwise or clockwise throughout.
 #[derive(Clone, Copy, Debug)]
@@ -24,7 +24,7 @@ impl Outline {
 
     /// Returns the outline of a box that is in front of the eye. `None` where it is not, or where
     /// numbers fail.
-    pub(crate) fn of(bounds: &Aabb, view: &View) -> Option<Self> {
+    pub(crate) fn of(bounds: &Aabb, view: &CullView) -> Option<Self> {
         let scale = Vec2::new(view.size[0] as f32, view.size[1] as f32) * 0.5;
         let mut points = [Vec2::ZERO; 8];
         let mut nearest = f32::INFINITY;
@@ -61,7 +61,7 @@ impl Outline {
 
     /// Returns true if rounding moves the outline by little, both where it is computed and where it
     /// is drawn.
-    pub(crate) fn is_sharp(&self, bounds: &Aabb, view: &View) -> bool {
+    pub(crate) fn is_sharp(&self, bounds: &Aabb, view: &CullView) -> bool {
         const MOST_PIXELS: f32 = 1.0 / 16.0;
         // Beyond, a pixel's fractions are lost, and a product of two such no longer separates the
         // sides.
@@ -134,7 +134,7 @@ impl Outline {
 
 /// Returns about how many pixels of `view` a box covers, at most all: its silhouette as its centre
 /// is seen, as if all of it were as far away as that.
-pub(crate) fn covered_pixels(view: &View, bounds: &Aabb) -> f32 {
+pub(crate) fn covered_pixels(view: &CullView, bounds: &Aabb) -> f32 {
     let [width, height] = view.size.map(|pixels| pixels as f32);
     let Rays { origin, near, .. } = view.rays;
     if view.rays.distance_squared(bounds) == 0.0 {
@@ -167,7 +167,7 @@ mod tests {
             projection: Projection::perspective(std::f32::consts::FRAC_PI_2),
             near: 0.1,
         };
-        let view = View::new(&camera, [200, 100], 8);
+        let view = CullView::new(&camera, [200, 100], 8);
         let at = |z: f32, half: f32| {
             let centre = Vec3::new(0.0, 0.0, z);
             covered_pixels(&view, &Aabb::new(centre - half, centre + half))

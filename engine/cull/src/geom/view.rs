@@ -12,15 +12,15 @@ use crate::geom::section::SectionPlanes;
 
 /// One frame's view: the matrix that draws and the volumes that cull, from the same numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
+pub struct CullView {
     /// World to Vulkan clip space: y down, depth from 0 to 1. Shaders of hosts use it as it is;
-    /// those of proxies use [`View::proxy_view_proj`], which is made from it.
+    /// those of proxies use [`CullView::proxy_view_proj`], which is made from it.
     pub view_proj: Mat4,
     /// The point of the world that shaders of objects take positions relative to, near the eye
     /// (metres): what is subtracted first loses nothing to large coordinates.
     pub anchor: Vec3,
-    /// The same as [`View::view_proj`], for points relative to the anchor. Unless the view has an
-    /// [`Anchor`] of its own that is [`Rays::origin`], where clip x and y are 0.
+    /// The same as [`CullView::view_proj`], for points relative to the anchor. Unless the view has
+    /// an [`Anchor`] of its own that is [`Rays::origin`], where clip x and y are 0.
     pub from_anchor: Mat4,
     /// The direction in which depths grow.
     pub depth: DepthConvention,
@@ -42,7 +42,7 @@ pub struct View {
     pub section: SectionPlanes,
 }
 
-impl View {
+impl CullView {
     /// Derives a view for an image of `size` pixels on a device that snaps vertices to
     /// `2^-sub_pixel_bits` pixels (Vulkan's `subPixelPrecisionBits`). Depth is reversed; the far
     /// plane of a perspective camera is infinitely far away.
@@ -56,8 +56,8 @@ impl View {
         Self::anchored(camera, None, size, sub_pixel_bits)
     }
 
-    /// Derives a view like [`View::new`], with an anchor of its own if there is one. The eye lies
-    /// where that says, which far from the origin of the world need not be a place that single
+    /// Derives a view like [`CullView::new`], with an anchor of its own if there is one. The eye
+    /// lies where that says, which far from the origin of the world need not be a place that single
     /// precision has; the camera's eye is the nearest such place.
     #[must_use]
     pub fn anchored(
@@ -117,7 +117,7 @@ impl View {
     ///
     /// ```
     /// # use antumbra_cull as cull;
-    /// use cull::{ClipY, DepthConvention, View, ViewProjection};
+    /// use cull::{ClipY, DepthConvention, CullView, ViewProjection};
     /// use glam::{Mat4, Vec4, vec3};
     ///
     /// // Infinitely far, depth from 1 at the near plane to 0, y down as in Vulkan.
@@ -131,7 +131,7 @@ impl View {
     /// let eye = Mat4::from_translation(-vec3(0.0, 1.8, 5.0));
     /// let matrix = projection * eye;
     /// let matrix = ViewProjection { matrix, depth: DepthConvention::Reversed, y: ClipY::Down };
-    /// let view = View::from_matrix(&matrix, [1920, 1080], 8)?;
+    /// let view = CullView::from_matrix(&matrix, [1920, 1080], 8)?;
     /// assert!((view.rays.origin - vec3(0.0, 1.8, 5.0)).length() < 1e-4);
     /// # Ok::<(), cull::ViewError>(())
     /// ```
@@ -204,8 +204,8 @@ impl View {
         self.from_anchor.as_dmat4() * from_anchor.extend(1.0)
     }
 
-    /// Returns the matrix that proxies are drawn with: [`View::view_proj`], but for depths that are
-    /// nearer by a bound on their rounding ([`Margin`] says why).
+    /// Returns the matrix that proxies are drawn with: [`CullView::view_proj`], but for depths that
+    /// are nearer by a bound on their rounding ([`Margin`] says why).
     ///
     /// It is the same where depth is reversed and the far plane infinitely far away: depths have as
     /// many significant digits as distances then.
@@ -226,8 +226,8 @@ impl View {
         Mat4::from_cols_array_2d(&columns)
     }
 
-    /// Returns true if the [section planes](View::section) leave nothing of what is in a box, by
-    /// more than the rounding of what is drawn.
+    /// Returns true if the [section planes](CullView::section) leave nothing of what is in a box,
+    /// by more than the rounding of what is drawn.
     #[must_use]
     pub fn cuts_away(&self, bounds: &Aabb) -> bool {
         !self.section.is_empty()

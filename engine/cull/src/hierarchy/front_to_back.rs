@@ -7,7 +7,7 @@ use crate::geom::bounds::Aabb;
 use crate::geom::frustum::{Containment, PlaneMask};
 #[cfg(doc)]
 use crate::geom::rays::Rays;
-use crate::geom::view::View;
+use crate::geom::view::CullView;
 use crate::hierarchy::Hierarchy;
 use crate::ids::{LeafIndex, NodeId};
 
@@ -15,7 +15,7 @@ use crate::ids::{LeafIndex, NodeId};
 #[derive(Clone, Copy)]
 pub(crate) struct ViewedHierarchy<'a> {
     pub(crate) hierarchy: &'a Hierarchy,
-    pub(crate) view: &'a View,
+    pub(crate) view: &'a CullView,
 }
 
 /// A node in the frustum, ordered by distance, then by id.

@@ -8,8 +8,8 @@ mod error;
 pub(crate) mod front_to_back;
 mod journal;
 mod occupancy;
+mod rebuild_subtrees;
 mod refit;
-mod restructure;
 mod topology;
 mod wear;
 
@@ -39,7 +39,7 @@ pub struct Hierarchy {
     arrivals: Vec<Generation>,
     journal: journal::Journal,
     boxes: box_log::BoxLog,
-    worn: restructure::Worn,
+    worn: rebuild_subtrees::Worn,
     refit_scratch: refit::Scratch,
     search: occupancy::Search,
     /// Subtrees to rebuild; kept to allocate nothing.
@@ -67,7 +67,7 @@ impl Hierarchy {
             generation,
             journal: journal::Journal::default(),
             boxes: box_log::BoxLog::default(),
-            worn: restructure::Worn::default(),
+            worn: rebuild_subtrees::Worn::default(),
             refit_scratch: refit::Scratch::default(),
             search: occupancy::Search::default(),
             chosen: Vec::new(),

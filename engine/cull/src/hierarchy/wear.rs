@@ -85,8 +85,8 @@ impl Wear {
     /// it is not worn.
     pub(super) fn excess(&self, node: u32, bounds: &Aabb) -> Option<f32> {
         let built = self.built[node as usize].max(LEAST_COST);
-        let is_worn = self.cost(node, bounds) > GROWTH * built;
-        is_worn.then(|| self.areas[node as usize] - built * bounds.half_area())
+        let is_degraded = self.cost(node, bounds) > GROWTH * built;
+        is_degraded.then(|| self.areas[node as usize] - built * bounds.half_area())
     }
 }
 

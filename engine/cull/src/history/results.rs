@@ -3,7 +3,7 @@
 
 use crate::hierarchy::Hierarchy;
 use crate::ids::{FrameId, Generation, LeafIndex, LeafRange};
-use crate::plan::frame_plan::{Answer, QueryKind, QueryTag, Tester};
+use crate::plan::frame_plan::{Answer, QueryKind, QueryTag, VisibilityTest};
 
 /// A test on its way, with its contents (`C`), noted when it was planned: the scene may change
 /// before its result is read.
@@ -12,7 +12,7 @@ pub struct PendingTest<C> {
     /// The subject of the test.
     pub tag: QueryTag,
     /// The tester that writes the result.
-    pub tester: Tester,
+    pub tester: VisibilityTest,
     /// The objects that are drawn if it shows.
     pub contents: C,
 }
@@ -71,13 +71,13 @@ impl<C: Copy> ResultReader<C> {
         for (number, test) in tests.iter().enumerate() {
             let value = |number: usize| values.get(number).copied();
             let samples = match test.tester {
-                Tester::Flag => value(number),
+                VisibilityTest::Flag => value(number),
                 // Where the shared proxy shows, the leaves answer for their node: `read_leaves`.
-                Tester::SharedProxy(front) => value(front as usize).filter(|value| {
+                VisibilityTest::SharedProxy(front) => value(front as usize).filter(|value| {
                     self.shared.extend((*value != 0).then_some(*test));
                     *value == 0
                 }),
-                Tester::Query | Tester::Compute => None,
+                VisibilityTest::Query | VisibilityTest::Compute => None,
             };
             self.results.extend(samples.map(|samples| result(test, samples)));
         }
@@ -86,7 +86,7 @@ impl<C: Copy> ResultReader<C> {
     /// Reads the values of a compute shader of one frame, one per test of its plan.
     pub fn read_computed(&mut self, tests: &[PendingTest<C>], values: &[u32]) {
         let computed = tests.iter().zip(values);
-        let computed = computed.filter(|(test, _)| test.tester == Tester::Compute);
+        let computed = computed.filter(|(test, _)| test.tester == VisibilityTest::Compute);
         self.results.extend(computed.map(|(test, value)| result(test, *value)));
     }
 
@@ -158,7 +158,7 @@ mod tests {
         Hierarchy::build(&boxes).unwrap()
     }
 
-    fn test(node: NodeId, tester: Tester, kind: QueryKind) -> PendingTest<u32> {
+    fn test(node: NodeId, tester: VisibilityTest, kind: QueryKind) -> PendingTest<u32> {
         let generation = Generation(0);
         let tag = QueryTag { node, generation, frame: FrameId(7), kind, sample_threshold: 0 };
         PendingTest { tag, tester, contents: 10 }
@@ -170,8 +170,8 @@ mod tests {
         let root = hierarchy.root().unwrap();
         let first = hierarchy.node_of(hierarchy.leaf_objects()[0]).unwrap();
         let tests = [
-            test(root, Tester::Flag, QueryKind::PerLeaf),
-            test(first, Tester::SharedProxy(0), QueryKind::PerLeaf),
+            test(root, VisibilityTest::Flag, QueryKind::PerLeaf),
+            test(first, VisibilityTest::SharedProxy(0), QueryKind::PerLeaf),
         ];
         let mut reader = ResultReader::default();
         reader.read_flags(&tests, &[value, 0]);
@@ -223,8 +223,11 @@ mod tests {
     fn the_queries_on_the_draws_of_one_leaf_count_together() {
         let hierarchy = hierarchy();
         let of = |node| PendingTest {
-            tag: QueryTag { sample_threshold: 4, ..test(node, Tester::Query, QueryKind::Leaf).tag },
-            ..test(node, Tester::Query, QueryKind::VisibleDrawQuery)
+            tag: QueryTag {
+                sample_threshold: 4,
+                ..test(node, VisibilityTest::Query, QueryKind::Leaf).tag
+            },
+            ..test(node, VisibilityTest::Query, QueryKind::VisibleDrawQuery)
         };
         let [first, second] = [0, 1]
             .map(|leaf: usize| of(hierarchy.node_of(hierarchy.leaf_objects()[leaf]).unwrap()));
@@ -241,7 +244,7 @@ mod tests {
     #[test]
     fn a_threshold_is_for_what_counts() {
         let hierarchy = hierarchy();
-        let mut node = test(hierarchy.root().unwrap(), Tester::Query, QueryKind::PerLeaf);
+        let mut node = test(hierarchy.root().unwrap(), VisibilityTest::Query, QueryKind::PerLeaf);
         node.tag.sample_threshold = 4;
         let mut reader = ResultReader::default();
         reader.read_query(&node, 4);

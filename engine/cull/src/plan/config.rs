@@ -134,13 +134,13 @@ pub struct CullConfig {
     ///
     /// Halved: nothing; doubled: +9.8 % tests, `cut`.
     pub cut_tests: u32,
-    /// The slabs of tests in a frame that mostly confirms the history; fewer where prices say that
+    /// The slabs of tests in a frame that mostly confirms the history; fewer where costs say that
     /// further ones do not pay.
     ///
     /// Halved: -66.7 % rounds, `street`; doubled: +100.0 % rounds, `street`.
     pub rounds_calm: u32,
     /// The slabs of tests when much is unknown, each twice as long as the one before, so that near
-    /// objects can hide far ones; fewer where prices say that further ones do not pay.
+    /// objects can hide far ones; fewer where costs say that further ones do not pay.
     ///
     /// Halved: -1.5 % draws, `cut`; doubled: +0.2 % tests, `fly`.
     pub rounds_cut: u32,

@@ -2,19 +2,21 @@
 
 use std::ops::Range;
 
-use crate::cost::cost_model::{CostBenefit, CostModel, TestEstimate, is_never};
+use crate::cost::learned_costs::{CostBenefit, LearnedCosts, TestEstimate, is_never};
 use crate::geom::multi_view::MultiView;
 use crate::plan::candidates::{Candidate, Draw, Scratch};
-use crate::plan::frame_plan::{FramePlan, PlanStats, ProxyTest, QueryKind, Tester, TesterSupport};
-use crate::plan::rounds::RoundPrices;
+use crate::plan::frame_plan::{
+    FramePlan, PlanStats, ProxyTest, QueryKind, VisibilityTest, VisibilityTestSupport,
+};
+use crate::plan::rounds::RoundCosts;
 use crate::plan::strategy::Strategy;
 use crate::plan::traverse::Walk;
 
 /// The inputs that tests are weighed by.
 pub(crate) struct CostFilter<'a> {
-    cost_model: &'a CostModel,
+    learned_costs: &'a LearnedCosts,
     /// The tester; `None` for the cheapest.
-    tester: Option<Tester>,
+    tester: Option<VisibilityTest>,
     has_flags: bool,
     /// True if a compute shader may test a round.
     has_compute: bool,
@@ -26,14 +28,14 @@ impl<'a> CostFilter<'a> {
     /// Creates a filter; `None` where costs are not weighed. [`Strategy::ANTUMBRA`] takes the
     /// cheapest tester, all others have the given one.
     pub(crate) fn new(
-        cost_model: Option<&'a CostModel>,
+        learned_costs: Option<&'a LearnedCosts>,
         strategy: Strategy,
-        tester: Tester,
-        testers: TesterSupport,
+        tester: VisibilityTest,
+        testers: VisibilityTestSupport,
     ) -> Option<Self> {
         let is_open = strategy == Strategy::ANTUMBRA;
-        cost_model.filter(|_| strategy.uses_cost_model()).map(|cost_model| Self {
-            cost_model,
+        learned_costs.filter(|_| strategy.uses_cost_model()).map(|learned_costs| Self {
+            learned_costs,
             tester: (!is_open).then_some(tester),
             has_flags: testers.flags,
             has_compute: is_open && testers.compute,
@@ -42,8 +44,8 @@ impl<'a> CostFilter<'a> {
     }
 
     /// Returns the tester of a box.
-    pub(crate) fn tester(&self, estimate: &TestEstimate) -> Tester {
-        self.tester.unwrap_or_else(|| self.cost_model.cheaper(estimate, self.has_flags))
+    pub(crate) fn tester(&self, estimate: &TestEstimate) -> VisibilityTest {
+        self.tester.unwrap_or_else(|| self.learned_costs.cheaper(estimate, self.has_flags))
     }
 
     /// Assigns the rounds of `plan` to the compute shader that cost least so, and returns their
@@ -68,7 +70,7 @@ impl<'a> CostFilter<'a> {
         while handed != 0 {
             let before = handed;
             for (number, test) in plan.tests.iter().enumerate() {
-                let Tester::SharedProxy(front) = test.tester else { continue };
+                let VisibilityTest::SharedProxy(front) = test.tester else { continue };
                 let pair: u64 = bit_of(&plan.rounds, number) | bit_of(&plan.rounds, front as usize);
                 if handed & pair != pair {
                     handed &= !pair;
@@ -81,7 +83,7 @@ impl<'a> CostFilter<'a> {
         let is_handed = |(bit, _): &(usize, &Range<usize>)| *bit < 64 && handed >> bit & 1 == 1;
         for (_, round) in plan.rounds.iter().enumerate().filter(is_handed) {
             for test in plan.tests.get_mut(round.clone()).unwrap_or_default() {
-                test.tester = Tester::Compute;
+                test.tester = VisibilityTest::Compute;
             }
         }
         handed.count_ones()
@@ -89,16 +91,16 @@ impl<'a> CostFilter<'a> {
 
     /// Returns true if a round of `tests` costs least by compute shader.
     fn is_for_compute(&self, views: MultiView<'_>, tests: &[ProxyTest]) -> bool {
-        let is_own = |test: &&ProxyTest| !matches!(test.tester, Tester::SharedProxy(_));
+        let is_own = |test: &&ProxyTest| !matches!(test.tester, VisibilityTest::SharedProxy(_));
         let boxes = tests.iter().filter(is_own).count() as u32;
         let shared = tests.len() as u32 - boxes;
         let covered = tests.iter().filter(is_own).map(|test| views.covered_pixels(&test.bounds));
-        boxes > 0 && self.cost_model.is_for_compute(boxes, shared, covered.sum(), self.has_flags)
+        boxes > 0 && self.learned_costs.is_for_compute(boxes, shared, covered.sum(), self.has_flags)
     }
 
-    /// Returns the prices that decide how many rounds pay, which `tester` tests.
-    pub(crate) fn round_prices(&self, tester: Tester, revealed_ns: f32) -> RoundPrices {
-        RoundPrices { round_ns: self.cost_model.round_ns(tester), revealed_ns }
+    /// Returns the costs that decide how many rounds pay, which `tester` tests.
+    pub(crate) fn round_costs(&self, tester: VisibilityTest, revealed_ns: f32) -> RoundCosts {
+        RoundCosts { round_ns: self.learned_costs.round_ns(tester), revealed_ns }
     }
 
     pub(crate) fn estimate(views: MultiView<'_>, test: &Candidate) -> TestEstimate {
@@ -114,17 +116,17 @@ impl<'a> CostFilter<'a> {
         &self,
         kind: QueryKind,
         estimate: &TestEstimate,
-        tester: Tester,
+        tester: VisibilityTest,
     ) -> Option<CostBenefit> {
         match kind {
-            QueryKind::Proxy => Some(self.cost_model.weigh(estimate, tester)),
-            QueryKind::PullUpQuery => Some(self.cost_model.weigh_pull_up(estimate, tester)),
+            QueryKind::Proxy => Some(self.learned_costs.weigh(estimate, tester)),
+            QueryKind::PullUpQuery => Some(self.learned_costs.weigh_pull_up(estimate, tester)),
             _ => None,
         }
     }
 
     /// Lets a compute shader answer for all tests of the frame where they pay so and by no other
-    /// tester: many tests may pay by its low price of a box which by that of pixels or queries do
+    /// tester: many tests may pay by its low cost of a box which by that of pixels or queries do
     /// not. Where they pay by either, [`CostFilter::hand_to_compute`] decides, which knows what
     /// they share.
     fn choose_compute(&mut self, scratch: &Scratch, views: MultiView<'_>) {
@@ -132,8 +134,8 @@ impl<'a> CostFilter<'a> {
             return;
         }
         let drawn = scratch.draws.len() + scratch.retests.len();
-        let [mut rastered_ns, mut computed_ns] =
-            [Tester::Flag, Tester::Compute].map(|tester| -self.cost_model.break_ns(drawn, tester));
+        let [mut rastered_ns, mut computed_ns] = [VisibilityTest::Flag, VisibilityTest::Compute]
+            .map(|tester| -self.learned_costs.break_ns(drawn, tester));
         let net_ns = |benefit: Option<CostBenefit>| {
             let benefit = benefit.filter(|benefit| benefit.pays());
             benefit.map_or(0.0, |benefit| benefit.saving_now_ns - benefit.cost_ns)
@@ -141,10 +143,10 @@ impl<'a> CostFilter<'a> {
         for test in &scratch.tests {
             let estimate = Self::estimate(views, test);
             rastered_ns += net_ns(self.weigh(test.kind, &estimate, self.tester(&estimate)));
-            computed_ns += net_ns(self.weigh(test.kind, &estimate, Tester::Compute));
+            computed_ns += net_ns(self.weigh(test.kind, &estimate, VisibilityTest::Compute));
         }
         if computed_ns > 0.0 && rastered_ns <= 0.0 {
-            self.tester = Some(Tester::Compute);
+            self.tester = Some(VisibilityTest::Compute);
             self.is_all_compute = true;
         }
     }
@@ -156,7 +158,7 @@ impl<'a> CostFilter<'a> {
         scratch: &mut Scratch,
         walk: &Walk<'_>,
         stats: &mut PlanStats,
-    ) -> Option<Tester> {
+    ) -> Option<VisibilityTest> {
         self.choose_compute(scratch, walk.views);
         let mut saving_ns = 0.0;
         let mut dropped_leaves = 0;
@@ -179,8 +181,8 @@ impl<'a> CostFilter<'a> {
             }
         }
         let drawn = scratch.draws.len() + scratch.retests.len() + dropped_leaves;
-        let tester = self.tester.unwrap_or(Tester::Flag);
-        scratch.prospect_ns = [saving_ns, self.cost_model.break_ns(drawn, tester)];
+        let tester = self.tester.unwrap_or(VisibilityTest::Flag);
+        scratch.prospect_ns = [saving_ns, self.learned_costs.break_ns(drawn, tester)];
         if saving_ns < scratch.prospect_ns[1] {
             scratch.is_dropped.fill(true);
             saving_ns = 0.0;

@@ -3,11 +3,11 @@
 use crate::geom::bounds::Aabb;
 use crate::geom::frustum::Containment;
 use crate::geom::multi_view::{MultiView, ViewMasks};
-use crate::geom::view::View;
+use crate::geom::view::CullView;
 use crate::hierarchy::Hierarchy;
 use crate::history::record::NodeState;
 use crate::ids::{FrameId, LeafIndex, NodeId, ObjectId};
-use crate::plan::frame_plan::{Answer, FramePlan, QueryKind, Tester};
+use crate::plan::frame_plan::{Answer, FramePlan, QueryKind, VisibilityTest};
 
 /// The state of a node, and the frame since which it is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,7 +36,7 @@ pub enum Decision {
     /// Drawn, and its box is tested for the frames to come.
     DrawnAndBoxTested {
         /// The tester that answers.
-        tester: Tester,
+        tester: VisibilityTest,
     },
     /// Drawn in this frame only if the box of a node shows.
     Tested {
@@ -49,7 +49,7 @@ pub enum Decision {
         /// [`QueryKind::PerLeaf`] where each leaf is tested by itself if the node shows.
         kind: QueryKind,
         /// The tester that answers.
-        tester: Tester,
+        tester: VisibilityTest,
         /// The history of the node.
         history: NodeHistory,
     },
@@ -130,7 +130,7 @@ fn decision(
         return own
             .map_or(Decision::Drawn, |test| Decision::DrawnAndBoxTested { tester: test.tester });
     }
-    let is_outside = |is_cut_away: &dyn Fn(&View) -> bool| {
+    let is_outside = |is_cut_away: &dyn Fn(&CullView) -> bool| {
         let (place, _) = views.classify(&hierarchy.bounds(node), ViewMasks::ALL, is_cut_away);
         place == Containment::Outside
     };

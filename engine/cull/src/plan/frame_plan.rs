@@ -29,7 +29,7 @@ pub enum QueryKind {
 /// The mechanism that tests a proxy. All give the same result but for rounding; they differ in
 /// cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Tester {
+pub enum VisibilityTest {
     /// A flag that the fragments of the proxy set.
     Flag,
     /// An occlusion query.
@@ -42,7 +42,7 @@ pub enum Tester {
     SharedProxy(u32),
 }
 
-impl Tester {
+impl VisibilityTest {
     /// Returns its name in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -70,13 +70,13 @@ pub enum DrawPhases {
 
 /// The testers that the device and the renderer offer to plans: by default queries alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TesterSupport {
-    /// True if there are occlusion queries ([`Tester::Query`]): every device has them, and not
-    /// every driver can be trusted with them.
+pub struct VisibilityTestSupport {
+    /// True if there are occlusion queries ([`VisibilityTest::Query`]): every device has them, and
+    /// not every driver can be trusted with them.
     pub queries: bool,
-    /// True if there are flags ([`Tester::Flag`]).
+    /// True if there are flags ([`VisibilityTest::Flag`]).
     pub flags: bool,
-    /// True if there is a compute test ([`Tester::Compute`]).
+    /// True if there is a compute test ([`VisibilityTest::Compute`]).
     pub compute: bool,
     /// True if leaves of a node that shows can be tested one by one in the same frame
     /// ([`QueryKind::PerLeaf`]).
@@ -85,13 +85,13 @@ pub struct TesterSupport {
     pub draw_phases: DrawPhases,
 }
 
-impl Default for TesterSupport {
+impl Default for VisibilityTestSupport {
     fn default() -> Self {
         Self { queries: true, ..Self::NONE }
     }
 }
 
-impl TesterSupport {
+impl VisibilityTestSupport {
     /// No tester at all: nothing but the view frustum culls.
     pub const NONE: Self = Self {
         queries: false,
@@ -128,11 +128,11 @@ impl TesterSupport {
         Self { flags: is_exact && self.flags, compute: is_exact && self.compute, ..self }
     }
 
-    const fn has(self, tester: Tester) -> bool {
+    const fn has(self, tester: VisibilityTest) -> bool {
         match tester {
-            Tester::Query => self.queries,
-            Tester::Flag | Tester::SharedProxy(_) => self.flags,
-            Tester::Compute => self.compute,
+            VisibilityTest::Query => self.queries,
+            VisibilityTest::Flag | VisibilityTest::SharedProxy(_) => self.flags,
+            VisibilityTest::Compute => self.compute,
         }
     }
 }
@@ -183,7 +183,7 @@ pub struct ProxyTest {
     /// The depth of the node in the hierarchy, for debug views.
     pub level: u32,
     /// The mechanism that tests the box.
-    pub tester: Tester,
+    pub tester: VisibilityTest,
 }
 
 /// The draws and tests of a frame.
@@ -239,7 +239,7 @@ impl FramePlan {
     /// Returns the number of queries that the plan asks for.
     #[must_use]
     pub fn query_count(&self) -> usize {
-        let tests = self.tests.iter().filter(|test| test.tester == Tester::Query);
+        let tests = self.tests.iter().filter(|test| test.tester == VisibilityTest::Query);
         tests.count() + self.queried_draws.len()
     }
 

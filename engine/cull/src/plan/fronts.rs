@@ -6,7 +6,7 @@ use crate::geom::bounds::Aabb;
 use crate::geom::frustum::{Containment, PlaneMask};
 use crate::geom::multi_view::MultiView;
 use crate::geom::outline::Outline;
-use crate::geom::view::View;
+use crate::geom::view::CullView;
 
 /// A proxy whose result others may share.
 #[derive(Clone, Copy, Debug)]
@@ -104,7 +104,7 @@ impl Fronts {
         most: usize,
     ) {
         let views = views.as_slice();
-        let sharp = |(view, outlines): (&View, &BoxOutline)| {
+        let sharp = |(view, outlines): (&CullView, &BoxOutline)| {
             // What the near plane may cut hides nothing there.
             let hides = view.margin.is_beyond_near(&front.bounds, 0.0)
                 && outlines.whole.is_sharp(&front.bounds, view);
@@ -169,6 +169,6 @@ impl SharedProxy {
     }
 }
 
-fn is_outside(bounds: &Aabb, view: &View) -> bool {
+fn is_outside(bounds: &Aabb, view: &CullView) -> bool {
     view.frustum.classify(bounds, PlaneMask::ALL).0 == Containment::Outside
 }

@@ -5,11 +5,11 @@
 //! comes into view is missing until its result is read back: the image is not exact. An object that
 //! comes into the frustum counts as visible.
 
-use crate::geom::view::View;
+use crate::geom::view::CullView;
 use crate::hierarchy::Hierarchy;
 use crate::hierarchy::front_to_back::{InSight, ViewedHierarchy};
 use crate::ids::{FrameId, Generation, NodeId};
-use crate::plan::frame_plan::{FramePlan, ProxyTest, QueryKind, QueryTag, Tester};
+use crate::plan::frame_plan::{FramePlan, ProxyTest, QueryKind, QueryTag, VisibilityTest};
 
 /// The interval of the tests of a visible object: it is expected to be still visible, and an error
 /// costs little. Objects take turns.
@@ -62,7 +62,7 @@ impl NextFrame {
     }
 
     /// Plans a frame into `plan`, which is empty.
-    pub(crate) fn plan(&mut self, hierarchy: &Hierarchy, view: &View, plan: &mut FramePlan) {
+    pub(crate) fn plan(&mut self, hierarchy: &Hierarchy, view: &CullView, plan: &mut FramePlan) {
         let viewed = ViewedHierarchy { hierarchy, view };
         let mut leaves = std::mem::take(&mut self.leaves);
         plan.stats.nodes_visited = viewed.leaves(&mut leaves);
@@ -102,7 +102,7 @@ impl NextFrame {
                 bounds,
                 leaves,
                 level: viewed.hierarchy.level(node),
-                tester: Tester::Query,
+                tester: VisibilityTest::Query,
             });
         }
         plan.stats.visible += 1;

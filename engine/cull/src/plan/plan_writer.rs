@@ -2,7 +2,7 @@
 
 use crate::geom::frustum::Containment;
 use crate::geom::multi_view::{MultiView, ViewMasks};
-use crate::geom::view::View;
+use crate::geom::view::CullView;
 use crate::hierarchy::Hierarchy;
 use crate::history::record::FrameStamp;
 use crate::history::records::History;
@@ -10,7 +10,7 @@ use crate::ids::NodeId;
 use crate::plan::candidates::{Candidate, Scratch};
 use crate::plan::config::CullConfig;
 use crate::plan::cost_filter::CostFilter;
-use crate::plan::frame_plan::{FramePlan, ProxyTest, QueryKind, QueryTag, Tester};
+use crate::plan::frame_plan::{FramePlan, ProxyTest, QueryKind, QueryTag, VisibilityTest};
 use crate::rng::SplitMix64;
 
 /// The inputs that the tests of one frame depend on.
@@ -24,7 +24,7 @@ pub(crate) struct PlanWriter<'a> {
     /// True if leaves can be tested one by one below a node that shows.
     pub(crate) has_leaf_tests: bool,
     /// The tester of all tests where costs are not weighed.
-    pub(crate) tester: Tester,
+    pub(crate) tester: VisibilityTest,
     pub(crate) costs: Option<&'a CostFilter<'a>>,
 }
 
@@ -106,7 +106,7 @@ impl PlanWriter<'_> {
     fn containment(&self, node: u32) -> Containment {
         let hierarchy = self.hierarchy;
         let node = NodeId(node);
-        let is_cut_away = |view: &View| hierarchy.is_cut_away(node, view);
+        let is_cut_away = |view: &CullView| hierarchy.is_cut_away(node, view);
         self.views.classify(&hierarchy.bounds(node), ViewMasks::ALL, is_cut_away).0
     }
 }

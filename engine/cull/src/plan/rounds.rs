@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use crate::plan::config::CullConfig;
-use crate::plan::frame_plan::{DrawPhases, FramePlan, ProxyTest, Tester};
+use crate::plan::frame_plan::{DrawPhases, FramePlan, ProxyTest, VisibilityTest};
 
 /// The lengths of the slabs of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,9 +25,9 @@ impl Slabs {
     }
 }
 
-/// The prices that decide how many rounds pay.
+/// The costs that decide how many rounds pay.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct RoundPrices {
+pub(crate) struct RoundCosts {
     /// The cost of a further round.
     pub(crate) round_ns: f32,
     /// The expected time of all draws that the tests reveal, as long as they are then taken as
@@ -35,7 +35,7 @@ pub(crate) struct RoundPrices {
     pub(crate) revealed_ns: f32,
 }
 
-impl RoundPrices {
+impl RoundCosts {
     /// Returns the number of rounds that pays best, at most `most`. Every further one costs a
     /// break, and saves draws: what a round reveals may hide what later ones would. At most all
     /// of these are spared whose occluder lies in another slab; of pairs drawn at random that is
@@ -58,23 +58,23 @@ impl RoundPrices {
 const ROUNDS_MAX: u32 = 16;
 
 /// Cuts the tests of `plan`, which `tester` tests, into as many rounds as draws may come between,
-/// and no more than pay by these prices, if there are any.
+/// and no more than pay by these costs, if there are any.
 pub(crate) fn schedule(
     plan: &mut FramePlan,
-    tester: Tester,
+    tester: VisibilityTest,
     draw_phases: DrawPhases,
     slabs: Slabs,
-    prices: Option<RoundPrices>,
+    device_costs: Option<RoundCosts>,
     config: &CullConfig,
 ) {
     let most = match (draw_phases, tester, slabs) {
         (DrawPhases::Two, ..) => 1,
-        (_, Tester::Compute, Slabs::Equal) => config.rounds_compute_calm,
-        (_, Tester::Compute, Slabs::Doubling) => config.rounds_compute_cut,
+        (_, VisibilityTest::Compute, Slabs::Equal) => config.rounds_compute_calm,
+        (_, VisibilityTest::Compute, Slabs::Doubling) => config.rounds_compute_cut,
         (_, _, Slabs::Equal) => config.rounds_calm,
         (_, _, Slabs::Doubling) => config.rounds_cut,
     };
-    let most = prices.map_or(most, |prices| prices.best(most, slabs));
+    let most = device_costs.map_or(most, |device_costs| device_costs.best(most, slabs));
     split(plan.tests.len(), most, slabs, config, &mut plan.rounds);
 }
 
@@ -126,7 +126,7 @@ pub(crate) fn group_by_tester(plan: &mut FramePlan, scratch: &mut Grouping) {
         tests[round.clone()].copy_from_slice(&scratch.grouped);
     }
     for test in tests {
-        if let Tester::SharedProxy(front) = &mut test.tester {
+        if let VisibilityTest::SharedProxy(front) = &mut test.tester {
             *front = scratch.places[*front as usize];
         }
     }
@@ -149,12 +149,12 @@ enum Answers {
 }
 
 impl Answers {
-    fn of(tester: Tester) -> Self {
+    fn of(tester: VisibilityTest) -> Self {
         match tester {
-            Tester::Query => Self::Queries,
-            Tester::Compute => Self::Compute,
-            Tester::Flag => Self::Flags,
-            Tester::SharedProxy(_) => Self::Others,
+            VisibilityTest::Query => Self::Queries,
+            VisibilityTest::Compute => Self::Compute,
+            VisibilityTest::Flag => Self::Flags,
+            VisibilityTest::SharedProxy(_) => Self::Others,
         }
     }
 }
@@ -193,7 +193,7 @@ mod tests {
     #[test]
     fn rounds_are_as_many_as_pay() {
         let best = |round_ns, revealed_ns, most, slabs| {
-            RoundPrices { round_ns, revealed_ns }.best(most, slabs)
+            RoundCosts { round_ns, revealed_ns }.best(most, slabs)
         };
         for slabs in [Slabs::Equal, Slabs::Doubling] {
             assert_eq!(best(0.0, 1.0, 7, slabs), 7, "a break costs nothing");

@@ -22,7 +22,7 @@
 
 use crate::geom::multi_view::MultiView;
 use crate::plan::candidates::Candidate;
-use crate::plan::frame_plan::{FramePlan, ProxyTest, QueryKind, Tester};
+use crate::plan::frame_plan::{FramePlan, ProxyTest, QueryKind, VisibilityTest};
 use crate::plan::fronts::{Fronts, SharedProxy};
 
 /// The bounds of sharing.
@@ -74,7 +74,7 @@ fn share_in_order(
     let [width, height] = views.first().size.map(|pixels| pixels as f32);
     let least_area = limits.front_area * width * height * views.as_slice().len() as f32;
     for ((number, test), hidden_frames) in (0..).zip(tests).zip(hidden_frames) {
-        if test.tester != Tester::Flag || test.leaves.count == 0 {
+        if test.tester != VisibilityTest::Flag || test.leaves.count == 0 {
             continue;
         }
         if !fronts.look_at(&test.bounds, views) {
@@ -83,7 +83,7 @@ fn share_in_order(
         let leaves = test.leaves.count;
         if let Some(front) = fronts.before(&test.bounds, leaves, views) {
             front.leaves_behind += leaves;
-            test.tester = Tester::SharedProxy(front.test);
+            test.tester = VisibilityTest::SharedProxy(front.test);
             test.tag.kind = QueryKind::PerLeaf;
             behind += 1;
             continue;
@@ -107,13 +107,13 @@ mod tests {
     use crate::geom::bounds::Aabb;
     use crate::geom::camera::{Camera, Projection};
     use crate::geom::outline::Outline;
-    use crate::geom::view::View;
+    use crate::geom::view::CullView;
     use crate::ids::{FrameId, Generation, LeafIndex, LeafRange, NodeId};
     use crate::plan::frame_plan::QueryTag;
     use crate::rng::SplitMix64;
 
     /// Returns the position of a point on the screen, in pixels, in 64 bits.
-    fn exactly(point: Vec3, view: &View) -> DVec2 {
+    fn exactly(point: Vec3, view: &CullView) -> DVec2 {
         let clip = view.view_proj.as_dmat4() * point.as_dvec3().extend(1.0);
         let [width, height] = view.size.map(f64::from);
         (clip.truncate().truncate() / clip.w + 1.0) * 0.5 * DVec2::new(width, height)
@@ -139,7 +139,7 @@ mod tests {
                 Projection::Orthographic { height: size * 8.0, far: size * 20.0 }
             };
             let camera = Camera { eye, forward, up: Vec3::Y, projection, near: 0.01 };
-            let view = View::new(&camera, [1280, 720], 8);
+            let view = CullView::new(&camera, [1280, 720], 8);
             let aside = Vec2::new(between(-1.0, 1.0), between(-1.0, 1.0));
             let distance = size * between(0.5, 8.0);
             let centre = view.rays.point(aside, distance);
@@ -170,7 +170,7 @@ mod tests {
         leaves_behind: u32,
         front: Aabb,
         behind: Aabb,
-        view: &View,
+        view: &CullView,
     ) -> bool {
         let leaves = LeafRange { first: LeafIndex(0), count: 4 };
         let test = |bounds| ProxyTest {
@@ -184,7 +184,7 @@ mod tests {
             bounds,
             leaves,
             level: 3,
-            tester: Tester::Flag,
+            tester: VisibilityTest::Flag,
         };
         let mut tests = [test(front), test(behind)];
         let limits =
@@ -192,11 +192,11 @@ mod tests {
         let hidden_frames = [hidden_frames, None].into_iter();
         let behind =
             share_in_order(&mut tests, hidden_frames, view.into(), &limits, &mut Fronts::default());
-        assert_eq!(behind == 1, matches!(tests[1].tester, Tester::SharedProxy(0)));
+        assert_eq!(behind == 1, matches!(tests[1].tester, VisibilityTest::SharedProxy(0)));
         behind == 1
     }
 
-    fn shares(front: Aabb, behind: Aabb, view: &View) -> bool {
+    fn shares(front: Aabb, behind: Aabb, view: &CullView) -> bool {
         shares_after(Some(100), 100, front, behind, view)
     }
 
@@ -210,7 +210,7 @@ mod tests {
             projection: Projection::perspective(1.2),
             near: 0.05,
         };
-        let view = View::new(&camera, [640, 360], 8);
+        let view = CullView::new(&camera, [640, 360], 8);
         let at = |z: f32| Aabb::new(Vec3::new(-1.0, -1.0, z - 1.0), Vec3::new(1.0, 1.0, z));
         let after =
             |hidden_frames, most| shares_after(hidden_frames, most, at(-4.0), at(-20.0), &view);
@@ -263,7 +263,7 @@ mod tests {
                 Projection::perspective(1.2)
             };
             let camera = Camera { eye, forward, up: Vec3::Y, projection, near: 0.05 };
-            let view = View::new(&camera, [640, 360], 8);
+            let view = CullView::new(&camera, [640, 360], 8);
             let front = (sides(-4.0, 4.0), sides(0.2, 6.0));
             let behind = (sides(-9.0, 9.0), sides(0.1, 2.0));
             let near = between(4.0, 20.0);
@@ -318,7 +318,7 @@ mod tests {
                 projection: Projection::perspective(1.0),
                 near: 0.1,
             };
-            let view = View::new(&camera, [640, 360], 8);
+            let view = CullView::new(&camera, [640, 360], 8);
             let at = |z: f32, half: f32| {
                 let centre = eye + Vec3::new(0.0, 0.0, z);
                 Aabb::new(centre - Vec3::splat(half), centre + Vec3::splat(half))

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::plan::frame_plan::Tester;
+use crate::plan::frame_plan::VisibilityTest;
 
 /// A strategy to decide what to draw: a name, and what to expect of it. Strategies can be switched
 /// from frame to frame. Those that a [`Culler`](crate::Culler) plans are constants here; any other
@@ -26,7 +26,7 @@ enum Tests {
     None,
     /// By the tester that the device has, or by the cheapest.
     Any,
-    By(Tester),
+    By(VisibilityTest),
 }
 
 impl Strategy {
@@ -41,16 +41,16 @@ impl Strategy {
     /// The same with occlusion queries for all tests.
     pub const ANTUMBRA_QUERIES: Self =
         Self::new("antumbra_queries", "ours, with occlusion queries for all tests")
-            .testing(Tests::By(Tester::Query))
+            .testing(Tests::By(VisibilityTest::Query))
             .with_sample_threshold();
     /// The same with flags set by fragments for all tests.
     pub const ANTUMBRA_FLAGS: Self =
         Self::new("antumbra_flags", "ours, with flags set by fragments for all tests")
-            .testing(Tests::By(Tester::Flag));
+            .testing(Tests::By(VisibilityTest::Flag));
     /// The same with a compute shader for all tests.
     pub const ANTUMBRA_COMPUTE: Self =
         Self::new("antumbra_compute", "ours, with a compute shader for all tests")
-            .testing(Tests::By(Tester::Compute));
+            .testing(Tests::By(VisibilityTest::Compute));
 
     /// The strategies of [`Culler::plan`](crate::Culler::plan), the baseline first. Those called
     /// `antumbra` share one traversal and one history.
@@ -157,7 +157,7 @@ impl Strategy {
 
     /// Returns true if it can take objects that show few samples as hidden, and is not exact then
     /// ([`Culler::set_sample_threshold`](crate::Culler::set_sample_threshold),
-    /// [`CoherentOptions`](crate::CoherentOptions)).
+    /// [`ChcOptions`](crate::ChcOptions)).
     #[must_use]
     pub const fn has_sample_threshold(self) -> bool {
         self.has_sample_threshold
@@ -183,7 +183,7 @@ impl Strategy {
     }
 
     /// Returns the only tester of its plans; `None` for any, or where nothing is tested.
-    pub(crate) const fn tester(self) -> Option<Tester> {
+    pub(crate) const fn tester(self) -> Option<VisibilityTest> {
         match self.tests {
             Tests::By(tester) => Some(tester),
             Tests::None | Tests::Any => None,

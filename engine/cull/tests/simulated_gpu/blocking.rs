@@ -2,8 +2,8 @@
 //! known for.
 
 use antumbra_cull::{
-    BatchedOptions, BlockingCuller, BlockingKind, BlockingStats, Camera, CoherentOptions,
-    FirstPass, Hierarchy, LeafTest, ObjectId, Projection, Strategy, View,
+    BatchedOptions, BlockingCuller, BlockingKind, BlockingStats, Camera, ChcOptions, CullView,
+    FirstPass, Hierarchy, LeafTest, ObjectId, Projection, Strategy,
 };
 use glam::Vec3;
 
@@ -16,17 +16,17 @@ use crate::talk::{Talk, Trouble};
 const SIZE: [u32; 2] = [40, 28];
 
 /// Returns the blocking methods with these options.
-fn kinds(batched: BatchedOptions, coherent: CoherentOptions) -> [BlockingKind; 4] {
+fn kinds(batched: BatchedOptions, chc: ChcOptions) -> [BlockingKind; 4] {
     let batched = BlockingKind::Batched(batched);
-    let coherent = BlockingKind::Coherent(coherent);
-    [BlockingKind::Naive, batched, BlockingKind::StopAndWait, coherent]
+    let chc = BlockingKind::Chc(chc);
+    [BlockingKind::Naive, batched, BlockingKind::StopAndWait, chc]
 }
 
 fn default_kinds() -> [BlockingKind; 4] {
-    kinds(BatchedOptions::default(), CoherentOptions::default())
+    kinds(BatchedOptions::default(), ChcOptions::default())
 }
 
-fn truth(view: &View, scene: &Scene) -> Image {
+fn truth(view: &CullView, scene: &Scene) -> Image {
     let mut image = Image::new(SIZE);
     for (solid, shift) in scene.solids.iter().zip(&scene.shifts) {
         image.draw(view, solid, *shift);
@@ -40,7 +40,7 @@ fn random_kinds(random: &mut Random) -> [BlockingKind; 4] {
         occluder_angle: random.between(0.0, 2.0),
         tests_per_submit: few[random.below(4)],
     };
-    let coherent = CoherentOptions {
+    let chc = ChcOptions {
         leaf_test: [LeafTest::OwnGeometry, LeafTest::Box][random.below(2)],
         first_pass: FirstPass::Shaded,
         visibility_threshold_samples: 0,
@@ -48,7 +48,7 @@ fn random_kinds(random: &mut Random) -> [BlockingKind; 4] {
         tests_per_submit: few[random.below(4)],
         draws_per_submit: few[random.below(4)],
     };
-    kinds(batched, coherent)
+    kinds(batched, chc)
 }
 
 /// Runs one seed with all methods and returns the number of leaves drawn and in sight.
@@ -81,7 +81,7 @@ fn verify(seed: u64) -> [u64; 2] {
         if is_rebuilding && frame % 4 == 3 {
             hierarchy.rebuild(&scene.bounds).unwrap();
         }
-        let view = View::new(&camera, SIZE, sub_pixel_bits);
+        let view = CullView::new(&camera, SIZE, sub_pixel_bits);
         let expected = truth(&view, &scene);
         let solids = Solids { solids: &scene.solids, shifts: &scene.shifts };
         for (kind, blocking, talk) in &mut runs {
@@ -146,7 +146,7 @@ fn stroll(kind: BlockingKind, trouble: Trouble) -> Vec<BlockingStats> {
     let solids = Solids { solids: &scene.solids, shifts: &scene.shifts };
     let step = |frame: u64| {
         let eye = CAMERA.eye - Vec3::Z * frame as f32 * 0.05;
-        let view = View::new(&Camera { eye, ..CAMERA }, SIZE, 8);
+        let view = CullView::new(&Camera { eye, ..CAMERA }, SIZE, 8);
         let mut decisions = blocking.begin(&hierarchy, &view);
         talk.frame(&mut decisions, &view, &hierarchy, &solids)
     };
@@ -160,22 +160,19 @@ fn sum(frames: &[BlockingStats], of: impl Fn(&BlockingStats) -> u32) -> u32 {
 #[test]
 fn each_method_costs_what_it_is_known_for() {
     let walk = |kind| stroll(kind, Trouble { polls: 3, ..Trouble::default() });
-    let [naive, batched, stop, coherent] = default_kinds().map(walk);
+    let [naive, batched, stop, chc] = default_kinds().map(walk);
     // Once there is a past.
     let naive = &naive[5..];
     let batched = &batched[5..];
     let stop = &stop[5..];
-    let coherent = &coherent[5..];
+    let chc = &chc[5..];
     assert_eq!(sum(naive, |stats| stats.waits), sum(naive, |stats| stats.boxes), "a wait a query");
     assert_eq!(sum(stop, |stats| stats.waits), sum(stop, |stats| stats.boxes), "a wait a node");
     assert!(sum(batched, |stats| stats.waits) <= 2 * batched.len() as u32, "a wait for all");
-    assert!(
-        sum(coherent, |stats| stats.waits) * 8 < sum(stop, |stats| stats.waits),
-        "{coherent:?} {stop:?}"
-    );
+    assert!(sum(chc, |stats| stats.waits) * 8 < sum(stop, |stats| stats.waits), "{chc:?} {stop:?}");
     let tested =
         |blocking_stats: &BlockingStats| blocking_stats.boxes + blocking_stats.visible_draw_queries;
-    assert!(sum(coherent, tested) * 2 < sum(stop, tested), "visible inner nodes are not tested");
+    assert!(sum(chc, tested) * 2 < sum(stop, tested), "visible inner nodes are not tested");
     assert!(sum(stop, tested) < sum(naive, tested), "hidden nodes are tested as one");
     assert!(
         sum(batched, |stats| stats.draws) > sum(naive, |stats| stats.draws),
@@ -190,7 +187,7 @@ fn a_blocking_method_ends_if_no_answer_ever_comes() {
         let frames = stroll(kind, silence);
         // All in sight is drawn, as frustum culling would.
         let (_, hierarchy) = streets();
-        let view = View::new(&CAMERA, SIZE, 8);
+        let view = CullView::new(&CAMERA, SIZE, 8);
         let mut plan = antumbra_cull::FramePlan::default();
         let mut culler = antumbra_cull::Culler::new(antumbra_cull::CullConfig::default());
         culler.plan(&hierarchy, Strategy::FRUSTUM, &view, 0, &mut plan);
@@ -201,8 +198,8 @@ fn a_blocking_method_ends_if_no_answer_ever_comes() {
 #[test]
 fn what_is_assumed_visible_is_not_asked_about() {
     let walk = |assumed_visible_frames| {
-        let coherent = CoherentOptions { assumed_visible_frames, ..CoherentOptions::default() };
-        stroll(BlockingKind::Coherent(coherent), Trouble::default())
+        let chc = ChcOptions { assumed_visible_frames, ..ChcOptions::default() };
+        stroll(BlockingKind::Chc(chc), Trouble::default())
     };
     let never = walk(0);
     let three = walk(3);
@@ -215,9 +212,8 @@ fn what_is_assumed_visible_is_not_asked_about() {
 #[test]
 fn a_threshold_draws_less_and_is_not_exact() {
     let walk = |visibility_threshold_samples| {
-        let coherent =
-            CoherentOptions { visibility_threshold_samples, ..CoherentOptions::default() };
-        sum(&stroll(BlockingKind::Coherent(coherent), Trouble::default()), |stats| stats.draws)
+        let chc = ChcOptions { visibility_threshold_samples, ..ChcOptions::default() };
+        sum(&stroll(BlockingKind::Chc(chc), Trouble::default()), |stats| stats.draws)
     };
     assert!(walk(20) < walk(0));
 }
@@ -232,7 +228,7 @@ fn no_objects_and_none_in_sight_are_no_words() {
         let mut talk = Talk::new(SIZE, 8, Trouble::default(), 1);
         let away = Camera { eye: Vec3::Y * 500.0, forward: Vec3::Y, up: Vec3::X, ..CAMERA };
         for (hierarchy, camera) in [(&nothing, CAMERA), (&city, away)] {
-            let view = View::new(&camera, SIZE, 8);
+            let view = CullView::new(&camera, SIZE, 8);
             let mut decisions = blocking.begin(hierarchy, &view);
             let stats = talk.frame(&mut decisions, &view, hierarchy, &solids);
             assert_eq!((stats.draws, stats.boxes, stats.waits), (0, 0, 0), "{kind:?}");

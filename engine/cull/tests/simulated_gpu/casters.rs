@@ -2,9 +2,9 @@
 //! answers, and most of what does not is left out.
 
 use antumbra_cull::{
-    Aabb, Answer, BoxShadowVolumes, Containment, CullConfig, Culler, DrawPhases, FramePlan,
-    Frustum, Hierarchy, LightReach, MultiView, ObjectId, PlaneMask, Strategy, TesterSupport, View,
-    VolumeLength,
+    Aabb, Answer, BoxShadowVolumes, Containment, CullConfig, CullView, Culler, DrawPhases,
+    FramePlan, Frustum, Hierarchy, LightReach, MultiView, ObjectId, PlaneMask, Strategy,
+    VisibilityTestSupport, VolumeLength,
 };
 use glam::{DVec2, DVec3, Vec4};
 
@@ -22,7 +22,7 @@ struct Ray {
     way: DVec3,
 }
 
-fn rays(view: &View) -> Vec<Ray> {
+fn rays(view: &CullView) -> Vec<Ray> {
     let [width, height] = SIZE;
     let pixel = |number: u32| {
         let place = DVec2::new(f64::from(number % width), f64::from(number / width)) + 0.5;
@@ -55,7 +55,7 @@ fn span(bounds: &Aabb, ray: Ray, most: f64) -> Option<[f64; 2]> {
 }
 
 /// Returns the way on which a ray meets the first solid, if that is before the far plane.
-fn depth(solids: &[Aabb], ray: Ray, view: &View) -> Option<f64> {
+fn depth(solids: &[Aabb], ray: Ray, view: &CullView) -> Option<f64> {
     let entries = solids.iter().filter_map(|solid| span(solid, ray, f64::INFINITY));
     // From inside its far faces are seen.
     let hits = entries.map(|[first, last]| if first > 0.0 { first } else { last });
@@ -147,7 +147,8 @@ fn verify(seed: u64, checked: &mut Checked) {
     let is_light_moving = random.chance(0.3);
     let latency = 1 + random.below(3);
     let lost = [0.0, 0.2][random.below(2)];
-    let testers = TesterSupport { flags: true, draw_phases: DrawPhases::Two, ..Default::default() };
+    let testers =
+        VisibilityTestSupport { flags: true, draw_phases: DrawPhases::Two, ..Default::default() };
     let config = CullConfig { seed, ..CullConfig::default() };
     let mut culler = Culler::with_testers(config, testers);
     let mut plan = FramePlan::default();

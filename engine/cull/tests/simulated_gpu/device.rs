@@ -2,9 +2,9 @@
 //! all possible mishaps. They are read as answers by the [`ResultReader`] that also reads a GPU's.
 
 use antumbra_cull::{
-    Aabb, Answer, FrameId, FramePlan, Generation, Hierarchy, LeafIndex, LeafList, LeafRange,
-    MultiView, NodeId, ObjectId, PendingTest, ProxyTest, QueryKind, QueryTag, ResultReader,
-    SectionMember, SectionPlanes, Tester, View,
+    Aabb, Answer, CullView, FrameId, FramePlan, Generation, Hierarchy, LeafIndex, LeafList,
+    LeafRange, MultiView, NodeId, ObjectId, PendingTest, ProxyTest, QueryKind, QueryTag,
+    ResultReader, SectionMember, SectionPlanes, VisibilityTest,
 };
 
 use crate::image::{Image, Shift};
@@ -65,7 +65,7 @@ impl Written {
             reader.read_query(test, samples - samples / 2);
         }
         for (test, samples) in self.tests.iter().zip(&self.values) {
-            if test.tester == Tester::Query {
+            if test.tester == VisibilityTest::Query {
                 reader.read_query(test, *samples);
             }
         }
@@ -100,20 +100,20 @@ impl Written {
     }
 }
 
-fn pending(tag: QueryTag, tester: Tester) -> PendingTest<()> {
+fn pending(tag: QueryTag, tester: VisibilityTest) -> PendingTest<()> {
     PendingTest { tag, tester, contents: () }
 }
 
 /// Returns a view as it shows an object: not cut where that is whole.
-pub fn seen(hierarchy: &Hierarchy, object: u32, view: &View) -> View {
+pub fn seen(hierarchy: &Hierarchy, object: u32, view: &CullView) -> CullView {
     match hierarchy.section_member(ObjectId(object)) {
         SectionMember::Cut => *view,
-        SectionMember::Whole => View { section: SectionPlanes::default(), ..*view },
+        SectionMember::Whole => CullView { section: SectionPlanes::default(), ..*view },
     }
 }
 
 /// Draws what section planes cut open, before anything else.
-pub fn draw_caps(image: &mut Image, view: &View, hierarchy: &Hierarchy, solids: &[Aabb]) {
+pub fn draw_caps(image: &mut Image, view: &CullView, hierarchy: &Hierarchy, solids: &[Aabb]) {
     for (object, solid) in (0..).zip(solids) {
         if !solid.is_empty() {
             image.draw_caps(&seen(hierarchy, object, view), solid);
@@ -222,7 +222,7 @@ impl Device {
             }
             drawn = *after as usize;
             let samples = self.draw(views, hierarchy, solids, *leaf);
-            written.queries.push((pending(*tag, Tester::Query), samples));
+            written.queries.push((pending(*tag, VisibilityTest::Query), samples));
         }
         for leaf in &plan.draws[drawn..] {
             self.draw(views, hierarchy, solids, *leaf);
@@ -230,12 +230,12 @@ impl Device {
         for round in &plan.rounds {
             let tests = &plan.tests[round.clone()];
             written.values.extend(tests.iter().map(|test| match test.tester {
-                Tester::SharedProxy(_) => 0,
+                VisibilityTest::SharedProxy(_) => 0,
                 _ => self.test(views, test.tag.node, &test.bounds),
             }));
             for (number, test) in round.clone().zip(tests) {
                 let samples = match test.tester {
-                    Tester::SharedProxy(front) => written.values[front as usize],
+                    VisibilityTest::SharedProxy(front) => written.values[front as usize],
                     _ => written.values[number],
                 };
                 if samples <= test.tag.sample_threshold {
@@ -247,7 +247,7 @@ impl Device {
                     QueryKind::PerLeaf => self.leaves_that_show(views, hierarchy, test),
                     _ => test.leaves.iter().collect(),
                 };
-                let is_shared = matches!(test.tester, Tester::SharedProxy(_));
+                let is_shared = matches!(test.tester, VisibilityTest::SharedProxy(_));
                 written.showed.push(!is_shared || !leaves.is_empty());
                 if test.tag.kind == QueryKind::PerLeaf {
                     written.leaves.extend(leaves.iter().map(|leaf| leaf.0));
@@ -283,7 +283,7 @@ impl Device {
     ) -> Vec<LeafIndex> {
         let shows = |leaf: &LeafIndex| {
             let node = hierarchy.node_of(hierarchy.leaf_objects()[leaf.0 as usize]).unwrap();
-            let shows = |(view, image): (&View, &Image)| {
+            let shows = |(view, image): (&CullView, &Image)| {
                 let proxy = view.margin.proxy(&hierarchy.bounds(node));
                 // Too near only where the node is outside of this view's frustum.
                 assert!(proxy.is_some() || views.as_slice().len() > 1, "near, as its node");

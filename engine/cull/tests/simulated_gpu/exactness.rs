@@ -1,8 +1,8 @@
 //! Tests that the image is the same as with everything drawn, whatever happens to the answers.
 
 use antumbra_cull::{
-    Camera, CostTable, CullConfig, Culler, DrawPhases, FramePlan, Hierarchy, NodeState, ObjectId,
-    SceneCosts, Strategy, Tester, TesterSupport, View,
+    Camera, CostTable, CullConfig, CullView, Culler, DrawPhases, FramePlan, Hierarchy, NodeState,
+    ObjectId, SceneCosts, Strategy, VisibilityTest, VisibilityTestSupport,
 };
 
 use crate::device::{Device, Mishaps, Solids, draw_caps, seen};
@@ -100,9 +100,9 @@ impl World {
             config = extreme_config(&mut self.random, config);
         }
         let is_rough = self.random.chance(0.7);
-        let table = self.random.chance(0.3).then(|| random_prices(&mut self.random));
+        let table = self.random.chance(0.3).then(|| random_costs(&mut self.random));
         let mut runs = Vec::new();
-        let testers = TesterSupport {
+        let testers = VisibilityTestSupport {
             queries: self.random.chance(0.8),
             flags: self.random.chance(0.5),
             compute: self.random.chance(0.5),
@@ -132,7 +132,7 @@ impl World {
     }
 
     /// Moves everything on by a frame.
-    fn advance(&mut self, frame: u64) -> View {
+    fn advance(&mut self, frame: u64) -> CullView {
         self.path.advance(&mut self.camera, frame, &mut self.random);
         if self.moving {
             for _ in 0..3 {
@@ -146,7 +146,7 @@ impl World {
         }
         let view =
             self.lens.view(&self.place.camera(&self.camera), frame, SIZE, self.sub_pixel_bits);
-        View { section: self.cuts.drag(&mut self.random), ..view }
+        CullView { section: self.cuts.drag(&mut self.random), ..view }
     }
 
     fn solids(&self) -> Solids<'_> {
@@ -235,27 +235,27 @@ fn extreme_config(random: &mut Random, usual: CullConfig) -> CullConfig {
     config
 }
 
-/// Returns prices from nothing to more than a test can save, each by itself.
-fn random_prices(random: &mut Random) -> CostTable {
-    let mut price = |usual: f32| match random.below(5) {
+/// Returns costs from nothing to more than a test can save, each by itself.
+fn random_costs(random: &mut Random) -> CostTable {
+    let mut cost = |usual: f32| match random.below(5) {
         0 => 0.0,
         1 => f32::MAX,
         _ => usual * 10.0_f32.powf(random.between(-2.0, 2.0)),
     };
     let usual = CostTable::default();
     CostTable {
-        query_ns: price(usual.query_ns),
-        query_box_ns: price(usual.query_box_ns),
-        flag_box_ns: price(usual.flag_box_ns),
-        hidden_pixel_ns: price(usual.hidden_pixel_ns),
-        flagged_pixel_ns: price(usual.flagged_pixel_ns),
-        predicate_ns: price(usual.predicate_ns),
-        skipped_draw_ns: price(usual.skipped_draw_ns),
-        call_ns: price(usual.call_ns),
-        draw_ns: price(usual.draw_ns),
-        triangle_ns: price(usual.triangle_ns),
+        query_ns: cost(usual.query_ns),
+        query_box_ns: cost(usual.query_box_ns),
+        flag_box_ns: cost(usual.flag_box_ns),
+        hidden_pixel_ns: cost(usual.hidden_pixel_ns),
+        flagged_pixel_ns: cost(usual.flagged_pixel_ns),
+        predicate_ns: cost(usual.predicate_ns),
+        skipped_draw_ns: cost(usual.skipped_draw_ns),
+        call_ns: cost(usual.call_ns),
+        draw_ns: cost(usual.draw_ns),
+        triangle_ns: cost(usual.triangle_ns),
         // Mostly low, since one break decides about all tests of a frame.
-        break_ns: price(1_000.0),
+        break_ns: cost(1_000.0),
         break_wait_share: random.between(0.0, 1.0) * random.between(0.0, 1.0),
         compute_round_ns: 0.0,
         compute_box_ns: 0.0,
@@ -315,7 +315,7 @@ fn verify_world(seed: u64, mut world: World) -> Checked {
             invariants::check(&world.hierarchy, run.strategy, &view, world.budget, &run.plan)
                 .unwrap_or_else(|broken| panic!("{}: {broken}", context()));
             for test in &run.plan.tests {
-                let Tester::SharedProxy(front) = test.tester else { continue };
+                let VisibilityTest::SharedProxy(front) = test.tester else { continue };
                 let front = run.plan.tests[front as usize].tag.node;
                 let state = run.culler.state(front);
                 assert_eq!(state, NodeState::Hidden, "{}: what answers for others", context());

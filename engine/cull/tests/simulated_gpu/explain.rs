@@ -1,8 +1,8 @@
 //! Tests that explanations agree with the draws.
 
 use antumbra_cull::{
-    Camera, CullConfig, Culler, Decision, FrameId, NodeState, ObjectId, Outcome, Projection,
-    QueryKind, Strategy, TesterSupport, View,
+    Camera, CullConfig, CullView, Culler, Decision, FrameId, NodeState, ObjectId, Outcome,
+    Projection, QueryKind, Strategy, VisibilityTestSupport,
 };
 use glam::Vec3;
 
@@ -25,8 +25,8 @@ fn camera(frame: usize) -> Camera {
 /// says so.
 #[test]
 fn every_object_was_drawn_as_explained() {
-    let leaf_tests = TesterSupport { flags: true, leaf_tests: true, ..Default::default() };
-    for testers in [TesterSupport::default(), leaf_tests] {
+    let leaf_tests = VisibilityTestSupport { flags: true, leaf_tests: true, ..Default::default() };
+    for testers in [VisibilityTestSupport::default(), leaf_tests] {
         let mut walk = Walk::new(city(&mut Random::new(5), 10), 2);
         walk.culler = Culler::with_testers(CullConfig::default(), testers);
         let seen = explain_walk(&mut walk);
@@ -40,7 +40,7 @@ fn explain_walk(walk: &mut Walk) -> [usize; 6] {
     let mut seen = [0_usize; 6];
     for frame in 0..150 {
         walk.step(&camera(frame));
-        let view = View::new(&camera(frame), SIZE, 8);
+        let view = CullView::new(&camera(frame), SIZE, 8);
         let answers = walk.device.answers_of(walk.plan.frame, &walk.hierarchy);
         for object in 0..walk.scene.bounds.len() as u32 {
             let explained =
@@ -68,7 +68,7 @@ fn explain_walk(walk: &mut Walk) -> [usize; 6] {
 fn it_says_since_when_and_when_it_was_asked() {
     let mut walk = Walk::new(city(&mut Random::new(5), 10), 2);
     walk.steps(&camera(0), 100);
-    let view = View::new(&camera(0), SIZE, 8);
+    let view = CullView::new(&camera(0), SIZE, 8);
     let explain = |walk: &Walk, object| {
         walk.culler.explain(&walk.hierarchy, &view, &walk.plan, ObjectId(object))
     };
@@ -104,7 +104,7 @@ fn it_says_since_when_and_when_it_was_asked() {
 #[test]
 fn without_culling_all_is_drawn_or_outside() {
     let mut walk = Walk::new(city(&mut Random::new(5), 10), 2);
-    let view = View::new(&camera(0), SIZE, 8);
+    let view = CullView::new(&camera(0), SIZE, 8);
     let budget = CullConfig::default().unknown_leaves as usize;
     let hierarchy = &walk.hierarchy;
     let strategy = Strategy::FRUSTUM;

@@ -6,7 +6,7 @@
 //! terms, another one for each box and pixel.
 
 use antumbra_cull::{
-    Aabb, DepthConvention, ProjectionKind, SectionMode, SectionPlane, SectionPlanes, View,
+    Aabb, CullView, DepthConvention, ProjectionKind, SectionMode, SectionPlane, SectionPlanes,
 };
 use glam::{DMat4, DVec2, DVec4};
 
@@ -34,7 +34,7 @@ impl Image {
 
     /// Draws a solid box and returns the number of samples that passed. From inside its far faces
     /// are seen.
-    pub fn draw(&mut self, view: &View, bounds: &Aabb, shift: Shift) -> u32 {
+    pub fn draw(&mut self, view: &CullView, bounds: &Aabb, shift: Shift) -> u32 {
         let mut passed = 0;
         let solid = ClipBox::of_object(view, bounds);
         cast(self.size, view, &solid, bounds, shift, |pixel, depth| {
@@ -48,7 +48,7 @@ impl Image {
     }
 
     /// Draws the faces that section planes cut through a solid box, which are in it and in a plane.
-    pub fn draw_caps(&mut self, view: &View, bounds: &Aabb) {
+    pub fn draw_caps(&mut self, view: &CullView, bounds: &Aabb) {
         let cut = Cut::of(view);
         let range = signed(view, view.depth.farthest())..=signed(view, view.depth.nearest());
         let [width, height] = self.size.map(f64::from);
@@ -72,11 +72,11 @@ impl Image {
 
     /// Counts samples of the front faces of a box that pass, without writing; faces before the
     /// near plane are clipped away.
-    pub fn test(&self, view: &View, bounds: &Aabb, shift: Shift) -> u32 {
+    pub fn test(&self, view: &CullView, bounds: &Aabb, shift: Shift) -> u32 {
         let mut passed = 0;
         let proxy = ClipBox::of_proxy(view, bounds);
         // Proxies are not cut.
-        let view = &View { section: SectionPlanes::default(), ..*view };
+        let view = &CullView { section: SectionPlanes::default(), ..*view };
         cast(self.size, view, &proxy, bounds, shift, |pixel, depth| {
             passed += u32::from(depth >= self.depths[pixel]);
         });
@@ -92,7 +92,7 @@ struct Cut {
 }
 
 impl Cut {
-    fn of(view: &View) -> Self {
+    fn of(view: &CullView) -> Self {
         let to_world = view.from_anchor.as_dmat4().inverse();
         Self { section: view.section, to_world, anchor: view.anchor.as_dvec3() }
     }
@@ -120,7 +120,7 @@ impl Cut {
 }
 
 /// Returns a depth as it is stored, nearer ones larger.
-fn signed(view: &View, depth: f32) -> f32 {
+fn signed(view: &CullView, depth: f32) -> f32 {
     match view.depth {
         DepthConvention::Reversed => depth,
         DepthConvention::Standard => -depth,
@@ -131,7 +131,7 @@ fn signed(view: &View, depth: f32) -> f32 {
 /// with the nearest depth there.
 fn cast(
     size: [u32; 2],
-    view: &View,
+    view: &CullView,
     clip_box: &ClipBox,
     bounds: &Aabb,
     shift: Shift,
@@ -164,7 +164,7 @@ fn cast(
 }
 
 /// Returns the size of what clip z is the sum of: its constant share of w, and the rest.
-fn terms(view: &View, clip: ClipPoint) -> f64 {
+fn terms(view: &CullView, clip: ClipPoint) -> f64 {
     let constant = match view.rays.kind {
         ProjectionKind::Perspective => f64::from(view.rays.depth[0]) * clip.w,
         ProjectionKind::Orthographic => f64::from(view.rays.depth[0]),

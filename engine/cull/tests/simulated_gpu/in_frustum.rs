@@ -1,15 +1,15 @@
 //! Tests of the count of objects in the frustum against the classification of each box.
 
 use antumbra_cull::{
-    Aabb, Containment, CullConfig, Culler, FramePlan, Frustum, Hierarchy, LeafRange, ObjectId,
-    PlaneMask, Strategy, View,
+    Aabb, Containment, CullConfig, CullView, Culler, FramePlan, Frustum, Hierarchy, LeafRange,
+    ObjectId, PlaneMask, Strategy,
 };
 
 use crate::random::Random;
 use crate::scene::{PATHS, Path, Scene, cube};
 
 /// Returns the number of draws of frustum culling, and of leaves whose box is not outside.
-fn brute_force(hierarchy: &Hierarchy, boxes: &[Aabb], view: &View) -> [usize; 2] {
+fn brute_force(hierarchy: &Hierarchy, boxes: &[Aabb], view: &CullView) -> [usize; 2] {
     let mut plan = FramePlan::default();
     let mut culler = Culler::new(CullConfig::default());
     culler.plan(hierarchy, Strategy::FRUSTUM, view, 0, &mut plan);
@@ -42,7 +42,7 @@ fn as_many_objects_are_in_the_frustum_as_frustum_culling_draws() {
             let there = boxes.iter().filter(|bounds| !bounds.is_empty()).count();
             assert_eq!(hierarchy.object_count() as usize, there, "seed {seed}, frame {frame}");
             path.advance(&mut camera, frame, &mut random);
-            let view = View::new(&camera, [48, 32], 8);
+            let view = CullView::new(&camera, [48, 32], 8);
             let counted = hierarchy.objects_in_frustum(&view) as usize;
             let expected = brute_force(&hierarchy, &boxes, &view);
             assert_eq!([counted; 2], expected, "seed {seed}, frame {frame}");
@@ -70,6 +70,6 @@ fn as_many_objects_are_in_the_frustum_as_frustum_culling_draws() {
     }
     assert!(partly > 500 && none > 20, "{partly} {none}");
     let nothing = Hierarchy::build(&[]).unwrap();
-    let view = View::new(&Path::start(&mut Random::new(1)), [48, 32], 8);
+    let view = CullView::new(&Path::start(&mut Random::new(1)), [48, 32], 8);
     assert_eq!((nothing.object_count(), nothing.objects_in_frustum(&view)), (0, 0));
 }

@@ -1,8 +1,8 @@
 //! The invariants of every plan, checked from the plan alone.
 
 use antumbra_cull::{
-    FramePlan, Hierarchy, LeafIndex, MultiView, ObjectId, QueryKind, SectionMember, SectionMode,
-    SectionPlane, Strategy, Tester, View,
+    CullView, FramePlan, Hierarchy, LeafIndex, MultiView, ObjectId, QueryKind, SectionMember,
+    SectionMode, SectionPlane, Strategy, VisibilityTest,
 };
 use glam::DVec4;
 
@@ -14,7 +14,7 @@ pub fn check<'v>(
     budget: usize,
     plan: &FramePlan,
 ) -> Result<(), String> {
-    let views: &[View] = views.into().as_slice();
+    let views: &[CullView] = views.into().as_slice();
     let mut places = vec![0_u32; hierarchy.leaf_objects().len()];
     let queried = plan.queried_draws.iter().map(|(leaf, _)| *leaf);
     let tested = plan.tests.iter().flat_map(|test| test.leaves.iter());
@@ -53,9 +53,13 @@ pub fn check<'v>(
     is_front_to_back(hierarchy, views, plan)
 }
 
-fn is_front_to_back(hierarchy: &Hierarchy, views: &[View], plan: &FramePlan) -> Result<(), String> {
+fn is_front_to_back(
+    hierarchy: &Hierarchy,
+    views: &[CullView],
+    plan: &FramePlan,
+) -> Result<(), String> {
     let node_distance = |node| {
-        let distance = |view: &View| view.rays.distance_squared(&hierarchy.bounds(node));
+        let distance = |view: &CullView| view.rays.distance_squared(&hierarchy.bounds(node));
         views.iter().map(distance).fold(f32::INFINITY, f32::min)
     };
     let leaf_distance = |leaf: &LeafIndex| {
@@ -86,12 +90,12 @@ enum Answers {
 }
 
 impl Answers {
-    fn of(tester: Tester) -> Self {
+    fn of(tester: VisibilityTest) -> Self {
         match tester {
-            Tester::Query => Self::Queries,
-            Tester::Compute => Self::Compute,
-            Tester::Flag => Self::Flags,
-            Tester::SharedProxy(_) => Self::Others,
+            VisibilityTest::Query => Self::Queries,
+            VisibilityTest::Compute => Self::Compute,
+            VisibilityTest::Flag => Self::Flags,
+            VisibilityTest::SharedProxy(_) => Self::Others,
         }
     }
 }
@@ -100,10 +104,11 @@ impl Answers {
 fn fronts_answer_in_time(plan: &FramePlan) -> Result<(), String> {
     for round in &plan.rounds {
         for (number, test) in round.clone().zip(&plan.tests[round.clone()]) {
-            let Tester::SharedProxy(front) = test.tester else { continue };
+            let VisibilityTest::SharedProxy(front) = test.tester else { continue };
             let in_time = plan.tests[..round.end].get(front as usize);
-            let is_right =
-                in_time.is_some_and(|front| front.tester == Tester::Flag && front.leaves.count > 0);
+            let is_right = in_time.is_some_and(|front| {
+                front.tester == VisibilityTest::Flag && front.leaves.count > 0
+            });
             if !is_right || test.tag.kind != QueryKind::PerLeaf {
                 return Err(format!("test {number} is behind {front}"));
             }
@@ -115,7 +120,7 @@ fn fronts_answer_in_time(plan: &FramePlan) -> Result<(), String> {
 /// Returns true if no plane of the frustum has the whole box outside, in 64 bits and without any
 /// allowance.
 /// Returns true if section planes leave something of an object's box.
-fn is_left(hierarchy: &Hierarchy, view: &View, object: ObjectId) -> bool {
+fn is_left(hierarchy: &Hierarchy, view: &CullView, object: ObjectId) -> bool {
     let corners = hierarchy.bounds(hierarchy.node_of(object).unwrap()).corners();
     let keeps = |plane: &SectionPlane| {
         corners.iter().any(|corner| plane.distance_m(corner.as_dvec3()) >= 0.0)
@@ -129,7 +134,7 @@ fn is_left(hierarchy: &Hierarchy, view: &View, object: ObjectId) -> bool {
     }
 }
 
-fn meets_frustum(hierarchy: &Hierarchy, view: &View, leaf: usize) -> bool {
+fn meets_frustum(hierarchy: &Hierarchy, view: &CullView, leaf: usize) -> bool {
     let object = hierarchy.leaf_objects()[leaf];
     let bounds = hierarchy.bounds(hierarchy.node_of(object).unwrap());
     if bounds.is_empty() {

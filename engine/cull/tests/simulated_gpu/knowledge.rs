@@ -1,8 +1,8 @@
 //! Tests of the history: its states, their survival, and the answers that are ignored.
 
 use antumbra_cull::{
-    Aabb, Answer, Camera, CullConfig, Culler, FrameId, FramePlan, Generation, Hierarchy, NodeId,
-    NodeState, ObjectId, Projection, QueryKind, QueryTag, Strategy, View,
+    Aabb, Answer, Camera, CullConfig, CullView, Culler, FrameId, FramePlan, Generation, Hierarchy,
+    NodeId, NodeState, ObjectId, Projection, QueryKind, QueryTag, Strategy,
 };
 use glam::Vec3;
 
@@ -141,7 +141,7 @@ fn pair() -> (Culler, Hierarchy, Vec<QueryTag>) {
 
 fn frame(culler: &mut Culler, hierarchy: &Hierarchy) -> Vec<QueryTag> {
     let camera = Camera { eye: Vec3::ZERO, ..STREET };
-    let view = View::new(&camera, SIZE, 8);
+    let view = CullView::new(&camera, SIZE, 8);
     let mut plan = FramePlan::default();
     culler.plan(hierarchy, Strategy::ANTUMBRA, &view, BUDGET, &mut plan);
     plan.tests.iter().map(|test| test.tag).collect()
@@ -206,7 +206,7 @@ fn a_loose_proxy_backs_off() {
     // The proxy always shows, the object never does.
     let mut visible_draw_queries = 0;
     let camera = Camera { eye: Vec3::ZERO, ..STREET };
-    let view = View::new(&camera, SIZE, 8);
+    let view = CullView::new(&camera, SIZE, 8);
     let mut plan = FramePlan::default();
     for _ in 0..1_000 {
         let answers = tags.iter().map(|tag| Answer {

@@ -1,9 +1,11 @@
-//! Tests of corrections: the times of frames correct wrong prices, in time, not by noise, and
+//! Tests of corrections: the times of frames correct wrong costs, in time, not by noise, and
 //! without effect on the image.
 
 use std::collections::VecDeque;
 
-use antumbra_cull::{Camera, Corrections, CostTable, FrameContents, FramePlan, Projection, Tester};
+use antumbra_cull::{
+    Camera, Corrections, CostTable, FrameContents, FramePlan, Projection, VisibilityTest,
+};
 use glam::Vec3;
 
 use crate::random::Random;
@@ -16,7 +18,7 @@ const LATENCY: u64 = 2;
 /// The time of a frame beside draws and tests.
 const REST_NS: f64 = 3.0e6;
 
-/// The frames within which it is found out that tests cost five times the table's prices ...
+/// The frames within which it is found out that tests cost five times the table's costs ...
 const FOUND_FRAMES: usize = 240;
 /// ... and the frames within which it is found out that they do not any more, or never did.
 const RESUMED_FRAMES: usize = 600;
@@ -26,7 +28,7 @@ fn table() -> CostTable {
     CostTable { break_ns: 5_000.0, break_wait_share: 0.05, ..queries }
 }
 
-/// Returns the prices of the same device with tests and breaks that cost `times` as much.
+/// Returns the costs of the same device with tests and breaks that cost `times` as much.
 fn dearer(times: f32) -> CostTable {
     let learned = table();
     CostTable {
@@ -42,7 +44,7 @@ fn dearer(times: f32) -> CostTable {
     }
 }
 
-/// A walk through a city on a device whose true prices the cost model does not know.
+/// A walk through a city on a device whose true costs the cost model does not know.
 struct Clocked {
     walk: Walk,
     camera: Camera,
@@ -122,7 +124,7 @@ impl Clocked {
     }
 
     fn corrections(&self) -> Corrections {
-        self.walk.culler.cost_model().unwrap().corrections()
+        self.walk.culler.learned_costs().unwrap().corrections()
     }
 
     /// Steps until the proportion is as wanted, and returns the number of frames that took.
@@ -138,27 +140,27 @@ impl Clocked {
 }
 
 /// Returns the time of a frame's draws and tests, computed from the plan.
-fn cost_ns(plan: &FramePlan, draws: u64, prices: &CostTable) -> f64 {
-    assert!(plan.tests.iter().all(|test| test.tester == Tester::Query));
-    let drawing = draws as f64 * f64::from(prices.leaf_ns(100.0));
-    let boxes = plan.tests.len() as f64 * f64::from(prices.query_ns + prices.query_box_ns);
-    let own_ns = f64::from(prices.query_ns) + 2.0 * f64::from(prices.call_ns);
+fn cost_ns(plan: &FramePlan, draws: u64, costs: &CostTable) -> f64 {
+    assert!(plan.tests.iter().all(|test| test.tester == VisibilityTest::Query));
+    let drawing = draws as f64 * f64::from(costs.leaf_ns(100.0));
+    let boxes = plan.tests.len() as f64 * f64::from(costs.query_ns + costs.query_box_ns);
+    let own_ns = f64::from(costs.query_ns) + 2.0 * f64::from(costs.call_ns);
     let own = plan.queried_draws.len() as f64 * own_ns;
-    let pixels = plan.stats.proxy_pixels as f64 * f64::from(prices.hidden_pixel_ns);
+    let pixels = plan.stats.proxy_pixels as f64 * f64::from(costs.hidden_pixel_ns);
     let predicated = plan.tests.iter().filter(|test| test.leaves.count > 0).count();
     let leaves: u32 = plan.tests.iter().map(|test| test.leaves.count).sum();
     let skipped = f64::from(leaves) - predicated as f64;
-    let predicates = predicated as f64 * f64::from(prices.predicate_ns)
-        + skipped * f64::from(prices.skipped_draw_ns);
-    let breaks = plan.rounds.len() as f64 * f64::from(prices.break_ns);
-    let waits = if plan.rounds.is_empty() { 0.0 } else { prices.break_wait_share.into() };
+    let predicates = predicated as f64 * f64::from(costs.predicate_ns)
+        + skipped * f64::from(costs.skipped_draw_ns);
+    let breaks = plan.rounds.len() as f64 * f64::from(costs.break_ns);
+    let waits = if plan.rounds.is_empty() { 0.0 } else { costs.break_wait_share.into() };
     drawing * (1.0 + waits) + boxes + own + pixels + predicates + breaks
 }
 
 #[test]
 fn tests_that_are_dearer_than_told_end_where_they_do_not_pay_and_come_back() {
     for seed in 0..3 {
-        // The decisions by prices that are right, and by those that are five times too low.
+        // The decisions by costs that are right, and by those that are five times too low.
         let mut right = Clocked { learns: false, ..Clocked::new(dearer(5.0), seed) };
         let mut wrong = Clocked { learns: false, ..Clocked::new(table(), seed) };
         let mut learning = Clocked { tests: 5.0, ..Clocked::new(table(), seed) };
@@ -171,11 +173,11 @@ fn tests_that_are_dearer_than_told_end_where_they_do_not_pay_and_come_back() {
         let [right, wrong_tests, learned] =
             [&mut right, &mut wrong, &mut learning].map(|walk| walk.single_tests(300));
         println!(
-            "found after {found} frames: {learned} tests, {right} by right prices, {wrong_tests} by wrong ones, {:?}",
+            "found after {found} frames: {learned} tests, {right} by right costs, {wrong_tests} by wrong ones, {:?}",
             learning.corrections()
         );
-        assert!(right * 3 < wrong_tests, "these prices decide nothing");
-        assert!(learned * 2 < wrong_tests, "{learned} tests, {wrong_tests} by wrong prices");
+        assert!(right * 3 < wrong_tests, "these costs decide nothing");
+        assert!(learned * 2 < wrong_tests, "{learned} tests, {wrong_tests} by wrong costs");
 
         learning.tests = 1.0;
         let resumed = learning.until(RESUMED_FRAMES, |proportion| proportion < 1.2);
@@ -231,11 +233,11 @@ fn nonsense_teaches_nothing() {
         walk.step();
         assert!(walk.walk.is_exact(&walk.camera), "frame {frame}");
         let contents = FrameContents { draws: 100, triangles: 10_000, ..Default::default() };
-        let cost_model = walk.walk.culler.cost_model_mut().unwrap();
+        let learned_costs = walk.walk.culler.cost_model_mut().unwrap();
         for gpu_ns in [f64::NAN, f64::INFINITY, -1.0, 0.0, 1.0e30, f64::MIN_POSITIVE] {
-            cost_model.observe(gpu_ns, &contents);
+            learned_costs.observe(gpu_ns, &contents);
         }
-        cost_model.observe(1.0e7, &FrameContents::default());
+        learned_costs.observe(1.0e7, &FrameContents::default());
         let endless = FrameContents {
             draws: u64::MAX,
             triangles: u64::MAX,
@@ -243,7 +245,7 @@ fn nonsense_teaches_nothing() {
             proxy_pixels: u64::MAX,
             ..FrameContents::default()
         };
-        cost_model.observe(1.0e7, &endless);
+        learned_costs.observe(1.0e7, &endless);
     }
     assert_eq!(walk.corrections(), Corrections::default());
 }

@@ -9,15 +9,15 @@
 
 mod blocking;
 mod casters;
-mod cost_model;
 mod device;
-mod device_prices;
+mod device_costs;
 mod exactness;
 mod explain;
 mod image;
 mod in_frustum;
 mod invariants;
 mod knowledge;
+mod learned_costs;
 mod learning;
 mod moving;
 mod multi_view;

@@ -1,7 +1,8 @@
 //! Scenes in which everything moves, comes and goes: exact at every frame, in every view.
 
 use antumbra_cull::{
-    Aabb, Camera, CullConfig, Culler, FramePlan, Hierarchy, ObjectId, Projection, Strategy, View,
+    Aabb, Camera, CullConfig, CullView, Culler, FramePlan, Hierarchy, ObjectId, Projection,
+    Strategy,
 };
 use glam::Vec3;
 
@@ -131,7 +132,7 @@ impl World {
         let boxes = moved.iter().map(|o| (ObjectId(*o as u32), self.scene.bounds[*o]));
         self.hierarchy.refit(boxes).unwrap();
         if !frame.is_multiple_of(3) {
-            self.hierarchy.restructure(&mut Vec::new());
+            self.hierarchy.rebuild_subtrees(&mut Vec::new());
         }
         if frame % 17 == 16 {
             self.hierarchy.rebuild(&self.scene.bounds).unwrap();
@@ -162,7 +163,7 @@ impl World {
         checked.grown += u64::from(leaves > before);
     }
 
-    fn draw_all(&self, view: &View, truth: &mut Image) -> u64 {
+    fn draw_all(&self, view: &CullView, truth: &mut Image) -> u64 {
         truth.clear();
         let mut drawn = 0;
         for (solid, shift) in self.scene.solids.iter().zip(&self.scene.shifts) {
@@ -187,7 +188,7 @@ fn verify(seed: u64) -> Checked {
             if world.random.chance(eye.pauses) {
                 continue;
             }
-            let view = View::new(&eye.camera, SIZE, world.sub_pixel_bits);
+            let view = CullView::new(&eye.camera, SIZE, world.sub_pixel_bits);
             let hierarchy = &world.hierarchy;
             let culler = &mut eye.culler;
             culler.ingest(hierarchy, eye.device.collect(culler.frame().0 + 1, hierarchy));
@@ -259,7 +260,7 @@ fn things_that_move_behind_a_wall_stay_hidden() {
             walk.scene.solids[object.0 as usize] = *bounds;
         }
         walk.hierarchy.refit(moved).unwrap();
-        walk.hierarchy.restructure(&mut Vec::new());
+        walk.hierarchy.rebuild_subtrees(&mut Vec::new());
         walk.step(&camera);
         assert!(walk.is_exact(&camera), "frame {frame}");
         queries.push(walk.plan.query_count());

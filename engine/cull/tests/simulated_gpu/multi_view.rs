@@ -2,8 +2,8 @@
 //! everything drawn, whatever happens to the answers.
 
 use antumbra_cull::{
-    Camera, CostTable, CullConfig, Culler, DrawPhases, FramePlan, Hierarchy, MultiView, NodeState,
-    ObjectId, Projection, SceneCosts, Strategy, Tester, TesterSupport, View,
+    Camera, CostTable, CullConfig, CullView, Culler, DrawPhases, FramePlan, Hierarchy, MultiView,
+    NodeState, ObjectId, Projection, SceneCosts, Strategy, VisibilityTest, VisibilityTestSupport,
 };
 use glam::{Quat, Vec3};
 
@@ -90,8 +90,8 @@ struct Checked {
 }
 
 /// Returns the image of each view with all objects drawn.
-fn truths(views: &[View], scene: &Scene) -> Vec<Image> {
-    let truth = |view: &View| {
+fn truths(views: &[CullView], scene: &Scene) -> Vec<Image> {
+    let truth = |view: &CullView| {
         let mut image = Image::new(SIZE);
         for (solid, shift) in scene.solids.iter().zip(&scene.shifts) {
             image.draw(view, solid, *shift);
@@ -102,7 +102,7 @@ fn truths(views: &[View], scene: &Scene) -> Vec<Image> {
 }
 
 fn culler(seed: u64, random: &mut Random) -> Culler {
-    let testers = TesterSupport {
+    let testers = VisibilityTestSupport {
         queries: true,
         flags: random.chance(0.7),
         compute: random.chance(0.3),
@@ -148,7 +148,7 @@ fn verify(seed: u64, checked: &mut Checked) {
             hierarchy.refit([(ObjectId(object as u32), scene.bounds[object])]).unwrap();
         }
         let view = |camera: &Camera| lens.view(camera, frame, SIZE, sub_pixel_bits);
-        let views: Vec<View> = rig.cameras(&camera).iter().map(view).collect();
+        let views: Vec<CullView> = rig.cameras(&camera).iter().map(view).collect();
         let views = MultiView::new(&views).unwrap();
         let truths = truths(views.as_slice(), &scene);
         let solids = Solids { solids: &scene.solids, shifts: &scene.shifts };
@@ -159,7 +159,7 @@ fn verify(seed: u64, checked: &mut Checked) {
             invariants::check(&hierarchy, *strategy, views, budget, plan)
                 .unwrap_or_else(|broken| panic!("{}: {broken}", context()));
             for test in &plan.tests {
-                let Tester::SharedProxy(front) = test.tester else { continue };
+                let VisibilityTest::SharedProxy(front) = test.tester else { continue };
                 let front = culler.state(plan.tests[front as usize].tag.node);
                 assert_eq!(front, NodeState::Hidden, "{}: what answers for others", context());
             }
@@ -191,7 +191,7 @@ fn a_pair_of_eyes_costs_few_more_tests_than_one() {
     let scene = Scene::solid(crate::scene::city(&mut Random::new(3), 20));
     let hierarchy = Hierarchy::build(&scene.bounds).unwrap();
     let solids = Solids { solids: &scene.solids, shifts: &scene.shifts };
-    let testers = TesterSupport { flags: true, leaf_tests: true, ..Default::default() };
+    let testers = VisibilityTestSupport { flags: true, leaf_tests: true, ..Default::default() };
     let mut camera = Camera {
         eye: Vec3::new(-1.0, 1.7, 60.0),
         forward: Vec3::NEG_Z,
@@ -207,7 +207,7 @@ fn a_pair_of_eyes_costs_few_more_tests_than_one() {
     for _ in 0..60 {
         camera.eye.z -= 0.2;
         let eyes = Rig::Pair { apart: 0.065, turned: 0.0 }.cameras(&camera);
-        let views: Vec<View> = eyes.iter().map(|eye| View::new(eye, SIZE, 8)).collect();
+        let views: Vec<CullView> = eyes.iter().map(|eye| CullView::new(eye, SIZE, 8)).collect();
         for (run, (culler, device, plan)) in runs.iter_mut().enumerate() {
             let views = MultiView::new(&views[..=run]).unwrap();
             culler.ingest(&hierarchy, device.collect(culler.frame().0 + 1, &hierarchy));

@@ -1,6 +1,6 @@
 //! Tests of the strategy by the last frame's answers: cheap, exact at rest, and wrong in between.
 
-use antumbra_cull::{Aabb, Camera, CullConfig, Culler, FramePlan, Hierarchy, Projection, View};
+use antumbra_cull::{Aabb, Camera, CullConfig, CullView, Culler, FramePlan, Hierarchy, Projection};
 use glam::{Quat, Vec3};
 
 use crate::device::{Device, Mishaps, Solids};
@@ -38,7 +38,7 @@ impl Walk {
 
     /// Runs a frame and returns the number of wrong pixels.
     fn step(&mut self, camera: &Camera) -> usize {
-        let view = View::new(camera, SIZE, 8);
+        let view = CullView::new(camera, SIZE, 8);
         let answers = self.device.collect(self.culler.frame().0 + 1, &self.hierarchy);
         self.culler.ingest(&self.hierarchy, answers);
         self.culler.plan_next_frame(&self.hierarchy, &view, &mut self.plan);

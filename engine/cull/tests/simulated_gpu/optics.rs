@@ -1,6 +1,6 @@
 //! Projections of all kinds, as a host's matrices.
 
-use antumbra_cull::{Camera, ClipY, DepthConvention, Projection, View, ViewProjection};
+use antumbra_cull::{Camera, ClipY, CullView, DepthConvention, Projection, ViewProjection};
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
 /// The properties of a host's matrix that a camera does not have.
@@ -66,9 +66,9 @@ impl Optics {
     }
 
     /// Returns the view of a frame of `camera`.
-    pub fn view(&self, camera: &Camera, frame: u64, size: [u32; 2], bits: u32) -> View {
+    pub fn view(&self, camera: &Camera, frame: u64, size: [u32; 2], bits: u32) -> CullView {
         let projection = self.projection(camera, frame, size);
-        View::from_matrix(&projection, size, bits).unwrap_or_else(|error| {
+        CullView::from_matrix(&projection, size, bits).unwrap_or_else(|error| {
             panic!("{error}: {self:?} {camera:?}");
         })
     }

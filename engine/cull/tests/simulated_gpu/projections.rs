@@ -1,7 +1,7 @@
 //! Properties of the frustum test and the margin, over random projections.
 
 use antumbra_cull::{
-    Aabb, Camera, ClipY, Containment, DepthConvention, PlaneMask, Projection, View,
+    Aabb, Camera, ClipY, Containment, CullView, DepthConvention, PlaneMask, Projection,
 };
 use glam::{DVec2, DVec4, Vec2, Vec3};
 use proptest::prelude::*;
@@ -11,7 +11,7 @@ use crate::random::Random;
 use crate::raster::ClipBox;
 
 /// Returns a view of any kind, and a direction of sight that is none of the axes.
-fn view() -> impl Strategy<Value = View> {
+fn view() -> impl Strategy<Value = CullView> {
     (camera(), optics(), [16_u32..2000, 16..2000], prop_oneof![Just(4_u32), Just(8)])
         .prop_map(|(camera, optics, size, bits)| optics.view(&camera, 3, size, bits))
 }
@@ -66,34 +66,34 @@ fn small_box() -> impl Strategy<Value = Aabb> {
 }
 
 /// Returns the clip coordinates of a point of an object, as its shader computes them.
-fn clip(view: &View, point: Vec3) -> DVec4 {
+fn clip(view: &CullView, point: Vec3) -> DVec4 {
     (view.from_anchor * (point - view.anchor).extend(1.0)).as_dvec4()
 }
 
 /// Returns half of the image's size (pixels).
-fn half_size(view: &View) -> DVec2 {
+fn half_size(view: &CullView) -> DVec2 {
     DVec2::new(view.size[0].into(), view.size[1].into()) * 0.5
 }
 
 /// Returns the position of a point of an object on the screen (pixels).
-fn project(view: &View, point: Vec3) -> DVec2 {
+fn project(view: &CullView, point: Vec3) -> DVec2 {
     let clip = clip(view, point);
     (clip.truncate().truncate() / clip.w + 1.0) * half_size(view)
 }
 
 /// Returns the depth of a point of an object as a rasteriser stores it, larger ones nearer.
-fn depth(view: &View, point: Vec3) -> f64 {
+fn depth(view: &CullView, point: Vec3) -> f64 {
     let clip = clip(view, point);
     clip.z / clip.w * f64::from(view.depth.sign())
 }
 
 /// Returns the depth at the near plane, larger ones nearer.
-fn near_depth(view: &View) -> f64 {
+fn near_depth(view: &CullView) -> f64 {
     f64::from(view.depth.nearest() * view.depth.sign())
 }
 
 /// Returns the depth of a proxy at a position on the screen, larger ones nearer.
-fn proxy_depth(view: &View, proxy: &Aabb, position: DVec2) -> Option<f64> {
+fn proxy_depth(view: &CullView, proxy: &Aabb, position: DVec2) -> Option<f64> {
     let clip_box = ClipBox::of_proxy(view, proxy);
     let points = clip_box.points(position / half_size(view) - 1.0);
     points.map(|point| point.z / point.w * f64::from(view.depth.sign())).reduce(f64::max)
@@ -106,7 +106,7 @@ fn on_screen() -> impl Strategy<Value = [f32; 3]> {
 }
 
 /// Returns the world position of a point on the screen.
-fn unproject(view: &View, point: [f32; 3]) -> Vec3 {
+fn unproject(view: &CullView, point: [f32; 3]) -> Vec3 {
     let [x, y, depth] = point;
     view.rays.point(Vec2::new(x, y) * 2.0 - 1.0, depth)
 }
@@ -123,7 +123,7 @@ fn around(point: Vec3, low: [f32; 3], high: [f32; 3], scale: f32) -> Aabb {
 }
 
 /// Returns true if a proxy is drawn where a corner of its object is, and is no deeper.
-fn covers(view: &View, corner: Vec3, proxy: &Aabb) -> bool {
+fn covers(view: &CullView, corner: Vec3, proxy: &Aabb) -> bool {
     let there = proxy_depth(view, proxy, project(view, corner));
     there.is_some_and(|there| there >= depth(view, corner))
 }
@@ -146,7 +146,7 @@ fn proxies_cover_objects_whose_matrix_is_another() {
                 projection: Projection::perspective(random.between(0.2, 2.0)),
                 near: 0.1 * scale,
             };
-            let view = View::new(&camera, [1280, 720], 8);
+            let view = CullView::new(&camera, [1280, 720], 8);
             let ndc = random.point(-1.0, 1.0).truncate();
             let middle = view.rays.point(ndc, random.between(3.0, 30.0) * scale);
             let half = random.point(0.1, 2.0) * scale;

@@ -2,8 +2,8 @@
 //! view with everything drawn, and no view is left without queries.
 
 use antumbra_cull::{
-    Camera, CullConfig, Culler, DrawPhases, FramePlan, Hierarchy, ObjectId, QueryShares, Strategy,
-    TesterSupport, View,
+    Camera, CullConfig, CullView, Culler, DrawPhases, FramePlan, Hierarchy, ObjectId, QueryShares,
+    Strategy, VisibilityTestSupport,
 };
 use glam::Vec3;
 
@@ -26,7 +26,7 @@ struct SharingView {
 }
 
 impl SharingView {
-    fn new(seed: u64, camera: Camera, mishaps: Mishaps, testers: TesterSupport) -> Self {
+    fn new(seed: u64, camera: Camera, mishaps: Mishaps, testers: VisibilityTestSupport) -> Self {
         let config = CullConfig { seed, ..CullConfig::default() };
         Self {
             culler: Culler::with_testers(config, testers),
@@ -54,7 +54,7 @@ fn draw(
     shares.plan_views(query_budget, views, SharingView::queries, |number, view, share| {
         let SharingView { culler, device, plan, camera } = view;
         culler.ingest(hierarchy, device.collect(culler.frame().0 + 1, hierarchy));
-        let eye = View::new(camera, SIZE, 8);
+        let eye = CullView::new(camera, SIZE, 8);
         culler.plan(hierarchy, strategy, &eye, share, plan);
         invariants::check(hierarchy, strategy, &eye, share, plan).unwrap();
         shared[number] = share;
@@ -63,7 +63,7 @@ fn draw(
     assert!(queries <= query_budget, "{queries} queries of {query_budget}");
     let solids = Solids { solids: &scene.solids, shifts: &scene.shifts };
     for (number, SharingView { device, plan, camera, .. }) in views.iter_mut().enumerate() {
-        let eye = View::new(camera, SIZE, 8);
+        let eye = CullView::new(camera, SIZE, 8);
         device.execute(&eye, hierarchy, &solids, plan);
         let mut truth = Image::new(SIZE);
         for (solid, shift) in scene.solids.iter().zip(&scene.shifts) {
@@ -85,7 +85,7 @@ fn verify(seed: u64) -> [u64; 2] {
     let calm = Mishaps::none(1 + random.below(3) as u64);
     let rough = Mishaps { late: 0.3, lost: 0.2, twice: 0.2, listed: 6, ..calm };
     let mishaps = [calm, rough][random.below(2)];
-    let testers = TesterSupport {
+    let testers = VisibilityTestSupport {
         queries: true,
         flags: random.chance(0.4),
         compute: false,
@@ -137,7 +137,9 @@ fn queries_go_where_they_are_asked_for() {
     let camera = |forward| Camera { forward, near: 0.1, ..street };
     let cameras = [Vec3::NEG_Z, Vec3::Z, Vec3::new(-0.4, 0.0, -1.0)].map(camera);
     let new_views = || {
-        let new = |camera| SharingView::new(1, camera, Mishaps::none(2), TesterSupport::default());
+        let new = |camera| {
+            SharingView::new(1, camera, Mishaps::none(2), VisibilityTestSupport::default())
+        };
         cameras.map(new)
     };
     let draw_frames = |query_budget| {

@@ -1,7 +1,7 @@
 //! Boxes as shaders and a rasteriser see them: their corners in clip space, computed in single
 //! precision by the matrix that draws them, and triangles between those.
 
-use antumbra_cull::{Aabb, View};
+use antumbra_cull::{Aabb, CullView};
 use glam::{DMat3, DVec2, DVec3, Vec3, Vec4};
 
 /// The corners of each face, by their numbers in [`Aabb::corners`]: the lower and the upper face of
@@ -35,14 +35,14 @@ struct Triangle {
 
 impl ClipBox {
     /// Returns an object's box, all faces of it, as shaders of objects transform it.
-    pub fn of_object(view: &View, bounds: &Aabb) -> Self {
+    pub fn of_object(view: &CullView, bounds: &Aabb) -> Self {
         let clip = |corner: Vec3| view.from_anchor * (corner - view.anchor).extend(1.0);
         let every = FACES.as_flattened();
         Self::between(bounds.corners().map(clip), every)
     }
 
     /// Returns a proxy, the faces of it that its shader takes for front faces.
-    pub fn of_proxy(view: &View, bounds: &Aabb) -> Self {
+    pub fn of_proxy(view: &CullView, bounds: &Aabb) -> Self {
         let matrix = view.proxy_view_proj();
         let eye = view.rays.eye();
         let mut front = Vec::new();

@@ -2,9 +2,9 @@
 //! those that must not.
 
 use antumbra_cull::{
-    Aabb, Answer, Batch, BlockingCuller, BlockingKind, Camera, CoherentOptions, CullConfig, Culler,
-    FramePlan, Hierarchy, LeafRange, NextAction, NodeId, NodeState, ObjectId, Projection,
-    QueryKind, QueryTag, Strategy, TestAnswer, View,
+    Aabb, Answer, Batch, BlockingCuller, BlockingKind, Camera, ChcOptions, CullConfig, CullView,
+    Culler, FramePlan, Hierarchy, LeafRange, NextAction, NodeId, NodeState, ObjectId, Projection,
+    QueryKind, QueryTag, Strategy, TestAnswer,
 };
 use glam::Vec3;
 
@@ -39,7 +39,7 @@ fn an_object(walk: &Walk, state: NodeState) -> ObjectId {
 
 /// Plans a frame for the hierarchy and ignores the plan.
 fn plan_once(culler: &mut Culler, hierarchy: &Hierarchy) {
-    let view = View::new(&STREET, SIZE, 8);
+    let view = CullView::new(&STREET, SIZE, 8);
     culler.plan(hierarchy, Strategy::ANTUMBRA, &view, BUDGET, &mut FramePlan::default());
 }
 
@@ -116,7 +116,7 @@ fn mingle(walk: &mut Walk, states: &[NodeState]) -> LeafRange {
             walk.scene.solids[*object] = moved;
             walk.hierarchy.refit([(ObjectId(*object as u32), moved)]).unwrap();
         }
-        walk.hierarchy.restructure(&mut reordered);
+        walk.hierarchy.rebuild_subtrees(&mut reordered);
         let is_fit = |part: &&LeafRange| (part.count as usize) < count && is_seen(walk, part);
         if let Some(part) = reordered.iter().find(is_fit) {
             return *part;
@@ -267,7 +267,7 @@ fn cube(centre: Vec3, half: f32) -> Aabb {
 #[test]
 fn next_frame_knows_nothing_of_who_comes_under_an_old_id() {
     let camera = Camera { eye: Vec3::ZERO, ..STREET };
-    let view = View::new(&camera, SIZE, 8);
+    let view = CullView::new(&camera, SIZE, 8);
     let screen = cube(Vec3::new(0.0, 0.0, -5.0), 1.0);
     let mut hierarchy = Hierarchy::build(&[screen, cube(Vec3::NEG_Z * 50.0, 1.0)]).unwrap();
     let mut culler = Culler::new(CullConfig::default());
@@ -295,10 +295,10 @@ fn next_frame_knows_nothing_of_who_comes_under_an_old_id() {
 #[test]
 fn coherent_knows_nothing_of_who_comes_under_an_old_id() {
     let camera = Camera { eye: Vec3::ZERO, ..STREET };
-    let view = View::new(&camera, SIZE, 8);
+    let view = CullView::new(&camera, SIZE, 8);
     let near = cube(Vec3::new(0.0, 0.0, -5.0), 1.0);
     let mut hierarchy = Hierarchy::build(&[near, cube(Vec3::new(3.0, 0.0, -50.0), 1.0)]).unwrap();
-    let mut blocking = BlockingCuller::new(BlockingKind::Coherent(CoherentOptions::default()));
+    let mut blocking = BlockingCuller::new(BlockingKind::Chc(ChcOptions::default()));
     // Everything shows. Answers how many tests a frame takes.
     let mut tests = |hierarchy: &Hierarchy| {
         let mut conversation = blocking.begin(hierarchy, &view);

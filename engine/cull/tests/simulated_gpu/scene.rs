@@ -1,6 +1,6 @@
 //! Seeded scenes and camera paths, the awkward ones included.
 
-use antumbra_cull::{Aabb, Camera, ClipY, DepthConvention, Projection, View};
+use antumbra_cull::{Aabb, Camera, ClipY, CullView, DepthConvention, Projection};
 use glam::{Vec2, Vec3};
 
 use crate::image::Shift;
@@ -240,9 +240,9 @@ impl Lens {
         }
     }
 
-    pub fn view(&self, camera: &Camera, frame: u64, size: [u32; 2], bits: u32) -> View {
+    pub fn view(&self, camera: &Camera, frame: u64, size: [u32; 2], bits: u32) -> CullView {
         match self {
-            Self::Camera => View::new(camera, size, bits),
+            Self::Camera => CullView::new(camera, size, bits),
             Self::Matrix(optics) => optics.view(camera, frame, size, bits),
         }
     }

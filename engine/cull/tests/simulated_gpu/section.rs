@@ -1,8 +1,8 @@
 //! Section planes that are dragged through a scene, and what they do to plans.
 
 use antumbra_cull::{
-    Aabb, Camera, CullConfig, Culler, Decision, FramePlan, Hierarchy, ObjectId, Projection,
-    SectionMember, SectionMode, SectionPlane, SectionPlanes, Strategy, View,
+    Aabb, Camera, CullConfig, CullView, Culler, Decision, FramePlan, Hierarchy, ObjectId,
+    Projection, SectionMember, SectionMode, SectionPlane, SectionPlanes, Strategy,
 };
 use glam::{DVec3, Vec3};
 
@@ -55,7 +55,7 @@ fn row(count: u32) -> Vec<Aabb> {
     (0..count).map(|x| Aabb::new(at(x), at(x) + 1.0)).collect()
 }
 
-fn view(section: SectionPlanes) -> View {
+fn view(section: SectionPlanes) -> CullView {
     let camera = Camera {
         eye: Vec3::ZERO,
         forward: Vec3::NEG_Z,
@@ -63,10 +63,10 @@ fn view(section: SectionPlanes) -> View {
         projection: Projection::perspective(1.5),
         near: 0.1,
     };
-    View { section, ..View::new(&camera, [64, 64], 8) }
+    CullView { section, ..CullView::new(&camera, [64, 64], 8) }
 }
 
-fn planned(hierarchy: &Hierarchy, view: &View) -> (Culler, FramePlan) {
+fn planned(hierarchy: &Hierarchy, view: &CullView) -> (Culler, FramePlan) {
     let mut culler = Culler::new(CullConfig::default());
     let mut plan = FramePlan::default();
     culler.plan(hierarchy, Strategy::FRUSTUM, view, 0, &mut plan);

@@ -2,8 +2,8 @@
 //! mishaps.
 
 use antumbra_cull::{
-    Aabb, Batch, BlockingFrame, BlockingStats, Hierarchy, LeafIndex, NextAction, TestAnswer,
-    TestToken, View,
+    Aabb, Batch, BlockingFrame, BlockingStats, CullView, Hierarchy, LeafIndex, NextAction,
+    TestAnswer, TestToken,
 };
 
 use crate::device::Solids;
@@ -61,7 +61,7 @@ impl Talk {
     pub fn frame(
         &mut self,
         conversation: &mut BlockingFrame<'_>,
-        view: &View,
+        view: &CullView,
         hierarchy: &Hierarchy,
         solids: &Solids<'_>,
     ) -> BlockingStats {
@@ -85,7 +85,13 @@ impl Talk {
         panic!("the conversation does not end");
     }
 
-    fn execute(&mut self, batch: &Batch, view: &View, hierarchy: &Hierarchy, solids: &Solids<'_>) {
+    fn execute(
+        &mut self,
+        batch: &Batch,
+        view: &CullView,
+        hierarchy: &Hierarchy,
+        solids: &Solids<'_>,
+    ) {
         for draw in &batch.draws {
             let object = hierarchy.leaf_objects()[draw.leaf.0 as usize].0 as usize;
             self.drawn.push(draw.leaf);
@@ -100,7 +106,7 @@ impl Talk {
         }
     }
 
-    fn test(&mut self, view: &View, bounds: &Aabb) -> u32 {
+    fn test(&mut self, view: &CullView, bounds: &Aabb) -> u32 {
         let step = self.sub_pixel_step as f32;
         let shift = [0, 1].map(|_| f64::from(self.random.between(-step, step)));
         self.image.test(view, bounds, shift)

@@ -2,13 +2,13 @@
 //! exact with what is left.
 
 use antumbra_cull::{
-    Camera, CullConfig, Culler, DrawPhases, Projection, SceneCosts, Strategy, Tester,
-    TesterSupport, View,
+    Camera, CullConfig, CullView, Culler, DrawPhases, Projection, SceneCosts, Strategy,
+    VisibilityTest, VisibilityTestSupport,
 };
 use glam::Vec3;
 
-use crate::cost_model::prices;
 use crate::device::Solids;
+use crate::learned_costs::costs;
 use crate::random::Random;
 use crate::scene::city;
 use crate::walk::{BUDGET, SIZE, Walk};
@@ -22,27 +22,27 @@ const CAMERA: Camera = Camera {
 };
 
 /// Returns true if a tester is among those that there are.
-fn is_there(testers: TesterSupport, tester: Tester) -> bool {
+fn is_there(testers: VisibilityTestSupport, tester: VisibilityTest) -> bool {
     match tester {
-        Tester::Query => testers.queries,
-        Tester::Flag => testers.flags,
-        Tester::Compute => testers.compute,
-        Tester::SharedProxy(_) => true,
+        VisibilityTest::Query => testers.queries,
+        VisibilityTest::Flag => testers.flags,
+        VisibilityTest::Compute => testers.compute,
+        VisibilityTest::SharedProxy(_) => true,
     }
 }
 
 /// Walks with these testers and checks each plan; returns the number of tests.
-fn walk(testers: TesterSupport, strategy: Strategy, priced: Option<SceneCosts>) -> usize {
+fn walk(testers: VisibilityTestSupport, strategy: Strategy, measured: Option<SceneCosts>) -> usize {
     let mut walk = Walk::new(city(&mut Random::new(3), 10), 2);
     walk.culler = Culler::with_testers(CullConfig::default(), testers);
-    if let Some(scene) = priced {
-        walk.culler.set_costs(prices(), scene).unwrap();
+    if let Some(scene) = measured {
+        walk.culler.set_costs(costs(), scene).unwrap();
     }
     let mut tests = 0;
     for step in 0..12 {
         let eye = Vec3::new(-1.0, 1.7, 30.0 - step as f32 * 0.3);
         let camera = Camera { eye, ..CAMERA };
-        let view = View::new(&camera, SIZE, 8);
+        let view = CullView::new(&camera, SIZE, 8);
         let answers = walk.device.collect(walk.culler.frame().0 + 1, &walk.hierarchy);
         walk.culler.ingest(&walk.hierarchy, answers);
         walk.culler.plan(&walk.hierarchy, strategy, &view, BUDGET, &mut walk.plan);
@@ -62,7 +62,7 @@ fn a_tester_that_is_not_there_tests_nothing_and_what_is_left_is_exact() {
     for bits in 0..16 {
         let has = |bit: u32| bits >> bit & 1 == 1;
         let phases = [DrawPhases::PerRound, DrawPhases::Two];
-        let testers = TesterSupport {
+        let testers = VisibilityTestSupport {
             queries: has(0),
             flags: has(1),
             compute: has(2),

@@ -2,8 +2,8 @@
 //! more pixels are wrong.
 
 use antumbra_cull::{
-    Aabb, Camera, CullConfig, Culler, DrawPhases, FramePlan, Hierarchy, NodeState, ObjectId,
-    Projection, ProxyTest, Strategy, Tester, TesterSupport, View,
+    Aabb, Camera, CullConfig, CullView, Culler, DrawPhases, FramePlan, Hierarchy, NodeState,
+    ObjectId, Projection, ProxyTest, Strategy, VisibilityTest, VisibilityTestSupport,
 };
 use glam::Vec3;
 
@@ -35,7 +35,12 @@ struct Found {
 }
 
 /// Counts the pixels of the whole image in which some of these objects is the nearest.
-fn owned(view: &View, scene: &Scene, truth: &Image, objects: impl Iterator<Item = usize>) -> u32 {
+fn owned(
+    view: &CullView,
+    scene: &Scene,
+    truth: &Image,
+    objects: impl Iterator<Item = usize>,
+) -> u32 {
     let mut alone = Image::new(SIZE);
     let mut is_owned = vec![false; truth.depths.len()];
     for object in objects {
@@ -60,7 +65,7 @@ fn walk(seed: u64, thresholds: &[u32]) -> Found {
     let rough = Mishaps { late: 0.3, lost: 0.2, twice: 0.2, ..calm };
     let mishaps = if random.chance(0.5) { rough } else { calm };
     let other_testers = thresholds.len() > 1;
-    let testers = TesterSupport {
+    let testers = VisibilityTestSupport {
         queries: true,
         flags: other_testers,
         compute: other_testers,
@@ -75,7 +80,7 @@ fn walk(seed: u64, thresholds: &[u32]) -> Found {
     let mut found = Found::default();
     for frame in 0..FRAMES {
         path.advance(&mut camera, frame, &mut random);
-        let view = View::new(&camera, SIZE, SUB_PIXEL_BITS);
+        let view = CullView::new(&camera, SIZE, SUB_PIXEL_BITS);
         truth.clear();
         for (solid, shift) in scene.solids.iter().zip(&scene.shifts) {
             truth.draw(&view, solid, *shift);
@@ -87,7 +92,7 @@ fn walk(seed: u64, thresholds: &[u32]) -> Found {
         culler.plan(&hierarchy, Strategy::ANTUMBRA, &view, 10_000, &mut plan);
         device.execute(&view, &hierarchy, &solids, &plan);
         assert_eq!(plan.sample_threshold, threshold_samples);
-        let counts = |test: &ProxyTest| test.tester == Tester::Query;
+        let counts = |test: &ProxyTest| test.tester == VisibilityTest::Query;
         assert!(threshold_samples == 0 || plan.tests.iter().all(counts), "others do not count");
         let context = format!("seed {seed}, frame {frame}, threshold {threshold_samples}");
         for (leaves, samples) in &device.below_threshold {

@@ -1,7 +1,8 @@
 //! A culler, a device and a scene that advance frame by frame.
 
 use antumbra_cull::{
-    Aabb, Camera, CostTable, CullConfig, Culler, FramePlan, Hierarchy, SceneCosts, Strategy, View,
+    Aabb, Camera, CostTable, CullConfig, CullView, Culler, FramePlan, Hierarchy, SceneCosts,
+    Strategy,
 };
 
 use crate::device::{Device, Mishaps, Solids};
@@ -38,7 +39,7 @@ impl Walk {
     }
 
     pub fn step(&mut self, camera: &Camera) {
-        let view = View::new(camera, SIZE, 8);
+        let view = CullView::new(camera, SIZE, 8);
         let answers = self.device.collect(self.culler.frame().0 + 1, &self.hierarchy);
         self.culler.ingest(&self.hierarchy, answers);
         self.culler.plan(&self.hierarchy, Strategy::ANTUMBRA, &view, BUDGET, &mut self.plan);
@@ -54,7 +55,7 @@ impl Walk {
 
     /// Counts the leaves that frustum culling would draw.
     pub fn count_in_frustum(&self, camera: &Camera) -> usize {
-        let view = View::new(camera, SIZE, 8);
+        let view = CullView::new(camera, SIZE, 8);
         let mut plan = FramePlan::default();
         let mut culler = Culler::new(CullConfig::default());
         culler.plan(&self.hierarchy, Strategy::FRUSTUM, &view, 0, &mut plan);
@@ -63,7 +64,7 @@ impl Walk {
 
     /// Returns true if the last frame's image is the same as with everything drawn.
     pub fn is_exact(&self, camera: &Camera) -> bool {
-        let view = View::new(camera, SIZE, 8);
+        let view = CullView::new(camera, SIZE, 8);
         let mut truth = Image::new(SIZE);
         for (solid, shift) in self.scene.solids.iter().zip(&self.scene.shifts) {
             truth.draw(&view, solid, *shift);

@@ -119,10 +119,10 @@ fn pick(mut adapters: Vec<Adapter>, wanted: Option<&str>) -> Result<Adapter, Err
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::core::capabilities::{Capabilities, Required};
+    use crate::core::capabilities::{Capabilities, RequiredFeature};
     use crate::core::ownership::OwnerId;
 
-    fn adapter(name: &str, kind: vk::PhysicalDeviceType, missing: Vec<Required>) -> Adapter {
+    fn adapter(name: &str, kind: vk::PhysicalDeviceType, missing: Vec<RequiredFeature>) -> Adapter {
         Adapter {
             instance: OwnerId::new(),
             physical: vk::PhysicalDevice::null(),
@@ -141,7 +141,11 @@ mod tests {
     fn machine() -> Vec<Adapter> {
         vec![
             adapter("llvmpipe (LLVM 15)", vk::PhysicalDeviceType::CPU, vec![]),
-            adapter("Old Card", vk::PhysicalDeviceType::DISCRETE_GPU, vec![Required::Vulkan13]),
+            adapter(
+                "Old Card",
+                vk::PhysicalDeviceType::DISCRETE_GPU,
+                vec![RequiredFeature::Vulkan13],
+            ),
             adapter("Card", vk::PhysicalDeviceType::INTEGRATED_GPU, vec![]),
         ]
     }

@@ -17,8 +17,8 @@ pub struct Clocks {
 }
 
 impl Device {
-    /// Reads both clocks; `None` where the device lacks [`crate::Optional::CalibratedTimestamps`]
-    /// or cannot read this clock.
+    /// Reads both clocks; `None` where the device lacks
+    /// [`crate::OptionalFeature::CalibratedTimestamps`] or cannot read this clock.
     ///
     /// # Errors
     /// A failed call.

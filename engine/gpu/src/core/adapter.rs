@@ -2,7 +2,7 @@
 
 use ash::vk;
 
-use crate::core::capabilities::{Capabilities, Optional};
+use crate::core::capabilities::{Capabilities, OptionalFeature};
 use crate::core::instance::{InstanceShared, version_text};
 use crate::core::offer::Offer;
 use crate::core::ownership::OwnerId;
@@ -25,7 +25,7 @@ pub struct Adapter {
     /// The limits of the device, as the driver reports them.
     pub limits: vk::PhysicalDeviceLimits,
     /// The most textures of a [`TextureTable`](crate::TextureTable), on devices with
-    /// [`Optional::IndexedTextures`].
+    /// [`OptionalFeature::DescriptorIndexing`].
     pub indexed_textures: u32,
     /// The entries of the engine's capability table that it has.
     pub capabilities: Capabilities,
@@ -75,7 +75,7 @@ impl Adapter {
 
     /// Returns true if hidden draws can be skipped by conditional rendering.
     pub fn has_conditional_rendering(&self) -> bool {
-        self.capabilities.has(Optional::ConditionalRendering)
+        self.capabilities.has(OptionalFeature::ConditionalRendering)
     }
 
     /// Returns true if it is a driver that draws on the CPU.

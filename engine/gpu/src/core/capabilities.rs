@@ -11,7 +11,7 @@ use crate::core::offer::{CaptureLimits, Offer};
 /// A capability that a device must have. A device that lacks one is refused, and the refusal names
 /// it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Required {
+pub enum RequiredFeature {
     /// Core 1.3: dynamic rendering, synchronization2.
     Vulkan13,
     /// Rendering without render-pass objects.
@@ -50,32 +50,32 @@ pub(crate) const LEAST_CAPTURE: CaptureLimits =
 /// (specification, "Required Limits").
 pub(crate) const LEAST_INDEXED_TEXTURES: u32 = 1024;
 
-impl Required {
+impl RequiredFeature {
     /// All required capabilities, in the order in which they are shown to the user.
-    pub const ALL: [Required; 9] = [
-        Required::Vulkan13,
-        Required::DynamicRendering,
-        Required::Synchronization2,
-        Required::TimelineSemaphore,
-        Required::MultiDrawIndirect,
-        Required::DrawIndirectFirstInstance,
-        Required::GraphicsQueue,
-        Required::Depth32,
-        Required::StorageBuffers,
+    pub const ALL: [RequiredFeature; 9] = [
+        RequiredFeature::Vulkan13,
+        RequiredFeature::DynamicRendering,
+        RequiredFeature::Synchronization2,
+        RequiredFeature::TimelineSemaphore,
+        RequiredFeature::MultiDrawIndirect,
+        RequiredFeature::DrawIndirectFirstInstance,
+        RequiredFeature::GraphicsQueue,
+        RequiredFeature::Depth32,
+        RequiredFeature::StorageBuffers,
     ];
 
     /// Returns the name shown to the user.
     pub fn name(self) -> &'static str {
         match self {
-            Required::Vulkan13 => "Vulkan 1.3",
-            Required::DynamicRendering => "dynamicRendering",
-            Required::Synchronization2 => "synchronization2",
-            Required::TimelineSemaphore => "timelineSemaphore",
-            Required::MultiDrawIndirect => "multiDrawIndirect",
-            Required::DrawIndirectFirstInstance => "drawIndirectFirstInstance",
-            Required::GraphicsQueue => "a queue with graphics and compute",
-            Required::Depth32 => "D32_SFLOAT as a depth attachment that can be copied",
-            Required::StorageBuffers => "maxPerStageDescriptorStorageBuffers of at least 7",
+            RequiredFeature::Vulkan13 => "Vulkan 1.3",
+            RequiredFeature::DynamicRendering => "dynamicRendering",
+            RequiredFeature::Synchronization2 => "synchronization2",
+            RequiredFeature::TimelineSemaphore => "timelineSemaphore",
+            RequiredFeature::MultiDrawIndirect => "multiDrawIndirect",
+            RequiredFeature::DrawIndirectFirstInstance => "drawIndirectFirstInstance",
+            RequiredFeature::GraphicsQueue => "a queue with graphics and compute",
+            RequiredFeature::Depth32 => "D32_SFLOAT as a depth attachment that can be copied",
+            RequiredFeature::StorageBuffers => "maxPerStageDescriptorStorageBuffers of at least 7",
         }
     }
 
@@ -83,7 +83,9 @@ impl Required {
     pub fn is_for(self, purpose: Purpose) -> bool {
         match self {
             // An executor neither submits nor makes images.
-            Required::TimelineSemaphore | Required::Depth32 => purpose == Purpose::Renderer,
+            RequiredFeature::TimelineSemaphore | RequiredFeature::Depth32 => {
+                purpose == Purpose::Renderer
+            }
             _ => true,
         }
     }
@@ -92,26 +94,26 @@ impl Required {
     pub fn features(self) -> Features {
         let none = Features::default();
         match self {
-            Required::DynamicRendering => Features { dynamic_rendering: true, ..none },
-            Required::Synchronization2 => Features { synchronization2: true, ..none },
-            Required::TimelineSemaphore => Features { timeline_semaphore: true, ..none },
-            Required::MultiDrawIndirect => Features { multi_draw_indirect: true, ..none },
-            Required::DrawIndirectFirstInstance => {
+            RequiredFeature::DynamicRendering => Features { dynamic_rendering: true, ..none },
+            RequiredFeature::Synchronization2 => Features { synchronization2: true, ..none },
+            RequiredFeature::TimelineSemaphore => Features { timeline_semaphore: true, ..none },
+            RequiredFeature::MultiDrawIndirect => Features { multi_draw_indirect: true, ..none },
+            RequiredFeature::DrawIndirectFirstInstance => {
                 Features { draw_indirect_first_instance: true, ..none }
             }
-            Required::Vulkan13
-            | Required::GraphicsQueue
-            | Required::Depth32
-            | Required::StorageBuffers => none,
+            RequiredFeature::Vulkan13
+            | RequiredFeature::GraphicsQueue
+            | RequiredFeature::Depth32
+            | RequiredFeature::StorageBuffers => none,
         }
     }
 
     fn is_in(self, offer: &Offer) -> bool {
         match self {
-            Required::Vulkan13 => offer.api_version >= vk::API_VERSION_1_3,
-            Required::GraphicsQueue => offer.queue_family.is_some(),
-            Required::Depth32 => offer.has_depth_32,
-            Required::StorageBuffers => offer.stage_storage_buffers >= STAGE_STORAGE_BUFFERS,
+            RequiredFeature::Vulkan13 => offer.api_version >= vk::API_VERSION_1_3,
+            RequiredFeature::GraphicsQueue => offer.queue_family.is_some(),
+            RequiredFeature::Depth32 => offer.has_depth_32,
+            RequiredFeature::StorageBuffers => offer.stage_storage_buffers >= STAGE_STORAGE_BUFFERS,
             feature => feature.features().without(offer.features).is_empty(),
         }
     }
@@ -128,7 +130,7 @@ pub enum Purpose {
 
 /// A capability that a device may have; each has a fallback.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Optional {
+pub enum OptionalFeature {
     /// `VK_EXT_conditional_rendering`: the GPU skips draws by 32 bits in memory.
     ConditionalRendering,
     /// Indirect draws whose count the GPU reads.
@@ -152,7 +154,7 @@ pub enum Optional {
     Anisotropy,
     /// Textures that shaders find by number, thousands of them, to which more are added while
     /// frames are in flight ([`TextureTable`](crate::TextureTable)).
-    IndexedTextures,
+    DescriptorIndexing,
     /// Textures of compressed blocks, BC1 to BC7, as desktop GPUs have them.
     BcTextures,
     /// Textures of compressed blocks of ASTC, as mobile GPUs have them.
@@ -181,76 +183,78 @@ pub enum Optional {
     DisplayTiming,
 }
 
-impl Optional {
+impl OptionalFeature {
     /// All optional capabilities.
-    pub const ALL: [Optional; 23] = [
-        Optional::ConditionalRendering,
-        Optional::DrawIndirectCount,
-        Optional::PreciseQueries,
-        Optional::HostQueryReset,
-        Optional::Timestamps,
-        Optional::FragmentStores,
-        Optional::RepresentativeFragments,
-        Optional::Multiview,
-        Optional::Wireframe,
-        Optional::Anisotropy,
-        Optional::IndexedTextures,
-        Optional::BcTextures,
-        Optional::AstcTextures,
-        Optional::SampleDepths,
-        Optional::GeometryShaders,
-        Optional::TessellationCapture,
-        Optional::DepthClamp,
-        Optional::SectionBuffers,
-        Optional::CalibratedTimestamps,
-        Optional::Swapchain,
-        Optional::PresentFences,
-        Optional::PresentWait,
-        Optional::DisplayTiming,
+    pub const ALL: [OptionalFeature; 23] = [
+        OptionalFeature::ConditionalRendering,
+        OptionalFeature::DrawIndirectCount,
+        OptionalFeature::PreciseQueries,
+        OptionalFeature::HostQueryReset,
+        OptionalFeature::Timestamps,
+        OptionalFeature::FragmentStores,
+        OptionalFeature::RepresentativeFragments,
+        OptionalFeature::Multiview,
+        OptionalFeature::Wireframe,
+        OptionalFeature::Anisotropy,
+        OptionalFeature::DescriptorIndexing,
+        OptionalFeature::BcTextures,
+        OptionalFeature::AstcTextures,
+        OptionalFeature::SampleDepths,
+        OptionalFeature::GeometryShaders,
+        OptionalFeature::TessellationCapture,
+        OptionalFeature::DepthClamp,
+        OptionalFeature::SectionBuffers,
+        OptionalFeature::CalibratedTimestamps,
+        OptionalFeature::Swapchain,
+        OptionalFeature::PresentFences,
+        OptionalFeature::PresentWait,
+        OptionalFeature::DisplayTiming,
     ];
 
     /// Returns the name shown to the user.
     pub fn name(self) -> &'static str {
         match self {
-            Optional::ConditionalRendering => "VK_EXT_conditional_rendering",
-            Optional::DrawIndirectCount => "drawIndirectCount",
-            Optional::PreciseQueries => "occlusionQueryPrecise",
-            Optional::HostQueryReset => "hostQueryReset",
-            Optional::Timestamps => "timestamps",
-            Optional::FragmentStores => "fragmentStoresAndAtomics",
-            Optional::RepresentativeFragments => "VK_NV_representative_fragment_test",
-            Optional::Multiview => "multiview",
-            Optional::Wireframe => "fillModeNonSolid",
-            Optional::Anisotropy => "samplerAnisotropy",
-            Optional::IndexedTextures => "descriptor indexing of sampled images",
-            Optional::BcTextures => "textureCompressionBC",
-            Optional::AstcTextures => "textureCompressionASTC_LDR",
-            Optional::SampleDepths => "depths of samples at their own places",
-            Optional::GeometryShaders => "geometryShader",
-            Optional::TessellationCapture => "tessellationShader and VK_EXT_transform_feedback",
-            Optional::DepthClamp => "depthClamp",
-            Optional::SectionBuffers => "maxPerStageDescriptorStorageBuffers of at least 9",
-            Optional::CalibratedTimestamps => "VK_EXT_calibrated_timestamps",
-            Optional::Swapchain => "VK_KHR_swapchain",
-            Optional::PresentFences => "VK_EXT_swapchain_maintenance1",
-            Optional::PresentWait => "VK_KHR_present_wait",
-            Optional::DisplayTiming => "VK_GOOGLE_display_timing",
+            OptionalFeature::ConditionalRendering => "VK_EXT_conditional_rendering",
+            OptionalFeature::DrawIndirectCount => "drawIndirectCount",
+            OptionalFeature::PreciseQueries => "occlusionQueryPrecise",
+            OptionalFeature::HostQueryReset => "hostQueryReset",
+            OptionalFeature::Timestamps => "timestamps",
+            OptionalFeature::FragmentStores => "fragmentStoresAndAtomics",
+            OptionalFeature::RepresentativeFragments => "VK_NV_representative_fragment_test",
+            OptionalFeature::Multiview => "multiview",
+            OptionalFeature::Wireframe => "fillModeNonSolid",
+            OptionalFeature::Anisotropy => "samplerAnisotropy",
+            OptionalFeature::DescriptorIndexing => "descriptor indexing of sampled images",
+            OptionalFeature::BcTextures => "textureCompressionBC",
+            OptionalFeature::AstcTextures => "textureCompressionASTC_LDR",
+            OptionalFeature::SampleDepths => "depths of samples at their own places",
+            OptionalFeature::GeometryShaders => "geometryShader",
+            OptionalFeature::TessellationCapture => {
+                "tessellationShader and VK_EXT_transform_feedback"
+            }
+            OptionalFeature::DepthClamp => "depthClamp",
+            OptionalFeature::SectionBuffers => "maxPerStageDescriptorStorageBuffers of at least 9",
+            OptionalFeature::CalibratedTimestamps => "VK_EXT_calibrated_timestamps",
+            OptionalFeature::Swapchain => "VK_KHR_swapchain",
+            OptionalFeature::PresentFences => "VK_EXT_swapchain_maintenance1",
+            OptionalFeature::PresentWait => "VK_KHR_present_wait",
+            OptionalFeature::DisplayTiming => "VK_GOOGLE_display_timing",
         }
     }
 
     /// Returns true if `purpose` has a use for it.
     pub fn is_for(self, purpose: Purpose) -> bool {
         match self {
-            Optional::ConditionalRendering
-            | Optional::DrawIndirectCount
-            | Optional::PreciseQueries
-            | Optional::HostQueryReset
-            | Optional::Timestamps
-            | Optional::FragmentStores
-            | Optional::RepresentativeFragments
-            | Optional::SampleDepths
-            | Optional::SectionBuffers
-            | Optional::Multiview => true,
+            OptionalFeature::ConditionalRendering
+            | OptionalFeature::DrawIndirectCount
+            | OptionalFeature::PreciseQueries
+            | OptionalFeature::HostQueryReset
+            | OptionalFeature::Timestamps
+            | OptionalFeature::FragmentStores
+            | OptionalFeature::RepresentativeFragments
+            | OptionalFeature::SampleDepths
+            | OptionalFeature::SectionBuffers
+            | OptionalFeature::Multiview => true,
             _ => purpose == Purpose::Renderer,
         }
     }
@@ -259,18 +263,22 @@ impl Optional {
     pub fn features(self) -> Features {
         let none = Features::default();
         match self {
-            Optional::ConditionalRendering => Features { conditional_rendering: true, ..none },
-            Optional::DrawIndirectCount => Features { draw_indirect_count: true, ..none },
-            Optional::PreciseQueries => Features { occlusion_query_precise: true, ..none },
-            Optional::HostQueryReset => Features { host_query_reset: true, ..none },
-            Optional::FragmentStores => Features { fragment_stores_and_atomics: true, ..none },
-            Optional::RepresentativeFragments => {
+            OptionalFeature::ConditionalRendering => {
+                Features { conditional_rendering: true, ..none }
+            }
+            OptionalFeature::DrawIndirectCount => Features { draw_indirect_count: true, ..none },
+            OptionalFeature::PreciseQueries => Features { occlusion_query_precise: true, ..none },
+            OptionalFeature::HostQueryReset => Features { host_query_reset: true, ..none },
+            OptionalFeature::FragmentStores => {
+                Features { fragment_stores_and_atomics: true, ..none }
+            }
+            OptionalFeature::RepresentativeFragments => {
                 Features { representative_fragment_test: true, ..none }
             }
-            Optional::Multiview => Features { multiview: true, ..none },
-            Optional::Wireframe => Features { fill_mode_non_solid: true, ..none },
-            Optional::Anisotropy => Features { sampler_anisotropy: true, ..none },
-            Optional::IndexedTextures => Features {
+            OptionalFeature::Multiview => Features { multiview: true, ..none },
+            OptionalFeature::Wireframe => Features { fill_mode_non_solid: true, ..none },
+            OptionalFeature::Anisotropy => Features { sampler_anisotropy: true, ..none },
+            OptionalFeature::DescriptorIndexing => Features {
                 runtime_descriptor_array: true,
                 shader_sampled_image_array_non_uniform_indexing: true,
                 descriptor_binding_partially_bound: true,
@@ -278,21 +286,25 @@ impl Optional {
                 descriptor_binding_update_unused_while_pending: true,
                 ..none
             },
-            Optional::BcTextures => Features { texture_compression_bc: true, ..none },
-            Optional::AstcTextures => Features { texture_compression_astc_ldr: true, ..none },
-            Optional::GeometryShaders => Features { geometry_shader: true, ..none },
-            Optional::TessellationCapture => {
+            OptionalFeature::BcTextures => Features { texture_compression_bc: true, ..none },
+            OptionalFeature::AstcTextures => {
+                Features { texture_compression_astc_ldr: true, ..none }
+            }
+            OptionalFeature::GeometryShaders => Features { geometry_shader: true, ..none },
+            OptionalFeature::TessellationCapture => {
                 Features { tessellation_shader: true, transform_feedback: true, ..none }
             }
-            Optional::DepthClamp => Features { depth_clamp: true, ..none },
-            Optional::PresentFences => Features { swapchain_maintenance1: true, ..none },
-            Optional::PresentWait => Features { present_id: true, present_wait: true, ..none },
-            Optional::Timestamps
-            | Optional::SampleDepths
-            | Optional::SectionBuffers
-            | Optional::CalibratedTimestamps
-            | Optional::Swapchain
-            | Optional::DisplayTiming => none,
+            OptionalFeature::DepthClamp => Features { depth_clamp: true, ..none },
+            OptionalFeature::PresentFences => Features { swapchain_maintenance1: true, ..none },
+            OptionalFeature::PresentWait => {
+                Features { present_id: true, present_wait: true, ..none }
+            }
+            OptionalFeature::Timestamps
+            | OptionalFeature::SampleDepths
+            | OptionalFeature::SectionBuffers
+            | OptionalFeature::CalibratedTimestamps
+            | OptionalFeature::Swapchain
+            | OptionalFeature::DisplayTiming => none,
         }
     }
 
@@ -303,28 +315,34 @@ impl Optional {
         const MAINTENANCE: &[&CStr] =
             &[KHR_SWAPCHAIN_MAINTENANCE1, ext::swapchain_maintenance1::NAME];
         match self {
-            Optional::ConditionalRendering => &[&[ext::conditional_rendering::NAME]],
-            Optional::RepresentativeFragments => &[&[nv::representative_fragment_test::NAME]],
-            Optional::TessellationCapture => &[&[ext::transform_feedback::NAME]],
-            Optional::CalibratedTimestamps => &[&[ext::calibrated_timestamps::NAME]],
-            Optional::Swapchain => &[SWAPCHAIN],
-            Optional::PresentFences => &[SWAPCHAIN, MAINTENANCE],
-            Optional::PresentWait => {
+            OptionalFeature::ConditionalRendering => &[&[ext::conditional_rendering::NAME]],
+            OptionalFeature::RepresentativeFragments => {
+                &[&[nv::representative_fragment_test::NAME]]
+            }
+            OptionalFeature::TessellationCapture => &[&[ext::transform_feedback::NAME]],
+            OptionalFeature::CalibratedTimestamps => &[&[ext::calibrated_timestamps::NAME]],
+            OptionalFeature::Swapchain => &[SWAPCHAIN],
+            OptionalFeature::PresentFences => &[SWAPCHAIN, MAINTENANCE],
+            OptionalFeature::PresentWait => {
                 &[SWAPCHAIN, &[khr::present_id::NAME], &[khr::present_wait::NAME]]
             }
-            Optional::DisplayTiming => &[SWAPCHAIN, &[google::display_timing::NAME]],
+            OptionalFeature::DisplayTiming => &[SWAPCHAIN, &[google::display_timing::NAME]],
             _ => &[],
         }
     }
 
     fn is_in(self, offer: &Offer) -> bool {
         let is_flawed = match self {
-            Optional::Timestamps | Optional::CalibratedTimestamps => offer.timestamp_bits == 0,
-            Optional::Multiview => offer.draws_views_wrong(),
-            Optional::SampleDepths => offer.misplaces_sample_depths(),
-            Optional::IndexedTextures => offer.indexed_textures < LEAST_INDEXED_TEXTURES,
-            Optional::TessellationCapture => !offer.capture.holds(LEAST_CAPTURE),
-            Optional::SectionBuffers => offer.stage_storage_buffers < SECTION_STORAGE_BUFFERS,
+            OptionalFeature::Timestamps | OptionalFeature::CalibratedTimestamps => {
+                offer.timestamp_bits == 0
+            }
+            OptionalFeature::Multiview => offer.draws_views_wrong(),
+            OptionalFeature::SampleDepths => offer.misplaces_sample_depths(),
+            OptionalFeature::DescriptorIndexing => offer.indexed_textures < LEAST_INDEXED_TEXTURES,
+            OptionalFeature::TessellationCapture => !offer.capture.holds(LEAST_CAPTURE),
+            OptionalFeature::SectionBuffers => {
+                offer.stage_storage_buffers < SECTION_STORAGE_BUFFERS
+            }
             _ => false,
         };
         let has_any = |names: &&[&'static CStr]| names.iter().any(|name| offer.has(name));
@@ -338,16 +356,16 @@ impl Optional {
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Capabilities {
     /// The required ones it lacks.
-    pub missing: Vec<Required>,
+    pub missing: Vec<RequiredFeature>,
     /// The optional ones it has.
-    pub optional: Vec<Optional>,
+    pub optional: Vec<OptionalFeature>,
     /// True if plain indirect draws take the count of the counted draw before them.
     pub(crate) keeps_draw_counts: bool,
 }
 
 impl Capabilities {
     /// Returns true if the device has `optional`.
-    pub fn has(&self, optional: Optional) -> bool {
+    pub fn has(&self, optional: OptionalFeature) -> bool {
         self.optional.contains(&optional)
     }
 
@@ -360,17 +378,17 @@ impl Capabilities {
 
     /// Reads the table off an offer.
     pub(crate) fn of(offer: &Offer) -> Self {
-        let missing = Required::ALL.into_iter().filter(|what| !what.is_in(offer));
+        let missing = RequiredFeature::ALL.into_iter().filter(|what| !what.is_in(offer));
         let missing = if offer.api_version < vk::API_VERSION_1_3 {
             // The features of such a device may not be asked for.
             missing.filter(|what| what.features().is_empty()).collect()
         } else {
             missing.collect()
         };
-        let optional: Vec<Optional> =
-            Optional::ALL.into_iter().filter(|what| what.is_in(offer)).collect();
+        let optional: Vec<OptionalFeature> =
+            OptionalFeature::ALL.into_iter().filter(|what| what.is_in(offer)).collect();
         let keeps_draw_counts =
-            offer.keeps_draw_counts() && optional.contains(&Optional::DrawIndirectCount);
+            offer.keeps_draw_counts() && optional.contains(&OptionalFeature::DrawIndirectCount);
         Self { missing, optional, keeps_draw_counts }
     }
 }

@@ -191,7 +191,7 @@ impl Device {
     ///
     /// # Errors
     /// [`Error::Timeout`], a failed call.
-    pub fn drain(&self) -> Result<(), Error> {
+    pub fn wait_idle(&self) -> Result<(), Error> {
         self.wait(self.submitted(), WaitFor::Drain)?;
         self.free_retired()
     }

@@ -199,7 +199,7 @@ pub enum Error {
     /// An image was read that is not there: its frame is not over, was never submitted, or there
     /// was none yet.
     #[error(
-        "the image is not there yet: read it when the frame that copies it is over, see `Device::completed` and `Device::drain`"
+        "the image is not there yet: read it when the frame that copies it is over, see `Device::completed` and `Device::wait_idle`"
     )]
     NoImage,
     /// Commands were recorded that no device could run. A mistake of the program that records them.

@@ -2,7 +2,7 @@
 
 use ash::{ext, google, khr};
 
-use crate::core::capabilities::{Capabilities, Optional};
+use crate::core::capabilities::{Capabilities, OptionalFeature};
 use crate::core::instance::InstanceShared;
 
 /// The functions of the extensions that are on.
@@ -26,16 +26,17 @@ impl Extensions {
         let has = |optional| capabilities.has(optional);
         Self {
             debug: instance.has_debug_utils.then(|| ext::debug_utils::Device::new(from, device)),
-            conditional: has(Optional::ConditionalRendering)
+            conditional: has(OptionalFeature::ConditionalRendering)
                 .then(|| ext::conditional_rendering::Device::new(from, device)),
-            capture: has(Optional::TessellationCapture)
+            capture: has(OptionalFeature::TessellationCapture)
                 .then(|| ext::transform_feedback::Device::new(from, device)),
-            calibrated: has(Optional::CalibratedTimestamps)
+            calibrated: has(OptionalFeature::CalibratedTimestamps)
                 .then(|| ext::calibrated_timestamps::Device::new(from, device)),
-            swapchain: has(Optional::Swapchain).then(|| khr::swapchain::Device::new(from, device)),
-            present_wait: has(Optional::PresentWait)
+            swapchain: has(OptionalFeature::Swapchain)
+                .then(|| khr::swapchain::Device::new(from, device)),
+            present_wait: has(OptionalFeature::PresentWait)
                 .then(|| khr::present_wait::Device::new(from, device)),
-            display_timing: has(Optional::DisplayTiming)
+            display_timing: has(OptionalFeature::DisplayTiming)
                 .then(|| google::display_timing::Device::new(from, device)),
         }
     }

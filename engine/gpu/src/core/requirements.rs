@@ -4,7 +4,7 @@ use std::ffi::CStr;
 
 use ash::vk;
 
-use crate::core::capabilities::{Capabilities, Optional, Purpose, Required};
+use crate::core::capabilities::{Capabilities, OptionalFeature, Purpose, RequiredFeature};
 use crate::core::error::Error;
 use crate::core::features::Features;
 use crate::core::offer::{Offer, QUEUE_FLAGS};
@@ -60,7 +60,7 @@ pub struct Requirements {
     /// The features that this device has and the engine can use.
     pub optional_features: Features,
     device: String,
-    missing: Vec<Required>,
+    missing: Vec<RequiredFeature>,
 }
 
 impl Requirements {
@@ -89,11 +89,11 @@ impl Requirements {
         capabilities: &Capabilities,
         purpose: Purpose,
     ) -> Self {
-        let required = Required::ALL.into_iter().filter(|what| what.is_for(purpose));
+        let required = RequiredFeature::ALL.into_iter().filter(|what| what.is_for(purpose));
         let optional = capabilities.optional.iter().copied().filter(|what| what.is_for(purpose));
         let join = |all: Features, more: Features| all.union(more);
         let mut optional_extensions = Vec::new();
-        for names in optional.clone().flat_map(Optional::extensions) {
+        for names in optional.clone().flat_map(OptionalFeature::extensions) {
             let name = names.iter().copied().find(|name| offer.has(name));
             optional_extensions.extend(name.filter(|name| !optional_extensions.contains(name)));
         }
@@ -105,8 +105,12 @@ impl Requirements {
             queue_family: offer.queue_family,
             required_extensions: Vec::new(),
             optional_extensions,
-            required_features: required.map(Required::features).fold(Features::default(), join),
-            optional_features: optional.map(Optional::features).fold(Features::default(), join),
+            required_features: required
+                .map(RequiredFeature::features)
+                .fold(Features::default(), join),
+            optional_features: optional
+                .map(OptionalFeature::features)
+                .fold(Features::default(), join),
             device: device.to_owned(),
             missing: missing.collect(),
         }
@@ -123,7 +127,7 @@ impl Requirements {
     }
 
     /// Returns the required capabilities that the device lacks.
-    pub fn missing(&self) -> &[Required] {
+    pub fn missing(&self) -> &[RequiredFeature] {
         &self.missing
     }
 

@@ -129,7 +129,7 @@ impl DepthLayers {
     /// [`DepthLayers::target`]. What is not drawn to stays; before the first draw of all,
     /// everything is as far as possible.
     pub fn draw(&mut self, commands: &Commands, record: impl FnOnce(&Commands, &Self)) {
-        if commands.admit(self).is_err() {
+        if commands.check_owner(self).is_err() {
             return;
         }
         self.define(commands);
@@ -160,7 +160,10 @@ impl DepthLayers {
     /// Copies tiles to the same places here, outside of rendering. Tiles outside of either of the
     /// two are left out.
     pub fn copy_from(&mut self, commands: &Commands, from: &mut Self, tiles: &[DepthTile]) {
-        if commands.admit(self).is_err() || commands.admit(from).is_err() || tiles.is_empty() {
+        if commands.check_owner(self).is_err()
+            || commands.check_owner(from).is_err()
+            || tiles.is_empty()
+        {
             return;
         }
         self.define(commands);
@@ -214,7 +217,7 @@ impl DepthLayers {
     /// Prepares the layers to be sampled, outside of rendering: as far as possible, if nothing was
     /// ever drawn to them.
     pub fn prepare(&mut self, commands: &Commands) {
-        if commands.admit(self).is_ok() {
+        if commands.check_owner(self).is_ok() {
             self.define(commands);
         }
     }

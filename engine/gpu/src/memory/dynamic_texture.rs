@@ -78,7 +78,7 @@ impl DynamicTexture {
             u64::from(origin[side]) + u64::from(size[side]) <= u64::from(self.size[side])
         };
         let bytes = u64::from(width) * u64::from(height) * 4;
-        if commands.admit(self).is_err() || commands.admit(&pixels).is_err() {
+        if commands.check_owner(self).is_err() || commands.check_owner(&pixels).is_err() {
             return;
         }
         if bytes == 0 || pixels.size_bytes != bytes || !fits(0) || !fits(1) {
@@ -122,7 +122,7 @@ impl DynamicTexture {
     /// Prepares it to be sampled, outside of rendering: transparent black, if nothing was ever
     /// written to it.
     pub fn prepare(&mut self, commands: &Commands) {
-        if commands.admit(self).is_err() || self.contents.is_known_to(commands) {
+        if commands.check_owner(self).is_err() || self.contents.is_known_to(commands) {
             return;
         }
         let colour = vk::ImageAspectFlags::COLOR;

@@ -67,7 +67,7 @@ impl Readback {
     /// # Errors
     /// [`Error::NoImage`] as long as that frame is not over, for ever if it is never submitted,
     /// and before the first; a lost device. [`Device::completed`] returns the newest tick that is
-    /// over, [`Device::drain`] waits for all.
+    /// over, [`Device::wait_idle`] waits for all.
     pub fn rgba8(&self) -> Result<Pixels<'_>, Error> {
         let newest = self.newest.read().unwrap_or_else(PoisonError::into_inner);
         let tick = newest.as_ref().and_then(|ticket| ticket.tick()).ok_or(Error::NoImage)?;
@@ -81,7 +81,7 @@ impl Readback {
     /// Returns the slice that `commands` copy an image to; `None`, and they fail, if they must
     /// not.
     pub(crate) fn begin_copy(&self, commands: &Commands) -> Option<BufferSlice> {
-        commands.admit(self).ok()?;
+        commands.check_owner(self).ok()?;
         let Ok(mut newest) = self.newest.try_write() else {
             commands.fail(Failure::Wrong("an image is copied over another one that is being read"));
             return None;

@@ -2,7 +2,7 @@
 
 use ash::vk;
 
-use crate::core::capabilities::Optional;
+use crate::core::capabilities::OptionalFeature;
 
 /// The texels that lie in memory as one block: a single one where nothing is compressed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,7 +12,7 @@ pub(crate) struct TexelBlocks {
     /// The bytes of a block.
     pub(crate) bytes: u32,
     /// The capability that a device needs for them.
-    pub(crate) needs: Option<Optional>,
+    pub(crate) needs: Option<OptionalFeature>,
 }
 
 /// The sizes of the blocks of ASTC in the order of their formats, two per size.
@@ -36,7 +36,7 @@ const ASTC_SIZES: [[u32; 2]; 14] = [
 impl TexelBlocks {
     /// Returns the blocks of a format; `None` for one that no texture has.
     pub(crate) fn of(format: vk::Format) -> Option<Self> {
-        let of_bc = |bytes| Self { size: [4; 2], bytes, needs: Some(Optional::BcTextures) };
+        let of_bc = |bytes| Self { size: [4; 2], bytes, needs: Some(OptionalFeature::BcTextures) };
         Some(match format {
             vk::Format::R8G8B8A8_SRGB
             | vk::Format::R8G8B8A8_UNORM
@@ -57,7 +57,7 @@ impl TexelBlocks {
                 let first = vk::Format::ASTC_4X4_UNORM_BLOCK.as_raw();
                 let place = usize::try_from(other.as_raw().checked_sub(first)?).ok()? / 2;
                 let size = *ASTC_SIZES.get(place)?;
-                Self { size, bytes: 16, needs: Some(Optional::AstcTextures) }
+                Self { size, bytes: 16, needs: Some(OptionalFeature::AstcTextures) }
             }
         })
     }

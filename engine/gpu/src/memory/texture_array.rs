@@ -17,7 +17,7 @@ use crate::record::commands::Commands;
 
 /// The maker of the mip maps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum MipMaking {
+pub enum MipGeneration {
     /// The device, by linear blits, where it can do them in this format; else the CPU.
     Blits,
     /// The CPU, by [`resampled`](crate::resampled).
@@ -40,8 +40,8 @@ pub struct TextureArrayInfo<'a> {
     /// `R8G8B8A8_SRGB` for colours, `R8G8B8A8_UNORM` for numbers, `E5B9G9R9_UFLOAT_PACK32` for
     /// light; or one of BC1 to BC5 or BC7
     /// without signs, or of ASTC, where the device has them
-    /// ([`Optional::BcTextures`](crate::Optional::BcTextures),
-    /// [`Optional::AstcTextures`](crate::Optional::AstcTextures)).
+    /// ([`OptionalFeature::BcTextures`](crate::Optional::BcTextures),
+    /// [`OptionalFeature::AstcTextures`](crate::Optional::AstcTextures)).
     pub format: vk::Format,
     /// The addressing beyond the edges, across and down.
     pub wrap: [vk::SamplerAddressMode; 2],
@@ -52,10 +52,10 @@ pub struct TextureArrayInfo<'a> {
     /// The filter between mip maps; `None` makes none.
     pub between_levels: Option<vk::SamplerMipmapMode>,
     /// The most samples of the anisotropic filter; from 1 on, cut to what the device has, 1 without
-    /// [`Optional::Anisotropy`](crate::Optional::Anisotropy) or linear filters.
+    /// [`OptionalFeature::Anisotropy`](crate::Optional::Anisotropy) or linear filters.
     pub anisotropy: f32,
     /// The maker of the mip maps.
-    pub mip_making: MipMaking,
+    pub mip_making: MipGeneration,
 }
 
 /// Layers of one size, format and sampler. It can be bound once each was
@@ -68,7 +68,7 @@ pub struct TextureArray {
     pub(super) format: vk::Format,
     blocks: TexelBlocks,
     pub(crate) levels: u32,
-    pub(super) mip_making: MipMaking,
+    pub(super) mip_making: MipGeneration,
     pub(super) layers: Vec<Layer>,
 }
 
@@ -123,9 +123,9 @@ impl TextureArray {
             None => 1,
         };
         let (levels, mip_making) = match info.mip_making {
-            MipMaking::Given(levels) => (levels.clamp(1, all_levels), info.mip_making),
-            MipMaking::Blits if can_blit => (all_levels, MipMaking::Blits),
-            MipMaking::Blits | MipMaking::Cpu => (all_levels, MipMaking::Cpu),
+            MipGeneration::Given(levels) => (levels.clamp(1, all_levels), info.mip_making),
+            MipGeneration::Blits if can_blit => (all_levels, MipGeneration::Blits),
+            MipGeneration::Blits | MipGeneration::Cpu => (all_levels, MipGeneration::Cpu),
         };
         let usage = vk::ImageUsageFlags::SAMPLED
             | vk::ImageUsageFlags::TRANSFER_DST
@@ -157,7 +157,7 @@ impl TextureArray {
 
     /// Returns true if the caller gives the mip maps.
     pub(crate) fn has_given_levels(&self) -> bool {
-        matches!(self.mip_making, MipMaking::Given(_))
+        matches!(self.mip_making, MipGeneration::Given(_))
     }
 
     /// Refuses another number of bytes than a level has.
@@ -171,14 +171,14 @@ impl TextureArray {
 
     /// Returns true if the device makes the mip maps.
     pub(crate) fn blits_levels(&self) -> bool {
-        self.mip_making == MipMaking::Blits && self.levels > 1
+        self.mip_making == MipGeneration::Blits && self.levels > 1
     }
 
     /// Returns the mip maps of a whole layer from its second on, if the CPU makes them; none
     /// otherwise.
     pub fn levels_by_cpu(&self, rgba8: &[u8]) -> Vec<Vec<u8>> {
         let mut levels: Vec<Vec<u8>> = Vec::new();
-        if self.mip_making == MipMaking::Cpu {
+        if self.mip_making == MipGeneration::Cpu {
             for level in 1..self.levels {
                 let [from, to] = [level - 1, level].map(|level| self.level_size(level));
                 let above = levels.last().map_or(rgba8, Vec::as_slice);
@@ -337,9 +337,9 @@ fn blocks_of(device: &Device, info: &TextureArrayInfo<'_>) -> Result<TexelBlocks
     }
     let has_bytes = matches!(info.format, vk::Format::R8G8B8A8_SRGB | vk::Format::R8G8B8A8_UNORM);
     match info.mip_making {
-        MipMaking::Given(_) => Ok(blocks),
-        MipMaking::Blits | MipMaking::Cpu if has_bytes => Ok(blocks),
-        MipMaking::Blits | MipMaking::Cpu => Err(Error::WrongCommands(
+        MipGeneration::Given(_) => Ok(blocks),
+        MipGeneration::Blits | MipGeneration::Cpu if has_bytes => Ok(blocks),
+        MipGeneration::Blits | MipGeneration::Cpu => Err(Error::WrongCommands(
             "nobody makes mip maps but of textures of four channels of eight bits",
         )),
     }

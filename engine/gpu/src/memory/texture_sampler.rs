@@ -2,7 +2,7 @@
 
 use ash::vk;
 
-use crate::core::capabilities::Optional;
+use crate::core::capabilities::OptionalFeature;
 use crate::core::deletion::Retired;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
@@ -36,7 +36,7 @@ impl TextureSampler {
     pub(super) fn new(device: &Device, info: &TextureArrayInfo<'_>) -> Result<Self, Error> {
         let limit = device.adapter().limits.max_sampler_anisotropy;
         let is_linear = [info.magnified, info.minified] == [vk::Filter::LINEAR; 2];
-        let has_it = is_linear && device.capabilities().has(Optional::Anisotropy);
+        let has_it = is_linear && device.capabilities().has(OptionalFeature::Anisotropy);
         let anisotropy = if has_it { info.anisotropy.clamp(1.0, limit.max(1.0)) } else { 1.0 };
         let [across, down] = info.wrap;
         let create = vk::SamplerCreateInfo::default()

@@ -12,13 +12,13 @@ use std::sync::{Arc, Mutex};
 
 use ash::vk;
 
-use crate::core::capabilities::Optional;
+use crate::core::capabilities::OptionalFeature;
 use crate::core::deletion::{Retired, RetiredObject};
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::core::ownership::of_device;
 use crate::core::queue_lock::lock;
-use crate::memory::texture_array::{MipMaking, TextureArray, TextureArrayInfo};
+use crate::memory::texture_array::{MipGeneration, TextureArray, TextureArrayInfo};
 use crate::memory::texture_sampler::{SamplerKind, TextureSampler};
 use crate::memory::texture_uploads::TextureUploads;
 
@@ -27,7 +27,8 @@ use crate::memory::texture_uploads::TextureUploads;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct TextureNumber(pub u32);
 
-/// Textures that fragment shaders find by number, for devices with [`Optional::IndexedTextures`].
+/// Textures that fragment shaders find by number, for devices with
+/// [`OptionalFeature::DescriptorIndexing`].
 pub struct TextureTable {
     device: Device,
     name: String,
@@ -67,10 +68,11 @@ impl TextureTable {
     /// ([`Adapter::indexed_textures`](crate::Adapter::indexed_textures)). Waits for a copy.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] without [`Optional::IndexedTextures`]; no memory; a failed call.
+    /// [`Error::Unsupported`] without [`OptionalFeature::DescriptorIndexing`]; no memory; a failed
+    /// call.
     pub fn new(device: &Device, name: &str, room: u32) -> Result<Self, Error> {
-        if !device.capabilities().has(Optional::IndexedTextures) {
-            let missing = Optional::IndexedTextures.name();
+        if !device.capabilities().has(OptionalFeature::DescriptorIndexing) {
+            let missing = OptionalFeature::DescriptorIndexing.name();
             let device = device.adapter().name.clone();
             let wanted = "an image for each texture";
             return Err(Error::Unsupported { device, missing, wanted });
@@ -202,7 +204,7 @@ const WHITE: TextureArrayInfo<'_> = TextureArrayInfo {
     minified: vk::Filter::NEAREST,
     between_levels: None,
     anisotropy: 1.0,
-    mip_making: MipMaking::Cpu,
+    mip_making: MipGeneration::Cpu,
 };
 
 fn create_layout(device: &Device, room: u32) -> Result<vk::DescriptorSetLayout, Error> {

@@ -6,7 +6,7 @@ use crate::core::cancellation::CancellationToken;
 use crate::core::device::Device;
 use crate::core::error::Error;
 use crate::memory::buffer::{Buffer, MemoryKind};
-use crate::memory::texture_array::{MipMaking, TextureArray};
+use crate::memory::texture_array::{MipGeneration, TextureArray};
 use crate::record::access::{Access, MemoryBarrier};
 
 /// The size of the pieces in which images go to the GPU.
@@ -47,8 +47,9 @@ impl TextureUploads {
     ///
     /// # Errors
     /// [`Error::WrongCommands`] for a missing layer, for bytes that are no whole rows or more than
-    /// are left, for an array with several [given](MipMaking::Given) mip maps; [`Error::Foreign`]
-    /// for an array of another device; a failed call. What was written before stays.
+    /// are left, for an array with several [given](MipGeneration::Given) mip maps;
+    /// [`Error::Foreign`] for an array of another device; a failed call. What was written before
+    /// stays.
     pub fn write_rows(
         &mut self,
         array: &mut TextureArray,
@@ -99,8 +100,8 @@ impl TextureUploads {
         self.write_rows(array, layer, rgba8)
     }
 
-    /// Writes a whole layer of an array with [given](MipMaking::Given) mip maps, the whole image
-    /// first.
+    /// Writes a whole layer of an array with [given](MipGeneration::Given) mip maps, the whole
+    /// image first.
     ///
     /// # Errors
     /// As [`TextureUploads::write`]; another number of mip maps than the array has.
@@ -193,14 +194,14 @@ impl TextureUploads {
             commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::Any]));
         })?;
         if let Some(layer) = array.layers.get_mut(place) {
-            if array.mip_making == MipMaking::Cpu && array.levels > 1 {
+            if array.mip_making == MipGeneration::Cpu && array.levels > 1 {
                 layer.kept.extend_from_slice(piece);
             }
             if !has_more {
                 layer.rows = end;
             }
         }
-        if has_more && array.mip_making == MipMaking::Cpu {
+        if has_more && array.mip_making == MipGeneration::Cpu {
             let kept = array.layers.get_mut(place).map(|layer| std::mem::take(&mut layer.kept));
             let levels = array.levels_by_cpu(&kept.unwrap_or_default());
             self.write_smaller_levels(array, layer, &levels)?;

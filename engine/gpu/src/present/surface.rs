@@ -7,7 +7,7 @@ use ash::{khr, vk};
 use raw_window_handle::{HasDisplayHandle, HasWindowHandle};
 
 use crate::core::adapter::Adapter;
-use crate::core::capabilities::Optional;
+use crate::core::capabilities::OptionalFeature;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::core::instance::{Instance, InstanceShared};
@@ -182,8 +182,8 @@ impl Surface {
     /// Returns `adapter` with a queue that presents to this surface, or the reason why it has none.
     pub(crate) fn presenting(&self, adapter: &Adapter) -> Result<Result<Adapter, String>, Error> {
         let name = &adapter.name;
-        if !adapter.capabilities.has(Optional::Swapchain) {
-            return Ok(Err(format!("{name} lacks {}", Optional::Swapchain.name())));
+        if !adapter.capabilities.has(OptionalFeature::Swapchain) {
+            return Ok(Err(format!("{name} lacks {}", OptionalFeature::Swapchain.name())));
         }
         Ok(match self.presenting_family(adapter)? {
             Some((family, timestamp_bits)) => {

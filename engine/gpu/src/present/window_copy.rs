@@ -15,7 +15,7 @@ pub(crate) fn copy_to_window(
     window: vk::Image,
     window_size: [u32; 2],
 ) {
-    if commands.admit(target).is_err() {
+    if commands.check_owner(target).is_err() {
         return;
     }
     let colour = vk::ImageAspectFlags::COLOR;

@@ -62,7 +62,7 @@ impl BlockingQueryPool {
     /// # Errors
     /// [`Error::Foreign`] for commands of another device, which fail; no memory, or a failed call.
     pub fn take(&mut self, commands: &Commands, count: u32) -> Result<Range<u32>, Error> {
-        commands.admit(self)?;
+        commands.check_owner(self)?;
         let used = self.recorded.count();
         let taken = used..used.saturating_add(count);
         let slot = self.ring.current_mut();
@@ -88,7 +88,7 @@ impl BlockingQueryPool {
         counting: Counting,
         record: impl FnOnce(&Commands),
     ) {
-        if commands.admit(self).is_err() {
+        if commands.check_owner(self).is_err() {
             return;
         }
         match self.page(query.0) {
@@ -110,7 +110,7 @@ impl BlockingQueryPool {
     /// Copies the results of `queries` to mapped memory; outside of rendering. The recording fails
     /// unless all of them were recorded in this frame.
     pub fn read_back(&self, commands: &Commands, queries: Range<u32>) {
-        if commands.admit(self).is_err()
+        if commands.check_owner(self).is_err()
             || !check_recorded(commands, &self.recorded, queries.clone())
         {
             return;

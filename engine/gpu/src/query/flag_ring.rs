@@ -66,7 +66,7 @@ impl<T: Copy> FlagRing<T> {
         frame: &Frame<'_>,
         tags: impl ExactSizeIterator<Item = T>,
     ) -> Result<(), Error> {
-        frame.commands().admit(self)?;
+        frame.commands().check_owner(self)?;
         let (slot, _) = self.ring.turn_to(frame.slot(), |tick| self.device.is_lost(tick));
         slot.begin(frame.commands().recording(), tags);
         let wanted = slot.tags.len();
@@ -96,7 +96,7 @@ impl<T: Copy> FlagRing<T> {
     /// Copies all results to mapped memory for [`FlagRing::collect`]. The last use in a frame.
     pub fn read_back(&self, commands: &Commands) {
         let slot = self.ring.current();
-        if let (Ok(()), Some(results)) = (commands.admit(self), &slot.memory) {
+        if let (Ok(()), Some(results)) = (commands.check_owner(self), &slot.memory) {
             results.read_back(commands, slot.tags.len(), self.source.access());
         }
     }

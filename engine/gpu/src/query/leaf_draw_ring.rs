@@ -116,7 +116,7 @@ impl<T: Copy> LeafDrawRing<T> {
         tested: impl Iterator<Item = DrawRange>,
         draws: &impl LeafDraws,
     ) -> Result<(), Error> {
-        frame.commands().admit(self)?;
+        frame.commands().check_owner(self)?;
         let (slot, was_given_up) =
             self.ring.turn_to(frame.slot(), |tick| self.device.is_lost(tick));
         if was_given_up {
@@ -157,7 +157,7 @@ impl<T: Copy> LeafDrawRing<T> {
 
     /// Copies the list to mapped memory for [`LeafDrawRing::collect`]. The last use in a frame.
     pub fn read_back(&self, commands: &Commands) {
-        if let (Ok(()), Some(memory)) = (commands.admit(self), self.recorded()) {
+        if let (Ok(()), Some(memory)) = (commands.check_owner(self), self.recorded()) {
             memory.list.read_back(commands, LISTED_LEAVES + 1, Access::FragmentWrite);
         }
     }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use ash::vk;
 
-use crate::core::capabilities::Optional;
+use crate::core::capabilities::OptionalFeature;
 use crate::core::deletion::Retired;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
@@ -23,7 +23,7 @@ pub struct QueryIndex(pub u32);
 pub enum Counting {
     /// Visibility: any number but 0 if some samples passed.
     Some,
-    /// The number of samples that passed. Needs [`crate::Optional::PreciseQueries`].
+    /// The number of samples that passed. Needs [`crate::OptionalFeature::PreciseQueries`].
     Samples,
 }
 
@@ -74,7 +74,7 @@ impl OcclusionPool {
         }
         let raw = self.device.raw();
         let is_precise = counting == Counting::Samples
-            && self.device.capabilities().has(Optional::PreciseQueries);
+            && self.device.capabilities().has(OptionalFeature::PreciseQueries);
         let flags = if is_precise {
             vk::QueryControlFlags::PRECISE
         } else {

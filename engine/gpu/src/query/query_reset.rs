@@ -2,7 +2,7 @@
 
 use ash::vk;
 
-use crate::core::capabilities::Optional;
+use crate::core::capabilities::OptionalFeature;
 use crate::core::device::Device;
 use crate::record::commands::Commands;
 use crate::record::resubmission::Resubmission;
@@ -16,7 +16,7 @@ pub(crate) fn reset_queries(device: &Device, commands: &Commands, pool: vk::Quer
     }
     let raw = device.raw();
     let is_once = commands.resubmission() == Resubmission::Never;
-    if is_once && device.capabilities().has(Optional::HostQueryReset) {
+    if is_once && device.capabilities().has(OptionalFeature::HostQueryReset) {
         // SAFETY: the feature is on; the slot's tick is over, so no submitted command uses the
         // queries (VUID-vkResetQueryPool-firstQuery-02741).
         unsafe { raw.reset_query_pool(pool, 0, count) };

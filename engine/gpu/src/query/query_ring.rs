@@ -11,7 +11,7 @@ use std::ops::Range;
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
 
-use crate::core::capabilities::Optional;
+use crate::core::capabilities::OptionalFeature;
 use crate::core::device::Device;
 use crate::core::error::Error;
 use crate::core::frames_in_flight::check_frames_in_flight;
@@ -134,8 +134,8 @@ impl<T: Copy> QueryRing<T> {
     /// [`Error::Foreign`] for a frame of another device, which fails; [`Error::Unsupported`] where
     /// the queries of the device cannot count as they are to; no memory, or a failed call.
     pub fn begin(&mut self, frame: &mut Frame<'_>, tags: &[T]) -> Result<(), Error> {
-        frame.commands().admit(self)?;
-        let lacking = Optional::PreciseQueries;
+        frame.commands().check_owner(self)?;
+        let lacking = OptionalFeature::PreciseQueries;
         if self.counting == Counting::Samples && !self.device.capabilities().has(lacking) {
             let device = self.device.adapter().name.clone();
             let wanted = "queries that count samples";
@@ -210,7 +210,7 @@ impl<T: Copy> QueryRing<T> {
     /// Copies all results to mapped memory for [`QueryRing::collect`]. The last use in a frame.
     pub fn read_back(&self, commands: &Commands) {
         let slot = self.ring.current();
-        if let (Some(queries), Ok(())) = (&slot.memory, commands.admit(self)) {
+        if let (Some(queries), Ok(())) = (&slot.memory, commands.check_owner(self)) {
             queries.results.read_back(commands, slot.tags.len(), Access::CopyWrite);
         }
     }
@@ -221,7 +221,7 @@ impl<T: Copy> QueryRing<T> {
     }
 
     fn begun(&self, commands: &Commands) -> Option<&Queries> {
-        commands.admit(self).ok()?;
+        commands.check_owner(self).ok()?;
         let slot = self.ring.current();
         slot.memory.as_ref().filter(|_| slot.is_begun_for(commands.recording()))
     }

@@ -2,7 +2,7 @@
 
 use ash::vk;
 
-use crate::core::capabilities::Optional;
+use crate::core::capabilities::OptionalFeature;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::record::pipeline::{PipelineKind, StorageLayout};
@@ -34,10 +34,10 @@ impl CapturePipeline {
     /// Compiles a pipeline.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] where the device lacks [`Optional::TessellationCapture`]; a failed
-    /// call.
+    /// [`Error::Unsupported`] where the device lacks [`OptionalFeature::TessellationCapture`]; a
+    /// failed call.
     pub fn new(device: &Device, info: &CapturePipelineInfo<'_>) -> Result<Self, Error> {
-        let missing = Optional::TessellationCapture;
+        let missing = OptionalFeature::TessellationCapture;
         if !device.capabilities().has(missing) {
             return Err(Error::Unsupported {
                 device: device.adapter().name.clone(),

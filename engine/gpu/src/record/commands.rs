@@ -147,7 +147,7 @@ impl Commands {
 
     /// Admits `thing` to the recording if it is of the same device. Else the recording fails, and
     /// no command with the thing may be recorded. Every command that takes handles calls this.
-    pub(crate) fn admit<T: OfDevice>(&self, thing: &T) -> Result<(), Error> {
+    pub(crate) fn check_owner<T: OfDevice>(&self, thing: &T) -> Result<(), Error> {
         if thing.device_id() == self.device.id() {
             return Ok(());
         }
@@ -155,13 +155,13 @@ impl Commands {
         Err(foreign(T::KIND))
     }
 
-    /// Calls [`Commands::admit`] for several things of a kind, and returns true if all are
+    /// Calls [`Commands::check_owner`] for several things of a kind, and returns true if all are
     /// admitted.
-    pub(crate) fn admit_all<'a, T: OfDevice + 'a>(
+    pub(crate) fn check_owners<'a, T: OfDevice + 'a>(
         &self,
         things: impl IntoIterator<Item = &'a T>,
     ) -> bool {
-        things.into_iter().all(|thing| self.admit(thing).is_ok())
+        things.into_iter().all(|thing| self.check_owner(thing).is_ok())
     }
 
     /// Makes [`Commands::check`] fail. Only the first failure is kept: others may follow from it.
@@ -253,7 +253,7 @@ impl Commands {
     /// Begins to draw to the images of a target, until [`Commands::end_rendering`]. Returns false,
     /// and the recording fails, for a target of another device.
     pub fn begin_rendering(&self, target: RenderTarget) -> bool {
-        if self.admit(&target).is_err() {
+        if self.check_owner(&target).is_err() {
             return false;
         }
         let (colour_load, colour_clear) = load_op(target.colour_load);
@@ -365,7 +365,7 @@ impl Commands {
     /// Sets every 32-bit value of `slice` to `value`: an [`crate::Access::CopyWrite`].
     pub fn fill(&self, slice: BufferSlice, value: u32) {
         let size = slice.size_bytes & !3;
-        if size > 0 && self.admit(&slice).is_ok() {
+        if size > 0 && self.check_owner(&slice).is_ok() {
             // SAFETY: the slice lies in its buffer, which is a destination of transfers; slices
             // begin at multiples of 4.
             unsafe {
@@ -385,7 +385,7 @@ impl Commands {
     pub(crate) fn write<T: Pod>(&self, slice: BufferSlice, value: &T) {
         let bytes = bytemuck::bytes_of(value);
         let fits = bytes.len() as u64 <= slice.size_bytes && bytes.len().is_multiple_of(4);
-        if fits && self.admit(&slice).is_ok() {
+        if fits && self.check_owner(&slice).is_ok() {
             // SAFETY: the bytes lie in the buffer, a destination of transfers; there are few, and
             // slices begin at multiples of 4.
             unsafe {
@@ -412,7 +412,7 @@ impl Commands {
             dst_offset: to.offset_bytes,
             size: from.size_bytes.min(to.size_bytes),
         };
-        if region.size > 0 && self.admit_all([&from, &to]) {
+        if region.size > 0 && self.check_owners([&from, &to]) {
             // SAFETY: both slices lie in their buffers.
             unsafe { self.device.raw().cmd_copy_buffer(self.raw, from.raw, to.raw, &[region]) };
         }

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use ash::vk;
 
-use crate::core::capabilities::Optional;
+use crate::core::capabilities::OptionalFeature;
 use crate::core::device::{Device, OpenRecording, WaitFor};
 use crate::core::error::Error;
 use crate::core::frames_in_flight::check_frames_in_flight;
@@ -142,12 +142,12 @@ impl FrameRing {
     }
 
     fn check_timestamps(&self, wanted: &'static str) -> Result<(), Error> {
-        if self.device.capabilities().has(Optional::Timestamps) {
+        if self.device.capabilities().has(OptionalFeature::Timestamps) {
             return Ok(());
         }
         Err(Error::Unsupported {
             device: self.device.adapter().name.clone(),
-            missing: Optional::Timestamps.name(),
+            missing: OptionalFeature::Timestamps.name(),
             wanted,
         })
     }

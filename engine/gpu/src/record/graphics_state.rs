@@ -2,7 +2,7 @@
 
 use ash::vk;
 
-use crate::core::capabilities::Optional;
+use crate::core::capabilities::OptionalFeature;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::memory::instance_numbers::{NUMBER_BINDING, NUMBER_LOCATION};
@@ -67,7 +67,7 @@ pub(super) fn create_graphics(
     };
     let mut one = vk::PipelineRepresentativeFragmentTestStateCreateInfoNV::default()
         .representative_fragment_test_enable(true);
-    let has_one = device.capabilities().has(Optional::RepresentativeFragments);
+    let has_one = device.capabilities().has(OptionalFeature::RepresentativeFragments);
     let create = match info.fragments {
         FragmentChoice::Representative if has_one => create.push_next(&mut one),
         FragmentChoice::Representative | FragmentChoice::FirstSample | FragmentChoice::All => {

@@ -2,7 +2,7 @@
 
 use ash::vk;
 
-use crate::core::capabilities::Optional;
+use crate::core::capabilities::OptionalFeature;
 use crate::core::deletion::Retired;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
@@ -80,7 +80,7 @@ pub enum DepthRange {
     #[default]
     Clipped,
     /// All: what is beyond has the depth of the plane. For devices with
-    /// [`Optional::DepthClamp`](crate::Optional::DepthClamp).
+    /// [`OptionalFeature::DepthClamp`](crate::Optional::DepthClamp).
     Clamped,
 }
 
@@ -91,8 +91,8 @@ pub enum FragmentChoice {
     #[default]
     All,
     /// One at least, which is enough for a flag, on devices with
-    /// [`Optional::RepresentativeFragments`](crate::Optional::RepresentativeFragments); else all.
-    /// For early tests alone, and never within a query that counts.
+    /// [`OptionalFeature::RepresentativeFragments`](crate::Optional::RepresentativeFragments); else
+    /// all. For early tests alone, and never within a query that counts.
     Representative,
     /// Those that cover the first sample of their pixel. Fragments of objects that meet in a pixel
     /// cover different samples, and one sample has one owner.
@@ -105,7 +105,7 @@ pub enum Polygon {
     /// The whole triangle.
     Filled,
     /// Its edges, a little nearer than the triangle. For devices with
-    /// [`Optional::Wireframe`](crate::Optional::Wireframe).
+    /// [`OptionalFeature::Wireframe`](crate::Optional::Wireframe).
     Wireframe,
 }
 
@@ -143,7 +143,7 @@ pub struct GraphicsPipelineInfo<'a> {
     /// The SPIR-V of the vertex stage.
     pub vertex: &'a Spirv,
     /// Geometry shader, if there is one. For devices with
-    /// [`Optional::GeometryShaders`](crate::Optional::GeometryShaders).
+    /// [`OptionalFeature::GeometryShaders`](crate::Optional::GeometryShaders).
     pub geometry: Option<&'a Spirv>,
     /// Fragment shader; `None` draws depth only.
     pub fragment: Option<&'a Spirv>,
@@ -256,10 +256,14 @@ impl GraphicsPipeline {
             device.check(table, "pipelines (`GraphicsPipeline`)")?;
         }
         let needs = [
-            (info.polygon == Polygon::Wireframe, Optional::Wireframe, "drawing a wireframe"),
-            (info.attachments.views > 1, Optional::Multiview, "drawing several views at once"),
-            (info.geometry.is_some(), Optional::GeometryShaders, "a geometry shader"),
-            (info.range == DepthRange::Clamped, Optional::DepthClamp, "clamped depths"),
+            (info.polygon == Polygon::Wireframe, OptionalFeature::Wireframe, "drawing a wireframe"),
+            (
+                info.attachments.views > 1,
+                OptionalFeature::Multiview,
+                "drawing several views at once",
+            ),
+            (info.geometry.is_some(), OptionalFeature::GeometryShaders, "a geometry shader"),
+            (info.range == DepthRange::Clamped, OptionalFeature::DepthClamp, "clamped depths"),
         ];
         for (is_needed, optional, wanted) in needs {
             if is_needed && !device.capabilities().has(optional) {

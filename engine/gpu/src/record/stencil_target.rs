@@ -3,7 +3,7 @@
 
 use ash::vk;
 
-use crate::core::capabilities::Optional;
+use crate::core::capabilities::OptionalFeature;
 use crate::core::device::Device;
 use crate::core::error::Error;
 use crate::core::ownership::{OfDevice, of_device};
@@ -32,13 +32,14 @@ impl StencilTarget {
     ///
     /// # Errors
     /// [`Error::TooLarge`] for sizes of 0 or beyond the device's limits; [`Error::Unsupported`] on
-    /// a device without [`Optional::DepthClamp`], which volumes need; [`Error::TargetFormat`] where
-    /// it cannot draw to 32-bit float depth with a stencil; no memory.
+    /// a device without [`OptionalFeature::DepthClamp`], which volumes need;
+    /// [`Error::TargetFormat`] where it cannot draw to 32-bit float depth with a stencil; no
+    /// memory.
     pub fn new(device: &Device, size: [u32; 2], name: &str) -> Result<Self, Error> {
         check_size(device, size)?;
-        if !device.capabilities().has(Optional::DepthClamp) {
+        if !device.capabilities().has(OptionalFeature::DepthClamp) {
             let device = device.adapter().name.clone();
-            let missing = Optional::DepthClamp.name();
+            let missing = OptionalFeature::DepthClamp.name();
             return Err(Error::Unsupported { device, missing, wanted: "counting volumes" });
         }
         Self::attachments().check(device)?;
@@ -74,7 +75,7 @@ impl StencilTarget {
     /// Forgets the contents, after any earlier rendering, so that the stencil can be drawn to:
     /// clear it.
     pub fn forget(&self, commands: &Commands) {
-        if commands.admit(self).is_ok() {
+        if commands.check_owner(self).is_ok() {
             let uses = [Access::Depth];
             let fresh = LayoutChange::forgetting(self.image.raw, both(), &uses, Access::Depth);
             commands.change_layouts([fresh]);
@@ -109,7 +110,7 @@ impl StencilTarget {
     /// undefined: clear the stencil. Copies nothing from a slice that is too small, nor an area
     /// larger than the image.
     pub fn load_depth(&mut self, commands: &Commands, from: BufferSlice, size: [u32; 2]) {
-        if commands.admit(self).is_err() || commands.admit(&from).is_err() {
+        if commands.check_owner(self).is_err() || commands.check_owner(&from).is_err() {
             return;
         }
         let uses = [Access::CopyWrite, Access::Depth];
@@ -143,7 +144,7 @@ impl StencilTarget {
 
     /// Orders a rendering to the target after an earlier one.
     pub fn prepare(&self, commands: &Commands) {
-        if commands.admit(self).is_ok() {
+        if commands.check_owner(self).is_ok() {
             commands.change_layouts([self.image.change(both(), Access::Depth, Access::Depth)]);
         }
     }

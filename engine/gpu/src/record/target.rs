@@ -285,7 +285,7 @@ impl Target {
     /// Prepares all images like [`Target::prepare`], for a rendering that draws no colours: samples
     /// that are averaged stay so, and are not read again.
     pub fn prepare_tests(&mut self, commands: &Commands) {
-        if commands.admit(self).is_err() {
+        if commands.check_owner(self).is_err() {
             return;
         }
         self.submitted = None;
@@ -305,7 +305,7 @@ impl Target {
     /// Gives the images of a host back in the states that it wants. The last use of the target in a
     /// frame.
     pub fn restore(&mut self, commands: &Commands) {
-        if self.recording != Some(commands.recording()) || commands.admit(self).is_err() {
+        if self.recording != Some(commands.recording()) || commands.check_owner(self).is_err() {
             return;
         }
         let images = std::iter::once(&mut self.depth).chain(&mut self.colours);

@@ -6,12 +6,12 @@ use gltf::json::{Index, Node, Root, Scene};
 use super::nodes::{NodePart, check_numbers, check_references};
 use super::numbers::in_range;
 use crate::Limits;
-use crate::blank::Blank;
 use crate::element::{Element, Kind};
 use crate::error::{At, Fault, Reason};
 use crate::leave_out::remove_light;
 use crate::losses::Losses;
 use crate::notes::Notes;
+use crate::placeholder::Placeholder;
 use crate::reach::shown_scene;
 
 /// Takes out of the shown scene the nodes that are nowhere, edges to nodes that do not exist or
@@ -68,7 +68,7 @@ fn scene_of_all(nodes: &[Node]) -> Scene {
         }
     }
     let roots = (0..).zip(is_child).filter(|(_, is_child)| !is_child);
-    Scene { nodes: roots.map(|(node, _)| Index::new(node)).collect(), ..Blank::blank() }
+    Scene { nodes: roots.map(|(node, _)| Index::new(node)).collect(), ..Placeholder::blank() }
 }
 
 struct Mender<'a> {

@@ -146,7 +146,7 @@ pub(super) fn check(cameras: &[SceneCamera], places: &[Place], scene: &Aabb, not
         let name = || format!("camera {}", quoted(&camera.name));
         let has_direction = direction(place.world.matrix3.z_axis.into()).is_some();
         notes.count(faults::NOWHERE, usize::from(!has_direction), name);
-        let view = cull::View::new(&camera.seen_from(&place.world, IMAGE), IMAGE, 8);
+        let view = cull::CullView::new(&camera.seen_from(&place.world, IMAGE), IMAGE, 8);
         let (containment, _) = view.frustum.classify(scene, cull::PlaneMask::ALL);
         let is_blind = place.should_see && containment == cull::Containment::Outside;
         notes.count(faults::BLIND, usize::from(is_blind), name);

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use cull::Aabb;
 use glam::Vec3;
-use scene::{ENCLOSING, outwardness};
+use scene::{ENCLOSING, signed_volume};
 
 use super::geometry::Geometry;
 use super::pieces;
@@ -59,7 +59,7 @@ pub(super) fn sides(part: Geometry) -> Vec<Geometry> {
     };
     let are_backs = backs.len() == fronts.len() && backs.iter().zip(fronts).all(is_back);
     let bounds = part.positions.iter().fold(Aabb::EMPTY, |all, at| all.union(&Aabb::new(*at, *at)));
-    if !are_backs || outwardness(&bounds, fronts.iter().map(places)).abs() < ENCLOSING {
+    if !are_backs || signed_volume(&bounds, fronts.iter().map(places)).abs() < ENCLOSING {
         return vec![part];
     }
     let mut names = vec![u32::MAX; part.positions.len()];

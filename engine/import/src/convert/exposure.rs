@@ -136,7 +136,7 @@ mod tests {
             range_m: None,
             position: Vec3::Y * 10.0,
             direction: Vec3::NEG_Y,
-            picture: None,
+            cookie: None,
         }
     }
 

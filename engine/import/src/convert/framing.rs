@@ -43,7 +43,7 @@ mod tests {
     fn an_overview_has_every_corner_in_sight() {
         let bounds = Aabb::new(vec3(-10.0, 0.0, 5.0), vec3(70.0, 4.0, 9.0));
         let camera = overview(&bounds);
-        let view = cull::View::new(&camera, [400, 300], 8);
+        let view = cull::CullView::new(&camera, [400, 300], 8);
         let mut farthest_out: f32 = 0.0;
         for corner in bounds.corners() {
             let clip = view.view_proj * corner.extend(1.0);

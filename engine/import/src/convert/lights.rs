@@ -121,7 +121,7 @@ pub(super) fn from_above() -> PunctualLight {
         range_m: None,
         position: Vec3::ZERO,
         direction: direction(vec3(-0.45, -0.75, -0.5)).unwrap_or(Vec3::NEG_Y),
-        picture: None,
+        cookie: None,
     }
 }
 
@@ -145,7 +145,7 @@ fn placed(given: &khr::Light, world: &Affine3A) -> PunctualLight {
         range_m: given.range.filter(|range| range.is_finite() && *range > 0.0),
         position: world.translation.into(),
         direction: direction(along(world)).unwrap_or(Vec3::NEG_Z),
-        picture: None,
+        cookie: None,
     }
 }
 

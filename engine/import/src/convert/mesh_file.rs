@@ -10,7 +10,7 @@ use super::assembly::NO_TINT;
 use super::geometry::Geometry;
 use super::numbers::direction;
 use super::sidedness::{Backs, with_backs};
-use super::{lights, pack, pieces};
+use super::{lights, pack, pieces, weld};
 use crate::error::{Fault, Reason};
 use crate::gltf_scene::GltfScene;
 use crate::load_options::LoadOptions;
@@ -43,7 +43,9 @@ pub(crate) fn convert_mesh_file(
     let mut scene = super::empty(name);
     let mut surfaces = Surfaces { materials: materials(&file.materials), ..Surfaces::default() };
     surfaces.lights.push(lights::from_above());
-    let positions: Vec<Vec3> = file.positions.iter().map(|position| *position * unit_m).collect();
+    let mut positions: Vec<Vec3> =
+        file.positions.iter().map(|position| *position * unit_m).collect();
+    weld::weld(&mut positions);
     let MeshFile { normals, parts, materials, .. } = file;
     let count = parts.len();
     for (place, part) in parts.into_iter().enumerate() {

@@ -34,6 +34,7 @@ mod tangents;
 mod textures;
 mod topology;
 mod vertices;
+mod weld;
 
 use animation::RigNodeId;
 use glam::Affine3A;

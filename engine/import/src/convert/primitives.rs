@@ -13,7 +13,7 @@ use super::numbers::mirrors;
 use super::sidedness::{Backs, mirror, with_backs};
 use super::topology::Elements;
 use super::vertices::Vertices;
-use super::{normals, solids, tangents};
+use super::{normals, solids, tangents, weld};
 use crate::elements::restart_index;
 use crate::error::quoted;
 use crate::memory;
@@ -168,6 +168,9 @@ impl Primitive<'_> {
         memory::ask(least * VERTEX_BYTES + corners * CORNER_BYTES)
             .map_err(|reason| reason.of(self.place()).in_file(&self.source.file))?;
         let mut geometry = solid(geometry, elements, sight, to_world);
+        if geometry.skin.is_none() && geometry.targets.is_empty() {
+            weld::weld(&mut geometry.positions);
+        }
         let broken = normals::repair(&mut geometry);
         notes.count("a normal has no direction, and is taken from its triangles", broken, || {
             self.place()

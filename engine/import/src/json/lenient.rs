@@ -10,10 +10,10 @@ use serde_json::{Map, Value};
 
 use super::names::object_name;
 use super::{lists, wide, words};
-use crate::blank::Blank;
 use crate::element::{Element, Kind};
 use crate::error::{Fault, Reason};
 use crate::notes::{Note, Notes};
+use crate::placeholder::Placeholder;
 
 /// A root whose elements are in order, or blank and at fault.
 pub(crate) struct Parsed {
@@ -79,7 +79,7 @@ struct Lists<'a> {
 }
 
 impl Lists<'_> {
-    fn take<T: Blank + DeserializeOwned>(
+    fn take<T: Placeholder + DeserializeOwned>(
         &mut self,
         key: &str,
         kind: Kind,
@@ -87,7 +87,7 @@ impl Lists<'_> {
         self.take_prepared(key, kind, |_, _| {})
     }
 
-    fn take_prepared<T: Blank + DeserializeOwned>(
+    fn take_prepared<T: Placeholder + DeserializeOwned>(
         &mut self,
         key: &str,
         kind: Kind,
@@ -111,7 +111,7 @@ impl Lists<'_> {
     ///
     /// # Errors
     /// The fault, after too many others.
-    fn hold<T: Blank>(
+    fn hold<T: Placeholder>(
         &mut self,
         element: Element,
         fault: Fault,

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 use animation::{Clip, Pose, Rig, RigNodeId, Skeleton, Skin};
-use cull::{Aabb, Containment, PlaneMask, View};
+use cull::{Aabb, Containment, CullView, PlaneMask};
 use glam::{Affine3A, Vec3};
 use scene::{
     LightMove, ObjectChange, PoseBounds, PoseUpdate, PunctualLight, SceneUpdate, SkinnedMesh,
@@ -225,7 +225,7 @@ impl Parts {
         part: usize,
         rig: &Rig,
         pose: &Pose,
-        views: Option<&[View]>,
+        views: Option<&[CullView]>,
         changes: &mut SceneUpdate,
     ) {
         let Some(part) = self.parts.get_mut(part) else { return };
@@ -299,10 +299,11 @@ impl Part {
     }
 
     /// Returns true if one of the views may show any of it, in any pose of the clips.
-    fn may_be_in(&self, views: &[View]) -> bool {
+    fn may_be_in(&self, views: &[CullView]) -> bool {
         let bounds = bounds_of_transformed(&self.placement.reach, &self.shown);
-        let is_in =
-            |view: &View| view.frustum.classify(&bounds, PlaneMask::ALL).0 != Containment::Outside;
+        let is_in = |view: &CullView| {
+            view.frustum.classify(&bounds, PlaneMask::ALL).0 != Containment::Outside
+        };
         !bounds.is_usable() || views.iter().any(is_in)
     }
 

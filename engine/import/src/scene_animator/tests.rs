@@ -3,7 +3,7 @@
 use animation::{
     Channel, Clip, Interpolation, Rest, Rig, RigNode, RigNodeId, Skin, Track, Trs, Values,
 };
-use cull::{Aabb, ObjectId, View};
+use cull::{Aabb, CullView, ObjectId};
 use glam::{Affine3A, Quat, Vec3, Vec3A};
 use scene::{
     LightId, LightKind, Mesh, MeshId, MorphTarget, Object, ObjectChange, PunctualLight, Scene,
@@ -88,7 +88,7 @@ fn imported() -> GltfScene {
         range_m: None,
         position: Vec3::ZERO,
         direction: Vec3::NEG_Z,
-        picture: None,
+        cookie: None,
     };
     scene.surfaces = Some(Surfaces {
         meshes: vec![look; 3],
@@ -226,7 +226,7 @@ fn the_way_of_a_topmost_joint_is_in_the_transform_and_its_form_below_it() {
 }
 
 /// Returns the view along x from x = `eye`.
-fn view_from(eye: f32) -> View {
+fn view_from(eye: f32) -> CullView {
     let camera = cull::Camera {
         eye: Vec3::X * eye,
         forward: Vec3::X,
@@ -234,7 +234,7 @@ fn view_from(eye: f32) -> View {
         projection: cull::Projection::perspective(1.0),
         near: 0.1,
     };
-    View::new(&camera, [4, 3], 8)
+    CullView::new(&camera, [4, 3], 8)
 }
 
 #[test]

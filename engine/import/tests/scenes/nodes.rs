@@ -210,7 +210,7 @@ fn without_a_camera_the_whole_scene_is_seen_and_without_a_light_there_is_one() {
     scene.set("/nodes/0/scale", json!([100, 100, 100]));
     let imported = load(&scene);
     let camera = imported.default_camera([400, 300]);
-    let view = cull::View::new(&camera, [400, 300], 8);
+    let view = cull::CullView::new(&camera, [400, 300], 8);
     for corner in imported.bounds().corners() {
         let clip = view.view_proj * corner.extend(1.0);
         assert!(clip.w > 0.0 && clip.truncate().truncate().abs().max_element() < clip.w);

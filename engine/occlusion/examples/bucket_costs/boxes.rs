@@ -3,7 +3,7 @@
 use antumbra_occlusion::{
     BucketId, Error, ObjectPass, ObjectRenderer, ProxyBox, Rendering, ShaderSet,
 };
-use cull::{Aabb, View};
+use cull::{Aabb, CullView};
 use gpu::{
     Buffer, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo, RenderTarget,
     StorageLayout, Target, vk,
@@ -43,11 +43,11 @@ impl ObjectRenderer for Boxes {
         &mut self.target
     }
 
-    fn rendering(&self, _view: &View, rendering: Rendering) -> RenderTarget {
+    fn rendering(&self, _view: &CullView, rendering: Rendering) -> RenderTarget {
         self.target.render_target((rendering == Rendering::First).then_some([0.0; 4]))
     }
 
-    fn bind(&self, commands: &Commands, view: &View, _bucket: BucketId, _pass: ObjectPass) {
+    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId, _pass: ObjectPass) {
         let [x, y, z, w] = view.view_proj.to_cols_array_2d();
         commands.bind(&self.pipeline, &[self.boxes.whole()]);
         // The shader makes its vertices of the boxes: any buffer does.

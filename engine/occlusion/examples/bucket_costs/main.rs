@@ -13,7 +13,7 @@ use antumbra_occlusion::{
 };
 use boxes::{Boxes, INDICES};
 use cap::Cap;
-use cull::{Aabb, Camera, CullConfig, DrawPhases, Projection, Strategy, View};
+use cull::{Aabb, Camera, CullConfig, CullView, DrawPhases, Projection, Strategy};
 use glam::{Vec3, vec3};
 use gpu::{Device, FrameRing, IndirectDraw};
 
@@ -107,7 +107,7 @@ fn measure(
         let eye = vec3(step as f32 * 0.05, 1.7, 3.0);
         let projection = Projection::perspective(0.9);
         let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, projection, near: 0.1 };
-        let view = View::new(
+        let view = CullView::new(
             &camera,
             owner.target().size(),
             device.adapter().limits.sub_pixel_precision_bits,
@@ -125,7 +125,7 @@ fn measure(
         scene.submitted(tick);
     }
     frame_times.sort_unstable();
-    device.drain()?;
+    device.wait_idle()?;
     let cpu = HEAP.allocated().saturating_sub(used) / objects.max(1);
     let gpu = bytes_per_object(&scene.executor().leaves, objects);
     Ok(BucketCosts { frame_times, added, bytes: [cpu as u64, gpu] })

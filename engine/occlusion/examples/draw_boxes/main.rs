@@ -6,11 +6,13 @@ mod boxes;
 use std::error::Error;
 
 use antumbra_occlusion::{
-    LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, ObjectRenderer, OcclusionPasses, PlanExecutor,
-    ShaderSet, VisibilityState, execute,
+    LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, ObjectRenderer, OcclusionPasses,
+    OcclusionState, PlanExecutor, ShaderSet, execute,
 };
 use boxes::{Boxes, INDICES};
-use cull::{Aabb, Camera, CullConfig, Culler, DrawPhases, Hierarchy, Projection, Strategy, View};
+use cull::{
+    Aabb, Camera, CullConfig, CullView, Culler, DrawPhases, Hierarchy, Projection, Strategy,
+};
 use glam::{Vec3, vec3};
 use gpu::{FrameRing, IndirectDraw};
 
@@ -39,7 +41,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut executor = PlanExecutor { passes, leaves };
     let testers = executor.testers(&device, objects.target(), DrawPhases::PerRound);
     let culler = Culler::with_testers(CullConfig::default(), testers);
-    let mut state = VisibilityState::new(&device, &hierarchy, &executor.leaves, 2, culler)?;
+    let mut state = OcclusionState::new(&device, &hierarchy, &executor.leaves, 2, culler)?;
     let mut frames = FrameRing::new(&device, 2)?;
     for step in 0..40_u8 {
         let eye = vec3(f32::from(step) * 0.1, 0.0, 3.0);
@@ -50,7 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             projection: Projection::perspective(0.9),
             near: 0.1,
         };
-        let view = View::new(&camera, size, device.adapter().limits.sub_pixel_precision_bits);
+        let view = CullView::new(&camera, size, device.adapter().limits.sub_pixel_precision_bits);
         let mut frame = frames.begin()?;
         state.collect(device.completed()?, &hierarchy, &executor.leaves);
         state.plan_frame(&hierarchy, &executor.leaves, Strategy::ANTUMBRA, &view, 4096);
@@ -58,7 +60,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let tick = frame.submit(None)?;
         state.submitted(tick, &executor.leaves, None);
         // The outcomes of earlier frames, which are known by now.
-        for outcome in state.take_outcomes().filter(|outcome| outcome.frame.0 % 8 == 0) {
+        for outcome in state.drain_stats().filter(|outcome| outcome.frame.0 % 8 == 0) {
             println!("frame {}: {} of 1001 boxes drawn", outcome.frame.0, outcome.draws);
         }
     }

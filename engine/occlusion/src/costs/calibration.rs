@@ -1,9 +1,9 @@
-//! Measures the prices of tests and draws on this device, before the first frame.
+//! Measures the costs of tests and draws on this device, before the first frame.
 //!
-//! Each price is a difference: the time of a batch with twice as many of a thing less the time of
+//! Each cost is a difference: the time of a batch with twice as many of a thing less the time of
 //! one with half of them, so that their common costs cancel. Of several times the shortest counts.
 //! GPU timestamps are used where the device has them, else the CPU's time from submit to end. Only
-//! speed depends on the outcome: a price that makes no sense is replaced by the default. Where
+//! speed depends on the outcome: a cost that makes no sense is replaced by the default. Where
 //! there are timestamps, cost models correct the outcome by the times of frames
 //! (`cull::Corrections`).
 
@@ -14,9 +14,9 @@ mod resets;
 use std::time::{Duration, Instant};
 
 use cull::{CostTable, MeasuredSkip, SkipTimes};
-use gpu::{CancellationToken, Device, FrameRing, IndirectDraw, Optional, Predication};
+use gpu::{CancellationToken, Device, FrameRing, IndirectDraw, OptionalFeature, PredicationMode};
 
-use crate::costs::device_prices::{DevicePrices, ResetPrices};
+use crate::costs::device_costs::{DeviceCosts, QueryResetCosts};
 use crate::error::Error;
 use crate::object_renderer::ObjectRenderer;
 use crate::passes::OcclusionPasses;
@@ -33,16 +33,16 @@ const ROUNDS: usize = 5;
 /// The fewest rounds: fewer cannot tell one executor from another.
 const LEAST_ROUNDS: usize = 4;
 
-/// The objects that prices are measured with.
+/// The objects that costs are measured with.
 pub struct CalibrationScene<'a> {
-    /// The device whose prices are measured.
+    /// The device whose costs are measured.
     pub device: &'a Device,
     /// The shaders that the passes were made of.
     pub shaders: &'a ShaderSet,
     /// The passes that test boxes.
     pub passes: &'a OcclusionPasses,
     /// The ways to skip hidden draws that are measured.
-    pub executors: &'a [Predication],
+    pub executors: &'a [PredicationMode],
     /// The renderer that draws hidden objects in place of the scene's.
     pub objects: &'a mut dyn ObjectRenderer,
     /// An object of a triangle, and one of [`PATCH_TRIANGLES`] of which half face away.
@@ -61,7 +61,7 @@ struct Clock {
 impl Clock {
     fn new(device: &Device) -> Result<Self, Error> {
         let mut frames = FrameRing::new(device, 1)?;
-        let has_timestamps = device.capabilities().has(Optional::Timestamps);
+        let has_timestamps = device.capabilities().has(OptionalFeature::Timestamps);
         if has_timestamps {
             frames.time_passes()?;
         }
@@ -75,7 +75,7 @@ impl Clock {
         frame.commands().pass("calibration", |commands| bench.record(commands, batch));
         let began = Instant::now();
         frame.submit(None)?;
-        self.device.drain()?;
+        self.device.wait_idle()?;
         let elapsed = began.elapsed();
         if self.has_timestamps
             && let Some(time) = self.frames.begin()?.pass_times().first()
@@ -106,33 +106,33 @@ impl Times {
         self.of(batch).iter().copied().fold(f64::NAN, f64::min)
     }
 
-    /// Returns the price of one thing (ns): the difference of twice as many and so many.
+    /// Returns the cost of one thing (ns): the difference of twice as many and so many.
     fn each_ns(&self, batch: Batch) -> f64 {
         let [double, single] = [batch.doubled(), batch].map(|timed| self.shortest_ns(timed));
         (double - single) / f64::from(batch.count().max(1))
     }
 
-    /// Returns the prices of skipping by an executor.
-    fn skip_prices(&self, executor: Predication) -> MeasuredSkip {
-        let prices = |ns_of: &dyn Fn(Batch) -> f64| {
+    /// Returns the costs of skipping by an executor.
+    fn predication_costs(&self, executor: PredicationMode) -> MeasuredSkip {
+        let costs = |ns_of: &dyn Fn(Batch) -> f64| {
             let [few_ns, many_ns, wide_ns] = Batch::of_ranges(executor).map(ns_of);
             let nothing_ns = ns_of(Batch::NOTHING);
-            SkipTimes { nothing_ns, few_ns, many_ns, wide_ns }.prices()
+            SkipTimes { nothing_ns, few_ns, many_ns, wide_ns }.costs()
         };
         let of_round =
-            |round: usize| prices(&|batch| self.of(batch).get(round).copied().unwrap_or(f64::NAN));
+            |round: usize| costs(&|batch| self.of(batch).get(round).copied().unwrap_or(f64::NAN));
         MeasuredSkip {
-            prices: prices(&|batch| self.shortest_ns(batch)),
+            costs: costs(&|batch| self.shortest_ns(batch)),
             rounds: (0..self.of(Batch::NOTHING).len()).map(of_round).collect(),
         }
     }
 }
 
-/// Measures every price.
+/// Measures every cost.
 ///
 /// # Errors
 /// No memory, a failed call, [`gpu::Error::Cancelled`].
-pub fn measure(scene: CalibrationScene<'_>) -> Result<DevicePrices, Error> {
+pub fn measure(scene: CalibrationScene<'_>) -> Result<DeviceCosts, Error> {
     let began = Instant::now();
     let device = scene.device;
     let executors = scene.executors;
@@ -174,22 +174,22 @@ pub fn measure(scene: CalibrationScene<'_>) -> Result<DevicePrices, Error> {
     }
     let table = sensible(CostTable { break_wait_share: share as f32, ..measured });
     let executors =
-        executors.iter().map(|executor| (*executor, times.skip_prices(*executor))).collect();
-    let prices = DevicePrices { table, executors, reset_ns };
-    tracing::info!("costs measured in {:?}: {prices:?}", began.elapsed());
-    Ok(prices)
+        executors.iter().map(|executor| (*executor, times.predication_costs(*executor))).collect();
+    let device_costs = DeviceCosts { table, executors, reset_ns };
+    tracing::info!("costs measured in {:?}: {device_costs:?}", began.elapsed());
+    Ok(device_costs)
 }
 
-/// Returns a table with the reset in the price of a query, where a command resets.
-fn with_resets(table: CostTable, device: &Device, reset_ns: &ResetPrices) -> CostTable {
-    if device.capabilities().has(Optional::HostQueryReset) {
+/// Returns a table with the reset in the cost of a query, where a command resets.
+fn with_resets(table: CostTable, device: &Device, reset_ns: &QueryResetCosts) -> CostTable {
+    if device.capabilities().has(OptionalFeature::HostQueryReset) {
         table
     } else {
         CostTable { query_ns: table.query_ns + reset_ns.command_ns.max(0.0), ..table }
     }
 }
 
-/// Returns the prices that follow from the price per thing of each batch.
+/// Returns the costs that follow from the cost per thing of each batch.
 fn table(each: &mut impl FnMut(Batch) -> f64, large_box_pixels: f64) -> CostTable {
     let draw = each(Batch::DRAWS);
     let call = each(Batch::CALLS);
@@ -215,7 +215,7 @@ fn table(each: &mut impl FnMut(Batch) -> f64, large_box_pixels: f64) -> CostTabl
     }
 }
 
-/// Replaces impossible prices by the default. A small price may come out negative: then it is too
+/// Replaces impossible costs by the default. A small cost may come out negative: then it is too
 /// small to be distinguished from noise, and counts as nothing.
 fn sensible(measured: CostTable) -> CostTable {
     let usual = CostTable::default();
@@ -232,7 +232,7 @@ fn sensible(measured: CostTable) -> CostTable {
     let usual = usual.entries();
     let values: Vec<f32> =
         measured.into_iter().zip(usual).map(|(entry, (_, usual))| kept(entry, usual)).collect();
-    // The share is bounded in any case, and the prices of executors are measured by themselves.
+    // The share is bounded in any case, and the costs of executors are measured by themselves.
     if doubtful.len() + 3 >= measured.len() {
         tracing::warn!("no cost could be measured: all count as usual");
     } else if !doubtful.is_empty() {
@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn prices_are_differences_of_batches() {
+    fn costs_are_differences_of_batches() {
         let mut each = |batch: Batch| match batch {
             Batch::DRAWS => 10.0,
             Batch::CALLS => 3.0,

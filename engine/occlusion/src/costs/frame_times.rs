@@ -1,17 +1,17 @@
 //! The times of frames on the GPU, for the cost models of the views that they showed.
 //!
 //! A time is known when the slot of its frame is used again, together with the frame's results and
-//! hence its draws. Prices belong to the device: where a frame shows several views, each of their
+//! hence its draws. Costs belong to the device: where a frame shows several views, each of their
 //! cost models learns from the time of the frame and the contents of all of them.
 
 use std::collections::VecDeque;
 
 use cull::{CostTable, FrameContents, FrameId, Strategy};
-use gpu::{Device, FrameRing, FrameTime, Optional};
+use gpu::{Device, FrameRing, FrameTime, OptionalFeature};
 
 use crate::costs::sent_frames::TIMES_KEPT;
 use crate::error::Error;
-use crate::visibility_state::VisibilityState;
+use crate::occlusion_state::OcclusionState;
 
 /// The interval of the timed frames of a view. Timestamps keep frames from overlapping: on a
 /// software driver a frame that has them takes a tenth longer.
@@ -25,14 +25,15 @@ fn is_timed_after(frame: FrameId) -> bool {
 #[derive(Debug)]
 pub struct FrameTimes {
     known: VecDeque<FrameTime>,
-    /// True if there are prices to correct, and a device that times frames.
+    /// True if there are costs to correct, and a device that times frames.
     learns: bool,
 }
 
 impl FrameTimes {
-    /// Creates the times of frames on a device, for cost models that have prices or have none.
-    pub fn new(device: &Device, prices: Option<&CostTable>) -> Self {
-        let learns = prices.is_some() && device.capabilities().has(Optional::Timestamps);
+    /// Creates the times of frames on a device, for cost models that have costs or have none.
+    pub fn new(device: &Device, device_costs: Option<&CostTable>) -> Self {
+        let learns =
+            device_costs.is_some() && device.capabilities().has(OptionalFeature::Timestamps);
         Self { known: VecDeque::new(), learns }
     }
 
@@ -48,11 +49,11 @@ impl FrameTimes {
     pub fn is_due<'a>(
         &self,
         strategy: Strategy,
-        mut views: impl Iterator<Item = &'a VisibilityState> + Clone,
+        mut views: impl Iterator<Item = &'a OcclusionState> + Clone,
     ) -> bool {
         strategy.uses_cost_model()
             && self.learns
-            && views.clone().all(VisibilityState::has_cost_model)
+            && views.clone().all(OcclusionState::has_cost_model)
             && views.any(|view| is_timed_after(view.culler().frame()))
     }
 
@@ -68,7 +69,7 @@ impl FrameTimes {
     /// The results of those frames must have been read.
     pub fn teach<V>(&mut self, views: &mut [V])
     where
-        V: AsRef<VisibilityState> + AsMut<VisibilityState>,
+        V: AsRef<OcclusionState> + AsMut<OcclusionState>,
     {
         self.known.retain(|time| {
             let sent = || views.iter().filter_map(|view| view.as_ref().sent.of(time.tick));

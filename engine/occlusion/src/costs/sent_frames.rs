@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use cull::{FrameContents, FrameId, FramePlan};
 use gpu::Tick;
 
-use crate::outcomes::FrameOutcome;
+use crate::outcomes::FrameStats;
 
 /// The times kept for views that are not drawn at the moment; older ones are lost.
 pub(crate) const TIMES_KEPT: usize = 8;
@@ -43,7 +43,7 @@ impl SentFrames {
     }
 
     /// Notes the draws of a frame, which are known now.
-    pub(crate) fn drew(&mut self, outcome: &FrameOutcome) {
+    pub(crate) fn drew(&mut self, outcome: &FrameStats) {
         if let Some(sent) = self.frames.iter_mut().find(|sent| sent.frame == outcome.frame) {
             sent.contents.draws = outcome.draws;
             sent.contents.triangles = outcome.triangles;

@@ -1,9 +1,9 @@
-//! Ranges of draws that depend on results and are drawn by one executor: what its prices are
+//! Ranges of draws that depend on results and are drawn by one executor: what its costs are
 //! measured of.
 
 use gpu::{
     Buffer, BufferSlice, Commands, Device, DrawRange, Frame, IndirectDraw, MemoryKind,
-    PredicatedRange, Predicates, Predication, ResultSource, Reveal, vk,
+    PredicatedRange, Predicates, PredicationMode, ResultSource, Reveal, vk,
 };
 
 use crate::error::Error;
@@ -20,7 +20,7 @@ pub struct SkippedRanges {
     count: u32,
 }
 
-/// The passes and memory of [`Predication::Compacted`].
+/// The passes and memory of [`PredicationMode::Compacted`].
 struct Lists {
     pass: ListDrawsPass,
     sizes: Buffer,
@@ -39,10 +39,10 @@ impl Lists {
         let most = u64::from(most);
         Ok(Self {
             pass: ListDrawsPass::new(device, shaders)?,
-            sizes: buffer("priced list sizes", most * RANGE_SIZE_BYTES)?,
-            commands: buffer("priced list", most * size_of::<IndirectDraw>() as u64)?,
-            counts: buffer("priced list count", 4)?,
-            shown: device.upload("priced result", &[1_u32], usage)?,
+            sizes: buffer("measured list sizes", most * RANGE_SIZE_BYTES)?,
+            commands: buffer("measured list", most * size_of::<IndirectDraw>() as u64)?,
+            counts: buffer("measured list count", 4)?,
+            shown: device.upload("measured result", &[1_u32], usage)?,
             io: None,
         })
     }
@@ -56,20 +56,20 @@ impl SkippedRanges {
     pub fn new(
         device: &Device,
         shaders: &ShaderSet,
-        predication: Predication,
+        predication: PredicationMode,
         draw: IndirectDraw,
         draws: u32,
     ) -> Result<Self, Error> {
         let most = draws.max(1);
         let predicates = Predicates::new(device, Some(predication), &vec![draw; most as usize], 2)?;
-        let lists = (predication == Predication::Compacted)
+        let lists = (predication == PredicationMode::Compacted)
             .then(|| Lists::new(device, shaders, most))
             .transpose()?;
         Ok(Self { predicates, lists, count: 0 })
     }
 
     /// Returns the executor.
-    pub fn predication(&self) -> Predication {
+    pub fn predication(&self) -> PredicationMode {
         self.predicates.predication()
     }
 

@@ -1,12 +1,12 @@
 //! The inputs of the execution of a plan: the plan as it lies in the memory of its frame.
 
-use cull::{MultiView, View};
+use cull::{CullView, MultiView};
 use gpu::{BufferSlice, Frame, IndirectDraw, LeafDrawBuffers, ResultSource};
 
 use crate::error::Error;
 use crate::leaf_table::LeafTable;
+use crate::occlusion_state::OcclusionState;
 use crate::passes::{ComputeTestIo, EyeConstants, ListDrawsIo, ProxyBox, ProxyEyes, ProxyIo};
-use crate::visibility_state::VisibilityState;
 
 /// The buffers that one frame reads from its slot's memory.
 pub(super) struct FrameIo {
@@ -27,7 +27,7 @@ impl FrameIo {
     /// Writes the newest plan of `state` into the memory of `frame`, and begins its tests.
     pub(super) fn write(
         frame: &mut Frame<'_>,
-        state: &mut VisibilityState,
+        state: &mut OcclusionState,
         leaves: &mut LeafTable,
         views: MultiView<'_>,
     ) -> Result<Self, Error> {
@@ -60,7 +60,7 @@ impl FrameIo {
     }
 
     /// Returns the views that proxies are drawn in: several, or the given one.
-    pub(super) fn eyes<'a>(&self, view: &'a View) -> ProxyEyes<'a> {
+    pub(super) fn eyes<'a>(&self, view: &'a CullView) -> ProxyEyes<'a> {
         self.eyes.map_or(ProxyEyes::One(view), ProxyEyes::Several)
     }
 }

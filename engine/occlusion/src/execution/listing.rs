@@ -1,6 +1,6 @@
 //! Plans whose draws a host records itself: lists of them, and the tests in between.
 
-use cull::{MultiView, View};
+use cull::{CullView, MultiView};
 use gpu::{Commands, Frame, RenderTarget, Target};
 
 use super::io::FrameIo;
@@ -10,9 +10,9 @@ use crate::error::{DrawsAmongTests, Error};
 use crate::executor::PlanExecutor;
 use crate::leaf_table::BucketId;
 use crate::object_renderer::{ObjectPass, ObjectRenderer, Rendering};
+use crate::occlusion_state::OcclusionState;
 use crate::passes::ListDrawsIo;
 use crate::shader_set::ShaderSet;
-use crate::visibility_state::VisibilityState;
 
 /// The tests of a frame whose draws are listed, still to be recorded.
 #[must_use = "the lists of revealed draws are undefined until the tests are recorded"]
@@ -26,27 +26,27 @@ pub struct ListedTests<'v> {
 /// records them itself: it cannot be called back between commands, or knows no conditional
 /// rendering. Records nothing but clears.
 ///
-/// The order on the queue is: the draws of [`VisibilityState::visible_lists`], in renderings of the
+/// The order on the queue is: the draws of [`OcclusionState::visible_lists`], in renderings of the
 /// host that clear; the [tests](ListedTests::record), in the command buffer of `frame`; the draws
-/// of [`VisibilityState::revealed_lists`], in renderings that keep what is there. All lists are
+/// of [`OcclusionState::revealed_lists`], in renderings that keep what is there. All lists are
 /// known after this call, and what the GPU writes of them is there behind the tests. The buffers
 /// live until the frame is over.
 ///
 /// ```no_run
 /// # use antumbra_occlusion as occlusion;
-/// use cull::{CullConfig, DrawPhases, View};
+/// use cull::{CullConfig, DrawPhases, CullView};
 /// use occlusion::*;
 ///
 /// /// Makes a view whose plans are fit for lists.
-/// fn view(scene: &HostScene, target: &gpu::Target) -> Result<VisibilityState, Error> {
+/// fn view(scene: &HostScene, target: &gpu::Target) -> Result<OcclusionState, Error> {
 ///     scene.new_view(target, CullConfig::default(), DrawPhases::Two)
 /// }
 ///
 /// /// Records a planned frame between two renderings of the host.
 /// fn record(
 ///     frame: &mut gpu::Frame<'_>,
-///     (scene, state): (&mut HostScene, &mut VisibilityState),
-///     (target, shaders, view): (&mut gpu::Target, &ShaderSet, &View),
+///     (scene, state): (&mut HostScene, &mut OcclusionState),
+///     (target, shaders, view): (&mut gpu::Target, &ShaderSet, &CullView),
 ///     mut draw: impl FnMut(&DrawList),
 /// ) -> Result<(), Error> {
 ///     let (_, executor) = scene.parts_mut();
@@ -66,7 +66,7 @@ pub struct ListedTests<'v> {
 pub fn list_draws<'v>(
     frame: &mut Frame<'_>,
     executor: &mut PlanExecutor,
-    state: &mut VisibilityState,
+    state: &mut OcclusionState,
     views: impl Into<MultiView<'v>>,
 ) -> Result<ListedTests<'v>, Error> {
     let views = views.into();
@@ -75,8 +75,8 @@ pub fn list_draws<'v>(
         return Err(DrawsAmongTests.into());
     }
     let io = FrameIo::write(frame, state, &mut executor.leaves, views)?;
-    let trust = executor.passes.trust();
-    let lists = state.list(frame, &executor.leaves, io.visible, trust)?;
+    let quirks = executor.passes.quirks();
+    let lists = state.list(frame, &executor.leaves, io.visible, quirks)?;
     Ok(ListedTests { views, io, lists })
 }
 
@@ -92,7 +92,7 @@ impl ListedTests<'_> {
         self,
         frame: &mut Frame<'_>,
         executor: &mut PlanExecutor,
-        state: &VisibilityState,
+        state: &OcclusionState,
         target: &mut Target,
         shaders: &ShaderSet,
     ) -> Result<(), Error> {
@@ -116,9 +116,9 @@ impl ObjectRenderer for TestsAlone<'_> {
         self.target
     }
 
-    fn rendering(&self, view: &View, _rendering: Rendering) -> RenderTarget {
+    fn rendering(&self, view: &CullView, _rendering: Rendering) -> RenderTarget {
         self.target.render_target(None).within(view.origin, view.size)
     }
 
-    fn bind(&self, _: &Commands, _: &View, _: BucketId, _: ObjectPass) {}
+    fn bind(&self, _: &Commands, _: &CullView, _: BucketId, _: ObjectPass) {}
 }

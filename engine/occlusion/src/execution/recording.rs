@@ -18,7 +18,7 @@
 
 use std::ops::Range;
 
-use cull::View;
+use cull::CullView;
 use gpu::{Access, Commands, LeafDrawBuffers, MemoryBarrier, Predicate, QueryIndex, Reveal};
 
 use super::io::{DRAW_BYTES, FrameIo};
@@ -27,18 +27,18 @@ use crate::leaf_table::{BucketId, draw_range};
 use crate::object_renderer::{
     ObjectPass, ObjectRenderer, Rendering, UpcomingDraws, render, render_last,
 };
+use crate::occlusion_state::OcclusionState;
 use crate::passes::{ComputeTestIo, LeafBoxIo, ListDrawsIo, ListDrawsPass};
 use crate::rect::Rect;
 use crate::test_layout::{RevealedRange, RoundLayout, StepRounds, take_bucket};
-use crate::visibility_state::VisibilityState;
 use crate::visible_draws::QueriedDraws;
 
 /// A plan and the objects that it is recorded with.
 pub(super) struct Recording<'a> {
     pub(super) executor: &'a PlanExecutor,
-    pub(super) state: &'a VisibilityState,
+    pub(super) state: &'a OcclusionState,
     /// The view, or the first of several.
-    pub(super) view: &'a View,
+    pub(super) view: &'a CullView,
     pub(super) io: &'a FrameIo,
 }
 

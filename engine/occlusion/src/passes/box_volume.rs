@@ -1,7 +1,7 @@
 //! The pass that tests shadow volumes of boxes, and changes nothing.
 
 use bytemuck::{Pod, Zeroable};
-use cull::{Aabb, View, VolumeLength};
+use cull::{Aabb, CullView, VolumeLength};
 use glam::Vec4;
 use gpu::{
     Attachments, BufferSlice, Commands, Device, FragmentChoice, GraphicsPipeline,
@@ -57,7 +57,7 @@ impl BoxVolumePass {
     pub const TRIANGLES: u64 = VERTICES as u64 / 3;
 
     /// Compiles the pass for renderings to `attachments`, on a device whose fragment shaders can
-    /// write ([`Optional::FragmentStores`](gpu::Optional::FragmentStores)).
+    /// write ([`OptionalFeature::FragmentStores`](gpu::Optional::FragmentStores)).
     ///
     /// # Errors
     /// A failed call.
@@ -82,7 +82,7 @@ impl BoxVolumePass {
         &self,
         commands: &Commands,
         io: &BoxVolumeIo,
-        view: &View,
+        view: &CullView,
         light: Vec4,
         tests: std::ops::Range<u32>,
     ) {

@@ -8,7 +8,7 @@
 //! proof is in `compute_test.comp`.
 
 use bytemuck::{Pod, Zeroable};
-use cull::{DepthConvention, ProjectionKind, View};
+use cull::{CullView, DepthConvention, ProjectionKind};
 use gpu::{
     Access, Buffer, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier, MemoryKind,
     StorageLayout, Target, vk,
@@ -153,7 +153,7 @@ impl ComputeTest {
     /// Tests boxes as `view` sees them: the view that the depth was drawn with. Outside of
     /// rendering, after [`ComputeTest::record_grid`]. Earlier readers of the results must be over;
     /// a barrier from [`Access::ComputeWrite`] to the use must follow.
-    pub fn record_tests(&self, commands: &Commands, io: &ComputeTestIo, view: &View) {
+    pub fn record_tests(&self, commands: &Commands, io: &ComputeTestIo, view: &CullView) {
         let buffers = [io.boxes, self.depths.whole(), self.grid.whole(), io.results];
         let mut constants = self.constants(view);
         let end = io.first.saturating_add(io.count);
@@ -165,7 +165,7 @@ impl ComputeTest {
         }
     }
 
-    fn constants(&self, view: &View) -> TestConstants {
+    fn constants(&self, view: &CullView) -> TestConstants {
         let rays = &view.rays;
         let pixel = |axis: usize| 2.0 / view.size[axis] as f32;
         let sign = view.depth.sign();

@@ -1,20 +1,20 @@
 //! The constants of views that proxies are drawn with: of one view, or of several at once.
 
 use bytemuck::{Pod, Zeroable};
-use cull::View;
+use cull::CullView;
 use gpu::BufferSlice;
 
 /// The views that proxies are drawn in.
 #[derive(Clone, Copy)]
 pub enum ProxyEyes<'a> {
     /// One view, whose constants are pushed.
-    One(&'a View),
+    One(&'a CullView),
     /// Several at once (multiview): a buffer with an [`EyeConstants`] per view.
     Several(BufferSlice),
 }
 
-impl<'a> From<&'a View> for ProxyEyes<'a> {
-    fn from(view: &'a View) -> Self {
+impl<'a> From<&'a CullView> for ProxyEyes<'a> {
+    fn from(view: &'a CullView) -> Self {
         Self::One(view)
     }
 }
@@ -34,7 +34,7 @@ const _: () = assert!(size_of::<EyeConstants>() == 112);
 
 impl EyeConstants {
     /// Creates the constants for the proxies of a view.
-    pub fn of(view: &View) -> Self {
+    pub fn of(view: &CullView) -> Self {
         Self {
             view_proj: view.proxy_view_proj().to_cols_array(),
             eye: view.rays.eye().to_array(),

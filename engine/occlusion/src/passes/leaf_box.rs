@@ -1,7 +1,7 @@
 //! The leaf-box pass: the second level of a test, leaf by leaf below a node that showed.
 
 use bytemuck::{Pod, Zeroable};
-use cull::View;
+use cull::CullView;
 use gpu::{
     Attachments, BufferSlice, Commands, Device, FragmentChoice, GraphicsPipeline,
     GraphicsPipelineInfo, LINKED, LeafDrawBuffers, StorageLayout,
@@ -54,7 +54,7 @@ struct Constants {
 const _: () = assert!(size_of::<Constants>() == 104);
 
 impl Constants {
-    fn of(view: &View) -> Self {
+    fn of(view: &CullView) -> Self {
         Self {
             view_proj: view.proxy_view_proj().to_cols_array(),
             eye: view.rays.eye().to_array(),

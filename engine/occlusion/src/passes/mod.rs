@@ -9,12 +9,12 @@ mod list_draws;
 mod proxy;
 mod scatter;
 
-use cull::{DrawPhases, TesterSupport};
-use gpu::{Attachments, Device, Optional, Target};
+use cull::{DrawPhases, VisibilityTestSupport};
+use gpu::{Attachments, Device, OptionalFeature, Target};
 
 use crate::error::Error;
+use crate::quirks::DriverQuirks;
 use crate::shader_set::ShaderSet;
-use crate::trust::Trust;
 pub use box_volume::{BoxVolume, BoxVolumeConstants, BoxVolumeIo, BoxVolumePass};
 pub use compute_test::{ComputeTest, ComputeTestIo};
 pub use eyes::{EyeConstants, ProxyEyes};
@@ -33,14 +33,14 @@ pub struct OcclusionPasses {
     /// The pass that tests boxes by a compute shader, made for the first such frame.
     pub compute_test: Option<ComputeTest>,
     /// The passes that list draws, made for the first frame with lists: those of a host that
-    /// records its draws, and those of [`gpu::Predication::Compacted`].
+    /// records its draws, and those of [`gpu::PredicationMode::Compacted`].
     pub list_draws: Option<ListDrawsPass>,
     /// The pass that uploads changed leaves.
     pub scatter: ScatterPass,
     /// The attachments that boxes are tested against.
     attachments: Attachments,
     /// The parts of the driver that are used.
-    trust: Trust,
+    quirks: DriverQuirks,
 }
 
 impl OcclusionPasses {
@@ -54,26 +54,26 @@ impl OcclusionPasses {
         shaders: &ShaderSet,
         attachments: Attachments,
     ) -> Result<Self, Error> {
-        Self::with_trust(device, shaders, attachments, Trust::default())
+        Self::with_quirks(device, shaders, attachments, DriverQuirks::default())
     }
 
-    /// Compiles the same for a driver that a self-test found something broken about: what the
-    /// trust is left without is not used by scenes of these passes and by views with the testers of
+    /// Compiles the same for a driver that a self-test found something broken about: what the trust
+    /// is left without is not used by scenes of these passes and by views with the testers of
     /// [`PlanExecutor::testers`](crate::PlanExecutor::testers), as
     /// [`HostScene::new_view`](crate::HostScene::new_view) makes them. A scene then skips hidden
-    /// draws in another way; a table of a host's own is given one of [`Trust::usable_executors`],
-    /// else nothing is tested.
+    /// draws in another way; a table of a host's own is given one of
+    /// [`DriverQuirks::usable_executors`], else nothing is tested.
     ///
     /// # Errors
     /// Those of [`OcclusionPasses::new`].
-    pub fn with_trust(
+    pub fn with_quirks(
         device: &Device,
         shaders: &ShaderSet,
         attachments: Attachments,
-        trust: Trust,
+        quirks: DriverQuirks,
     ) -> Result<Self, Error> {
-        let has_stores = device.capabilities().has(Optional::FragmentStores);
-        let can_store = has_stores && trust.allows_leaf_boxes();
+        let has_stores = device.capabilities().has(OptionalFeature::FragmentStores);
+        let can_store = has_stores && quirks.allows_leaf_boxes();
         let leaf_boxes = can_store.then(|| LeafBoxPass::new(device, shaders, attachments));
         Ok(Self {
             proxies: ProxyPass::new(device, shaders, attachments)?,
@@ -82,7 +82,7 @@ impl OcclusionPasses {
             list_draws: None,
             scatter: ScatterPass::new(device, shaders)?,
             attachments,
-            trust,
+            quirks,
         })
     }
 
@@ -115,21 +115,21 @@ impl OcclusionPasses {
         let compute_test = compute_test
             .map(|_| ComputeTest::new(device, shaders, size).map(|test| test.of_samples(samples)));
         let list_draws = self.list_draws.as_ref().map(|_| ListDrawsPass::new(device, shaders));
-        let fresh = Self::with_trust(device, shaders, attachments, self.trust.clone())?;
+        let fresh = Self::with_quirks(device, shaders, attachments, self.quirks.clone())?;
         let compute_test = compute_test.transpose()?;
         let list_draws = list_draws.transpose()?;
         Ok(Self { compute_test, list_draws, ..fresh })
     }
 
     /// Returns the parts of the driver that are used.
-    pub fn trust(&self) -> &Trust {
-        &self.trust
+    pub fn quirks(&self) -> &DriverQuirks {
+        &self.quirks
     }
 
     /// Returns the testers that there are on `device`, for views that are drawn to `target`.
     /// [`PlanExecutor::testers`](crate::PlanExecutor::testers) says which of them plans may use.
-    pub fn testers(&self, device: &Device, target: &Target) -> TesterSupport {
-        TesterSupport {
+    pub fn testers(&self, device: &Device, target: &Target) -> VisibilityTestSupport {
+        VisibilityTestSupport {
             queries: true,
             flags: self.proxies.can_flag(),
             compute: target.can_copy_depth() && ComputeTest::check(device, target.size()).is_ok(),

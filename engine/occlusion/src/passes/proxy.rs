@@ -1,10 +1,10 @@
 //! The proxy pass: tests boxes, and changes nothing.
 
 use bytemuck::{Pod, Zeroable};
-use cull::{Aabb, View};
+use cull::{Aabb, CullView};
 use gpu::{
     Attachments, BOX_VERTICES, BufferSlice, Commands, Device, FragmentChoice, GraphicsPipeline,
-    GraphicsPipelineInfo, Optional, StorageLayout,
+    GraphicsPipelineInfo, OptionalFeature, StorageLayout,
 };
 
 use crate::error::Error;
@@ -66,7 +66,7 @@ const _: () = assert!(size_of::<ProxyConstants>() == 80);
 
 impl ProxyConstants {
     /// Creates the constants for the proxies of a view.
-    pub fn of(view: &View) -> Self {
+    pub fn of(view: &CullView) -> Self {
         Self { view_proj: view.proxy_view_proj().to_cols_array(), eye: view.rays.eye().to_array() }
     }
 }
@@ -87,7 +87,7 @@ impl ProxyPass {
     }
 
     /// Compiles the pass like [`ProxyPass::new`], with these fragments for flags: a flag is the
-    /// same by all of them and by one that the device chooses, the price is not.
+    /// same by all of them and by one that the device chooses, the cost is not.
     ///
     /// # Errors
     /// Those of [`ProxyPass::new`].
@@ -119,7 +119,7 @@ impl ProxyPass {
             };
             Ok(GraphicsPipeline::new(device, &info)?)
         };
-        let can_flag = device.capabilities().has(Optional::FragmentStores);
+        let can_flag = device.capabilities().has(OptionalFeature::FragmentStores);
         let fragment = shaders.find("proxy.frag")?;
         let flagged = can_flag.then(|| pipeline("flagged proxies", Some(fragment), 2));
         Ok(Self { queried: pipeline("queried proxies", None, 1)?, flagged: flagged.transpose()? })

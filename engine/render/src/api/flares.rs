@@ -1,6 +1,6 @@
 //! The lights that flare in every image.
 
-use gpu::Optional;
+use gpu::OptionalFeature;
 use scene::LensFlare;
 use scene::limits::MAX_FLARES;
 
@@ -12,7 +12,7 @@ use crate::renderer::Renderer;
 impl Renderer {
     /// Lets these lights flare in every image from now on, and no others: a glow and ghosts are
     /// added over what the scene shows. How bright they are follows, some frames late, how much of
-    /// each light is visible ([`ViewState::flares`](crate::ViewState::flares)): opaque and masked
+    /// each light is visible ([`RenderView::flares`](crate::RenderView::flares)): opaque and masked
     /// objects hide it, and transparent ones take their alpha. Nothing waits.
     ///
     /// A flare is known by its place in the list: to move a light, give the list again. A new one
@@ -20,7 +20,7 @@ impl Renderer {
     /// scene flare by [`LensFlare::of_light`].
     ///
     /// Frames are the same under every exact strategy. On a device without
-    /// [`gpu::Optional::FragmentStores`], transparent objects let all light through.
+    /// [`gpu::OptionalFeature::FragmentStores`], transparent objects let all light through.
     ///
     /// # Errors
     /// [`Error::Flare`] for one that cannot be drawn; [`Error::SceneTooLarge`] for more than
@@ -58,19 +58,19 @@ impl Renderer {
         let attachments = passes.target.attachments();
         let pipelines = &mut passes.pipelines;
         pipelines.flares.prepare(device, shaders)?;
-        let can_veil = device.capabilities().has(Optional::FragmentStores);
+        let can_transmittance = device.capabilities().has(OptionalFeature::FragmentStores);
         let surfaces = passes.geometry.surfaces.as_ref();
-        let surfaces = surfaces.filter(|_| can_veil && pipelines.transparent.is_some());
-        if let (Some(surfaces), None) = (surfaces, &pipelines.veil) {
+        let surfaces = surfaces.filter(|_| can_transmittance && pipelines.transparent.is_some());
+        if let (Some(surfaces), None) = (surfaces, &pipelines.transmittance) {
             let pass = SurfacePass::new(
                 device,
                 &*shaders,
                 attachments,
-                SurfaceKind::Veil,
+                SurfaceKind::Transmittance,
                 surfaces,
                 None,
             )?;
-            pipelines.veil = Some(pass);
+            pipelines.transmittance = Some(pass);
         }
         Ok(())
     }

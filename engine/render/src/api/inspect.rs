@@ -25,7 +25,7 @@ impl Renderer {
 
 impl Renderer {
     /// Checks that the device counts samples, for
-    /// [`ViewState::watch`](crate::ViewState::watch).
+    /// [`RenderView::watch`](crate::RenderView::watch).
     ///
     /// # Errors
     /// [`gpu::Error::Unsupported`], with the name of what is missing.

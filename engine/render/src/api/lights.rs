@@ -25,10 +25,10 @@ impl Renderer {
     /// made with them from the strongest on: last bits of the colours may differ between the two.
     ///
     /// # Errors
-    /// [`Error::NoRoom`]: there is not enough room for lights of a kind, or no surface that they
-    /// could light; [`Error::LightPicture`]. Nothing has changed then. Spot lights have room where
-    /// the scene had some, or with any [`SpareRoom::lights`](crate::SpareRoom::lights): pipelines
-    /// are compiled for them.
+    /// [`Error::CapacityExceeded`]: there is not enough room for lights of a kind, or no surface
+    /// that they could light; [`Error::LightCookie`]. Nothing has changed then. Spot lights have
+    /// room where the scene had some, or with any
+    /// [`SpareCapacity::lights`](crate::SpareCapacity::lights): pipelines are compiled for them.
     pub fn add_lights(&mut self, lights: &[PunctualLight]) -> Result<Vec<LightId>, Error> {
         let surfaces = self.passes.geometry.surfaces.as_mut();
         let left = |kind| surfaces.as_ref().map_or(0, |surfaces| surfaces.light_room(kind));
@@ -40,13 +40,17 @@ impl Renderer {
             ("point and spot lights", points + spots, left(LightKind::Point)),
         ] {
             if wanted > left {
-                return Err(Error::NoRoom { what, wanted: wanted as u64, left: left as u64 });
+                return Err(Error::CapacityExceeded {
+                    what,
+                    wanted: wanted as u64,
+                    left: left as u64,
+                });
             }
         }
         let Some(surfaces) = surfaces else { return Ok(Vec::new()) };
         for (index, light) in lights.iter().enumerate() {
-            let checked = surfaces.check_picture(light);
-            checked.map_err(|reason| Error::LightPicture { index, reason })?;
+            let checked = surfaces.check_cookie(light);
+            checked.map_err(|reason| Error::LightCookie { index, reason })?;
         }
         let add = |light: &PunctualLight| surfaces.add_light(&self.hierarchy, *light);
         Ok(lights.iter().filter_map(add).collect())
@@ -84,7 +88,7 @@ impl Renderer {
         if !before.is_some_and(|before| is_same_kind(before, to.kind)) {
             return Err(Error::Light { light, reason: "it cannot become another kind of light" });
         }
-        surfaces.check_picture(&to).map_err(|reason| Error::Light { light, reason })?;
+        surfaces.check_cookie(&to).map_err(|reason| Error::Light { light, reason })?;
         surfaces.replace_light(&self.hierarchy, light, to);
         Ok(())
     }

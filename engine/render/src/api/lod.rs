@@ -1,14 +1,14 @@
 //! Levels of detail, chosen for a few objects per frame.
 
-use cull::{Camera, DetailPolicy, View};
+use cull::{Camera, CullView, DetailPolicy};
 
 use crate::debug::settled_counts::SettledCounts;
 use crate::error::Error;
+use crate::render_view::RenderView;
 use crate::renderer::Renderer;
-use crate::view_state::ViewState;
 
 /// A view, and the counts of what it sees.
-type SeenView<'a> = (View, Option<&'a SettledCounts>);
+type SeenView<'a> = (CullView, Option<&'a SettledCounts>);
 
 impl Renderer {
     /// Lets objects take the levels of detail ([`Surfaces::levels`](scene::Surfaces::levels)) whose
@@ -28,12 +28,12 @@ impl Renderer {
     /// Does the same as [`Renderer::choose_detail`], and lets objects of which few samples are
     /// visible take coarser levels than their distance allows, as [`DetailPolicy::by_samples`]
     /// says; of several samples per pixel, so many count as one. Samples are known of the objects
-    /// that a view [watches](ViewState::watch): those of their boxes, which no level changes. Of
+    /// that a view [watches](RenderView::watch): those of their boxes, which no level changes. Of
     /// others, and of boxes that the eye is in, the distance alone decides. Where several views see
     /// an object, the finest of their levels is taken.
     ///
     /// Counts are as many frames old as are in flight, and one more: so late does what comes out
-    /// from behind a wall get finer. [`ViewState::reset`] forgets them. They are of the finished
+    /// from behind a wall get finer. [`RenderView::reset`] forgets them. They are of the finished
     /// depth, and none is used that happens to arrive earlier, so that frames are the same under
     /// every exact strategy, and on a GPU of any speed.
     ///
@@ -41,7 +41,7 @@ impl Renderer {
     /// [`Error::ForeignRenderer`] for a view of another renderer. Nothing has changed then.
     pub fn choose_detail_seen(
         &mut self,
-        views: &[(Camera, &ViewState)],
+        views: &[(Camera, &RenderView)],
         policy: &DetailPolicy,
     ) -> Result<u32, Error> {
         views.iter().try_for_each(|(_, state)| self.check_view(state))?;

@@ -16,7 +16,7 @@ impl Renderer {
     ///
     /// # Errors
     /// [`Error::Material`] for a scene without surfaces, a material that blends, has a number that
-    /// is not finite or a texture that is not there; [`Error::NoRoom`].
+    /// is not finite or a texture that is not there; [`Error::CapacityExceeded`].
     pub fn add_materials(&mut self, materials: &[Material]) -> Result<Vec<MaterialId>, Error> {
         let Some(surfaces) = &mut self.passes.geometry.surfaces else {
             return refused(materials.len(), "the scene has no surfaces");
@@ -45,7 +45,7 @@ impl Renderer {
     /// # Errors
     /// [`Error::Material`] for one that is not there, one that is not opaque or is not to be,
     /// since shadows and depth know its holes, and as for [`Renderer::add_materials`];
-    /// [`Error::NoRoom`] for its texture transforms. Nothing has changed then.
+    /// [`Error::CapacityExceeded`] for its texture transforms. Nothing has changed then.
     pub fn set_material(&mut self, material: MaterialId, to: &Material) -> Result<(), Error> {
         let refused = |reason| Error::Material { index: material.0 as usize, reason };
         let surfaces = self.passes.geometry.surfaces.as_mut();

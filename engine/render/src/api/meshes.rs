@@ -19,7 +19,7 @@ impl Renderer {
     ///
     /// # Errors
     /// [`Error::Mesh`] for a mesh without a surface in a scene with surfaces or the other way
-    /// round, for a material that the scene lacks or that blends; [`Error::NoRoom`].
+    /// round, for a material that the scene lacks or that blends; [`Error::CapacityExceeded`].
     ///
     /// [`RendererOptions::spare`]: crate::RendererOptions::spare
     /// [`RendererOptions::upload_bytes_per_frame`]: crate::RendererOptions::upload_bytes_per_frame

@@ -1,10 +1,10 @@
 //! Facts about an object: why it is drawn or not, its triangles; and the outline of its box.
 
-use cull::{FrameId, LeafExplanation, LeafRange, ObjectId, Outcome, View};
+use cull::{CullView, FrameId, LeafExplanation, LeafRange, ObjectId, Outcome};
 
 use crate::error::Error;
+use crate::render_view::RenderView;
 use crate::renderer::Renderer;
-use crate::view_state::ViewState;
 
 impl Renderer {
     /// Explains the decision to draw an object or not in the newest frame of `state`, seen from
@@ -12,8 +12,8 @@ impl Renderer {
     /// object, or the view is of another renderer.
     pub fn explain_object(
         &self,
-        state: &ViewState,
-        view: &View,
+        state: &RenderView,
+        view: &CullView,
         object: ObjectId,
     ) -> Option<(LeafExplanation, Option<(FrameId, Outcome)>)> {
         self.check_view(state).ok()?;

@@ -2,11 +2,12 @@
 
 use std::time::{Duration, Instant};
 
-use cull::{Aabb, Hierarchy, QueryShares, Strategy, View};
+use cull::{Aabb, CullView, Hierarchy, QueryShares, Strategy};
 use gpu::{Frame, PassTime, Readback, SampleCount};
 use occlusion::{FrameTimes, Method, MethodRequest, MethodScene, PlanExecutor, Rect};
 use scene::LensFlare;
 
+use crate::attachment_schedule::{AttachmentSchedule, ColourEnd, ViewScopes};
 use crate::debug::debug_overlay::DebugOverlay;
 use crate::debug::outline::record_outline;
 use crate::debug::pointer::record_pointer;
@@ -16,14 +17,13 @@ use crate::edges::{EdgeMode, record_edges, record_outlines};
 use crate::error::{Error, FOREIGN_VIEW};
 use crate::flares::record_flares;
 use crate::frame_passes::FramePasses;
+use crate::render_view::{RenderView, RendererId};
 use crate::renderer::Renderer;
 use crate::resources::skinned_meshes::PoseUploads;
 use crate::shading::fragments::Fragments;
 use crate::shadows::MapUses;
-use crate::view_scopes::{ColourEnd, ViewScope, ViewScopes};
-use crate::view_state::{RendererId, ViewState};
 use crate::views::{
-    FrameReport, FrameRequest, ViewTarget, Viewpoint, ViewsRequest, finish_image, finish_scene,
+    FrameReport, FrameRequest, ViewRequest, Viewpoint, ViewsRequest, finish_image, finish_scene,
 };
 
 impl Renderer {
@@ -34,13 +34,13 @@ impl Renderer {
     /// Those of [`Renderer::render_views`].
     pub fn render(
         &mut self,
-        state: &mut ViewState,
+        state: &mut RenderView,
         request: &FrameRequest<'_>,
     ) -> Result<FrameReport, Error> {
         let rect = Rect::whole(self.size());
         let FrameRequest { strategy, viewpoint, visible, image, scene_image, overlay, after } =
             *request;
-        let target = ViewTarget { state, viewpoint, visible, rect };
+        let target = ViewRequest { state, viewpoint, visible, rect };
         let request = ViewsRequest { strategy, image, overlay, after };
         self.render_targets(&mut [target], &request, scene_image)
     }
@@ -52,12 +52,12 @@ impl Renderer {
     /// [`Error::NoView`] without a view: such a frame would leave its image as it is. A strategy
     /// that the device does not support; an area that is not in the image; an image of another
     /// size; a view or visible set of another renderer, an image or timeline of another device;
-    /// [`Error::View`] and [`Error::StandardDepth`] for a matrix;
+    /// [`Error::CullView`] and [`Error::StandardDepth`] for a matrix;
     /// [`Error::NoVisibleSet`], [`Error::OldVisibleSet`]; no memory, a lost device, a frame that
     /// takes too long.
     pub fn render_views(
         &mut self,
-        targets: &mut [ViewTarget<'_>],
+        targets: &mut [ViewRequest<'_>],
         request: &ViewsRequest<'_>,
     ) -> Result<FrameReport, Error> {
         self.render_targets(targets, request, None)
@@ -66,12 +66,12 @@ impl Renderer {
     /// Renders the same, and copies the image of the scene alone to `scene_image`.
     pub(crate) fn render_targets(
         &mut self,
-        targets: &mut [ViewTarget<'_>],
+        targets: &mut [ViewRequest<'_>],
         request: &ViewsRequest<'_>,
         scene_image: Option<&Readback>,
     ) -> Result<FrameReport, Error> {
         let method = self.check_frame(targets, request, scene_image)?;
-        let request = &ViewsRequest { strategy: self.trusted(request.strategy), ..*request };
+        let request = &ViewsRequest { strategy: self.usable(request.strategy), ..*request };
         let began = Instant::now();
         self.prepare(method, targets)?;
         let is_timed = self.is_timed(request.strategy, targets);
@@ -103,7 +103,7 @@ impl Renderer {
             &views,
             request,
         )?;
-        for (number, (ViewTarget { state, visible, .. }, view)) in
+        for (number, (ViewRequest { state, visible, .. }, view)) in
             (0..).zip(targets.iter_mut().zip(&views))
         {
             let strategy = request.strategy;
@@ -139,17 +139,17 @@ impl Renderer {
     /// averaged by the last rendering, where that covers all and nobody reads the image before.
     fn overlay_scopes(
         &self,
-        targets: &[ViewTarget<'_>],
+        targets: &[ViewRequest<'_>],
         scene_image: Option<&Readback>,
     ) -> ViewScopes {
         let has_debug = !self.debug_overlay.is_empty();
         let has_layers = self.debug_overlay.has_depth_complexity;
         let overlays = [
-            (ViewScope::Layers, has_layers),
-            (ViewScope::DepthComplexity, has_layers),
-            (ViewScope::DebugLines, has_debug),
-            (ViewScope::ViewFromAbove, has_debug),
-            (ViewScope::Outline, self.outlined_bounds().is_some()),
+            (AttachmentSchedule::Layers, has_layers),
+            (AttachmentSchedule::DepthComplexity, has_layers),
+            (AttachmentSchedule::DebugLines, has_debug),
+            (AttachmentSchedule::ViewFromAbove, has_debug),
+            (AttachmentSchedule::Outline, self.outlined_bounds().is_some()),
         ];
         let colour = match (self.samples, targets, scene_image) {
             (SampleCount::One, ..) => ColourEnd::Read,
@@ -160,12 +160,12 @@ impl Renderer {
     }
 
     /// Returns the views of a frame, in memory that is kept from frame to frame.
-    fn take_views(&mut self, targets: &[ViewTarget<'_>]) -> Result<Vec<View>, Error> {
+    fn take_views(&mut self, targets: &[ViewRequest<'_>]) -> Result<Vec<CullView>, Error> {
         let mut views = std::mem::take(&mut self.views);
         views.clear();
         let section = self.passes.section.planes;
         for target in targets {
-            views.push(View { section, ..target.view(&self.device)? });
+            views.push(CullView { section, ..target.view(&self.device)? });
         }
         Ok(views)
     }
@@ -173,7 +173,7 @@ impl Renderer {
     /// Refuses a frame that cannot be drawn. Returns the number of the method that draws it.
     fn check_frame(
         &self,
-        targets: &mut [ViewTarget<'_>],
+        targets: &mut [ViewRequest<'_>],
         request: &ViewsRequest<'_>,
         scene_image: Option<&Readback>,
     ) -> Result<usize, Error> {
@@ -199,8 +199,8 @@ impl Renderer {
     }
 
     /// Returns true if cost models learn from the time of the next frame. Draws of the debug
-    /// overlay and of edges beside a plan falsify prices.
-    fn is_timed(&self, strategy: Strategy, targets: &[ViewTarget<'_>]) -> bool {
+    /// overlay and of edges beside a plan falsify costs.
+    fn is_timed(&self, strategy: Strategy, targets: &[ViewRequest<'_>]) -> bool {
         let views = targets.iter().map(|target| &target.state.visibility);
         let is_alone = self.debug_overlay.is_empty() && !self.passes.edges.has_draws();
         is_alone && self.frame_times.is_due(strategy, views)
@@ -209,7 +209,7 @@ impl Renderer {
     /// Notes in the views that their frame was submitted, and in the report their plans.
     fn note_submitted(
         &mut self,
-        targets: &mut [ViewTarget<'_>],
+        targets: &mut [ViewRequest<'_>],
         is_timed: bool,
         report: &mut FrameReport,
     ) {
@@ -217,7 +217,7 @@ impl Renderer {
         report.shadows = self.passes.shadows.stats();
         report.fragments = self.fragment_counts();
         let timed_views = is_timed.then_some(targets.len());
-        for ViewTarget { state, .. } in targets.iter_mut() {
+        for ViewRequest { state, .. } in targets.iter_mut() {
             state.submitted(report.tick, &self.executor.leaves, timed_views);
             report.add(state);
         }
@@ -236,10 +236,14 @@ impl Renderer {
     }
 
     /// Returns the poses to upload for a frame of these views.
-    fn pose_uploads<'a>(&self, views: &'a [View], targets: &[ViewTarget<'_>]) -> PoseUploads<'a> {
+    fn pose_uploads<'a>(
+        &self,
+        views: &'a [CullView],
+        targets: &[ViewRequest<'_>],
+    ) -> PoseUploads<'a> {
         // The debug overlay may draw the scene as seen from elsewhere, and watched objects are
         // drawn even if they are hidden.
-        let draws_hidden = |target: &ViewTarget<'_>| target.state.counts.is_watching();
+        let draws_hidden = |target: &ViewRequest<'_>| target.state.counts.is_watching();
         let draws_all = !self.debug_overlay.is_empty() || self.passes.edges.has_draws();
         if draws_all || targets.iter().any(draws_hidden) {
             PoseUploads::All
@@ -261,9 +265,9 @@ impl Renderer {
     }
 
     /// Creates objects that only some methods and frames need, for the first of these frames.
-    fn prepare(&mut self, method: usize, targets: &[ViewTarget<'_>]) -> Result<(), Error> {
+    fn prepare(&mut self, method: usize, targets: &[ViewRequest<'_>]) -> Result<(), Error> {
         let Self { device, hierarchy, passes, executor, methods, shaders, .. } = self;
-        let is_watching = |target: &ViewTarget<'_>| target.state.counts.is_watching();
+        let is_watching = |target: &ViewRequest<'_>| target.state.counts.is_watching();
         if targets.iter().any(is_watching) {
             passes.pipelines.count.prepare(device, shaders)?;
         }
@@ -278,13 +282,13 @@ impl Renderer {
     ///
     /// # Errors
     /// A matrix that is no projection, or whose depth is not reversed. None for a camera.
-    pub fn view_in(&self, viewpoint: impl Into<Viewpoint>, area: Rect) -> Result<View, Error> {
+    pub fn view_in(&self, viewpoint: impl Into<Viewpoint>, area: Rect) -> Result<CullView, Error> {
         let view = viewpoint.into().view(&self.device, area)?;
-        Ok(View { section: self.passes.section.planes, ..view })
+        Ok(CullView { section: self.passes.section.planes, ..view })
     }
 
     /// Refuses a view of another renderer.
-    pub(crate) fn check_view(&self, state: &ViewState) -> Result<(), Error> {
+    pub(crate) fn check_view(&self, state: &RenderView) -> Result<(), Error> {
         self.check_renderer(state.renderer, FOREIGN_VIEW)
     }
 
@@ -317,14 +321,14 @@ fn plan_views(
     query_budget: usize,
     method: &mut dyn Method,
     scene: &mut MethodScene<'_>,
-    targets: &mut [ViewTarget<'_>],
-    views: &[View],
+    targets: &mut [ViewRequest<'_>],
+    views: &[CullView],
     request: &ViewsRequest<'_>,
 ) -> Result<(), Error> {
     let completed = scene.device.completed()?;
-    let queries = |target: &ViewTarget<'_>| target.state.plan().query_count();
+    let queries = |target: &ViewRequest<'_>| target.state.plan().query_count();
     shares.plan_views(query_budget, targets, queries, |number, target, share| {
-        let ViewTarget { state, visible, .. } = target;
+        let ViewRequest { state, visible, .. } = target;
         state.collect(completed, scene.hierarchy, &scene.executor.leaves);
         let wanted = method_request(*visible, &views[number], request);
         method.plan(&mut state.visibility, scene, &wanted, share);
@@ -340,7 +344,7 @@ fn begin_view(
     executor: &PlanExecutor,
     hierarchy: &Hierarchy,
     number: u32,
-    view: &View,
+    view: &CullView,
     strategy: Strategy,
 ) -> Result<u32, Error> {
     let FramePasses { geometry, pipelines, shadows, .. } = passes;
@@ -353,7 +357,7 @@ fn begin_view(
 /// Notes the renderings of a view, by its number in the frame. Overlays follow those of the first.
 fn begin_scopes(
     passes: &mut FramePasses,
-    state: &ViewState,
+    state: &RenderView,
     flares: &[LensFlare],
     number: u32,
     after_views: ViewScopes,
@@ -366,19 +370,19 @@ fn begin_scopes(
     let mode = passes.edges.options.mode;
     let later = if number == 0 { after_views } else { ViewScopes::default() };
     passes.scopes = Some(later.and([
-        (ViewScope::LastRound, true),
-        (ViewScope::CasterTests, shades),
-        (ViewScope::Shade, shades),
-        (ViewScope::Fragments, shades && has_transparent && has_fragments),
-        (ViewScope::Transparent, shades && has_transparent),
-        (ViewScope::SampleCounts, state.counts.is_watching()),
-        (ViewScope::Pointer, state.pointer.is_pointing()),
-        (ViewScope::FlareVeil, has_flares),
-        (ViewScope::FlareCounts, has_flares),
-        (ViewScope::Flares, has_flares),
-        (ViewScope::Edges, mode != EdgeMode::Off && !mode.is_on_paper()),
-        (ViewScope::EdgesOnPaper, mode.is_on_paper()),
-        (ViewScope::StencilOutlines, !passes.edges.outlines.is_empty()),
+        (AttachmentSchedule::LastRound, true),
+        (AttachmentSchedule::CasterTests, shades),
+        (AttachmentSchedule::Shade, shades),
+        (AttachmentSchedule::Fragments, shades && has_transparent && has_fragments),
+        (AttachmentSchedule::Transparent, shades && has_transparent),
+        (AttachmentSchedule::SampleCounts, state.counts.is_watching()),
+        (AttachmentSchedule::Pointer, state.pointer.is_pointing()),
+        (AttachmentSchedule::FlareTransmittance, has_flares),
+        (AttachmentSchedule::FlareCounts, has_flares),
+        (AttachmentSchedule::Flares, has_flares),
+        (AttachmentSchedule::Edges, mode != EdgeMode::Off && !mode.is_on_paper()),
+        (AttachmentSchedule::EdgesOnPaper, mode.is_on_paper()),
+        (AttachmentSchedule::StencilOutlines, !passes.edges.outlines.is_empty()),
     ]));
 }
 
@@ -390,10 +394,10 @@ fn finish_view(
     executor: &PlanExecutor,
     hierarchy: &Hierarchy,
     flares: &[LensFlare],
-    state: &mut ViewState,
-    view: &View,
+    state: &mut RenderView,
+    view: &CullView,
 ) -> Result<(), Error> {
-    let ViewState { counts, pointer, flares: flare_counts, visibility, .. } = state;
+    let RenderView { counts, pointer, flares: flare_counts, visibility, .. } = state;
     count_samples(passes, frame, executor, hierarchy, counts, visibility, view)?;
     record_pointer(passes, frame, executor, hierarchy, pointer, visibility, view)?;
     record_flares(passes, frame, executor, flares, flare_counts, visibility, view)?;
@@ -404,7 +408,7 @@ fn finish_view(
 /// Returns the request for one view of a frame.
 fn method_request<'a>(
     visible: Option<&'a VisibleSet>,
-    view: &'a View,
+    view: &'a CullView,
     &ViewsRequest { strategy, after, .. }: &ViewsRequest<'a>,
 ) -> MethodRequest<'a> {
     let visible = visible.map_or::<&[_], _>(&[], VisibleSet::leaves);
@@ -429,13 +433,13 @@ impl Overlays {
         passes: &mut FramePasses,
         executor: &PlanExecutor,
         hierarchy: &Hierarchy,
-        target: Option<&ViewTarget<'_>>,
+        target: Option<&ViewRequest<'_>>,
         request: &ViewsRequest<'_>,
     ) -> Result<Duration, Error> {
         let began = Instant::now();
         passes.scopes = Some(self.scopes);
         if let Some(target) = target {
-            let view = View { section: passes.section.planes, ..target.view(&passes.device)? };
+            let view = CullView { section: passes.section.planes, ..target.view(&passes.device)? };
             if !self.debug_overlay.is_empty() {
                 passes.begin_section_view(frame, hierarchy, &view)?;
             }

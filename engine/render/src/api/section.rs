@@ -1,7 +1,7 @@
 //! Section planes: what lies on their removed side is cut away from objects.
 
 use cull::{ObjectId, SectionMember, SectionPlanes};
-use gpu::{Optional, Target};
+use gpu::{OptionalFeature, Target};
 use occlusion::SectionShaders;
 
 use crate::error::Error;
@@ -18,7 +18,8 @@ impl Renderer {
     ///
     /// # Errors
     /// A device that cannot draw to a depth with a stencil, or binds too few buffers
-    /// ([`gpu::Optional::SectionBuffers`]); no memory, a failed call. Nothing has changed then.
+    /// ([`gpu::OptionalFeature::SectionBuffers`]); no memory, a failed call. Nothing has changed
+    /// then.
     pub fn set_section(&mut self, planes: SectionPlanes) -> Result<(), Error> {
         if planes == self.passes.section.planes {
             return Ok(());
@@ -60,9 +61,9 @@ impl Renderer {
 
     /// Compiles the passes that are cut, for images with a stencil.
     fn prepare_cuts(&mut self) -> Result<(), Error> {
-        if !self.device.capabilities().has(Optional::SectionBuffers) {
+        if !self.device.capabilities().has(OptionalFeature::SectionBuffers) {
             let device = self.device.adapter().name.clone();
-            let missing = Optional::SectionBuffers.name();
+            let missing = OptionalFeature::SectionBuffers.name();
             return Err(
                 gpu::Error::Unsupported { device, missing, wanted: "section planes" }.into()
             );

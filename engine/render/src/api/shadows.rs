@@ -6,7 +6,7 @@ use scene::LightId;
 use crate::error::Error;
 use crate::renderer::Renderer;
 use crate::resources::volume_meshes::VolumeMeshes;
-use crate::shadows::{LightShadow, Shadows, can_skip, caster_executor, trusted_shadows};
+use crate::shadows::{LightShadow, Shadows, can_skip, caster_executor, usable_shadows};
 
 impl Renderer {
     /// Returns the options of shadows.
@@ -23,7 +23,7 @@ impl Renderer {
     /// [single lights](Renderer::set_light_shadow) stay. Compiles passes and makes new maps, unless
     /// the options are those in use, and for volumes builds the adjacency of all meshes and waits
     /// for copies: not for every frame. Casters are not culled on a driver whose flags, or
-    /// all executors, are [distrusted](crate::RendererOptions::distrusted).
+    /// all executors, are [distrusted](crate::RendererOptions::disabled).
     ///
     /// # Errors
     /// [`Error::Shadows`]; [`Error::NoSurfacesForShadows`]; [`Error::MultisampledVolumes`]; maps or
@@ -31,8 +31,8 @@ impl Renderer {
     /// memory, a failed call. Nothing has changed then.
     pub fn set_shadows(&mut self, options: ShadowOptions) -> Result<(), Error> {
         let can = |predication| can_skip(&self.device, predication);
-        let trust = self.executor.passes.trust();
-        let options = trusted_shadows(trust, options, can);
+        let quirks = self.executor.passes.quirks();
+        let options = usable_shadows(quirks, options, can);
         if options == self.passes.shadows.options {
             return Ok(());
         }
@@ -45,7 +45,7 @@ impl Renderer {
             has_surfaces,
             frames_in_flight,
         )?;
-        if let Some(executor) = caster_executor(trust, self.predication(), can) {
+        if let Some(executor) = caster_executor(quirks, self.predication(), can) {
             shadows.skip_by(executor, self.frames_in_flight())?;
         }
         let pipelines = self.passes.recompiled(&self.shaders, &shadows)?;

@@ -1,6 +1,6 @@
 //! Snapshots: frozen frames that are taken, and drawn from other eyes.
 
-use cull::{Answer, Camera, LeafRange, QueryKind, Strategy, View};
+use cull::{Answer, Camera, CullView, LeafRange, QueryKind, Strategy};
 use gpu::{Readback, Tick};
 
 use crate::debug::debug_overlay::DebugOverlay;
@@ -9,10 +9,10 @@ use crate::debug::top_down::{BACKGROUND, Sketch, VIEW_FROM_ABOVE, above, reach};
 use crate::debug::visibility_snapshot::VisibilitySnapshot;
 use crate::error::Error;
 use crate::host_overlay::HostOverlay;
+use crate::render_view::RenderView;
 use crate::renderer::Renderer;
 use crate::resources::skinned_meshes::PoseUploads;
 use crate::shadows::MapUses;
-use crate::view_state::ViewState;
 use crate::views::finish_image;
 
 /// The background: none, as in a drawing, or the scene's sky, as in its other images.
@@ -36,10 +36,10 @@ impl Renderer {
     /// A view of another renderer, a lost device, or a frame that takes too long.
     pub fn snapshot(
         &mut self,
-        state: &mut ViewState,
-        view: View,
+        state: &mut RenderView,
+        view: CullView,
     ) -> Result<VisibilitySnapshot, Error> {
-        self.drain(state)?;
+        self.wait_idle(state)?;
         let plan = state.plan();
         let one = |first| LeafRange { first, count: 1 };
         let taken = plan.draws.iter().copied().map(one);
@@ -94,7 +94,7 @@ impl Renderer {
             Over { image: Some(image), overlay: None },
             Backdrop::Dark,
         )?;
-        Ok(self.device.drain()?)
+        Ok(self.device.wait_idle()?)
     }
 
     /// Draws `moment` as it looks to another eye, without a wait: the culling stands still, the

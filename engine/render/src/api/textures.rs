@@ -10,8 +10,8 @@ impl Renderer {
     /// Adds textures, and returns their ids in the same order: all of them, or none. Materials that
     /// are [added](Renderer::add_materials) can use them at once. An id may have belonged to a
     /// texture that was removed. Where textures lie on [pages], there must be room for their size,
-    /// encoding and sampler ([`SpareRoom::textures`](crate::SpareRoom::textures)); images of their
-    /// own take none.
+    /// encoding and sampler ([`SpareCapacity::textures`](crate::SpareCapacity::textures)); images
+    /// of their own take none.
     ///
     /// Nothing waits: each frame copies some rows of what was added first
     /// ([`RendererOptions::upload_bytes_per_frame`]), and makes the mip maps of what is whole.
@@ -19,13 +19,13 @@ impl Renderer {
     /// the device cannot make mip maps, this call does; it also unpacks compressed blocks that the
     /// device, or a page, does not take.
     ///
-    /// [pages]: crate::surfaces::TextureStorage::Pages
+    /// [pages]: crate::surfaces::TextureStorage::ArrayPacked
     /// [`RendererOptions::upload_bytes_per_frame`]: crate::RendererOptions::upload_bytes_per_frame
     ///
     /// # Errors
     /// [`Error::Texture`] for a scene without surfaces or a texture that no room is kept for, or
-    /// beyond the device's size; [`Error::NoRoom`]; no memory for images of their own, or for
-    /// unpacking.
+    /// beyond the device's size; [`Error::CapacityExceeded`]; no memory for images of their own, or
+    /// for unpacking.
     pub fn add_textures(
         &mut self,
         textures: Vec<PreparedTexture>,

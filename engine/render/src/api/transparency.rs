@@ -1,6 +1,6 @@
 //! The order in which transparent objects are blended.
 
-use cull::Tester;
+use cull::VisibilityTest;
 
 use crate::renderer::Renderer;
 use crate::shading::fragments::Fragments;
@@ -36,8 +36,8 @@ impl Renderer {
         if self.transparency.method == TransparencyMethod::SortedObjects {
             return None;
         }
-        if !self.executor.passes.trust().allows(Tester::Flag) {
-            return Some(TransparencyFallback::Distrusted);
+        if !self.executor.passes.quirks().allows(VisibilityTest::Flag) {
+            return Some(TransparencyFallback::DriverQuirk);
         }
         let samples = self.passes.target.attachments().samples;
         let has_room =

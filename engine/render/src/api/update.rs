@@ -156,7 +156,7 @@ impl Renderer {
     /// Applies the changes to the hierarchy, and marks the leaves that changed.
     pub(crate) fn settle(&mut self, scratch: &mut UpdateScratch) -> Result<(), HierarchyError> {
         self.move_all(scratch)?;
-        self.hierarchy.restructure(&mut scratch.reordered);
+        self.hierarchy.rebuild_subtrees(&mut scratch.reordered);
         self.mark_dirty(scratch);
         Ok(())
     }
@@ -168,7 +168,7 @@ impl Renderer {
             refitted_nodes: work.refitted_nodes - before.refitted_nodes,
             rebuilt_leaves: work.rebuilt_leaves - before.rebuilt_leaves,
             dirty_leaves: self.executor.leaves.dirty().len(),
-            is_worn: self.hierarchy.is_worn(),
+            is_degraded: self.hierarchy.is_degraded(),
             ..UpdateReport::default()
         }
     }

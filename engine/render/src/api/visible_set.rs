@@ -9,9 +9,9 @@ use occlusion::{BucketId, ObjectPass, ObjectRenderer, Rect};
 use crate::debug::visible_set::{SeenLeaves, VISIBLE_SET, VisibleSet};
 use crate::error::Error;
 use crate::passes::SeenIo;
+use crate::render_view::RenderView;
 use crate::renderer::Renderer;
-use crate::view_state::ViewState;
-use crate::views::{ViewTarget, Viewpoint, ViewsRequest};
+use crate::views::{ViewRequest, Viewpoint, ViewsRequest};
 
 impl Renderer {
     /// Finds the objects that own a pixel of `area` seen from `viewpoint`. Waits for the GPU,
@@ -23,13 +23,13 @@ impl Renderer {
     /// cannot write to buffers; no memory; a failed call.
     pub fn visible_set(
         &mut self,
-        state: &mut ViewState,
+        state: &mut RenderView,
         viewpoint: impl Into<Viewpoint>,
         area: Rect,
     ) -> Result<VisibleSet, Error> {
         self.check_view(state)?;
         let viewpoint = viewpoint.into();
-        let target = ViewTarget { state: &mut *state, viewpoint, visible: None, rect: area };
+        let target = ViewRequest { state: &mut *state, viewpoint, visible: None, rect: area };
         // With a threshold, and where no test is exact, ours leaves out what this is to find.
         let is_exact = self.is_exact() && self.supports(Strategy::ANTUMBRA).is_ok();
         let strategy = if is_exact { Strategy::ANTUMBRA } else { Strategy::FRUSTUM };
@@ -42,7 +42,7 @@ impl Renderer {
             .flat_map(|range| (range.first.0..range.first.0 + range.count).map(LeafIndex))
             .collect();
         self.submit_seen(&snapshot.view, &drawn)?;
-        self.device.drain()?;
+        self.device.wait_idle()?;
         let revision = self.revision;
         let Some(seen) = &self.seen_leaves else {
             return Ok(VisibleSet { leaves: Vec::new(), objects: Vec::new(), revision });
@@ -84,7 +84,7 @@ impl Renderer {
     /// Submits a frame that notes those of `leaves` with a pixel of `view`.
     pub(crate) fn submit_seen(
         &mut self,
-        view: &cull::View,
+        view: &cull::CullView,
         leaves: &[LeafIndex],
     ) -> Result<(), Error> {
         let passes = &mut self.passes;

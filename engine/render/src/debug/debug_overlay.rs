@@ -1,10 +1,11 @@
 //! The debug overlay of running frames: the depth complexity, wires, the boxes of the frontier, a
 //! view from above in a corner.
 
-use cull::{Hierarchy, NodeState, Tester, View};
+use cull::{CullView, Hierarchy, NodeState, VisibilityTest};
 use gpu::{BufferSlice, Device, Frame};
 use occlusion::{PlanExecutor, Rect, ShaderSet};
 
+use crate::attachment_schedule::AttachmentSchedule;
 use crate::debug::depth_complexity::{DEPTH_COMPLEXITY, record_depth_complexity};
 use crate::debug::outline::OUTLINE;
 use crate::debug::palette::{BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN};
@@ -15,8 +16,7 @@ use crate::frame_passes::FramePasses;
 use crate::host_overlay::HOST_OVERLAY;
 use crate::passes::OverlayIo;
 use crate::passes::pipelines::Pipelines;
-use crate::view_scopes::ViewScope;
-use crate::view_state::ViewState;
+use crate::render_view::RenderView;
 use crate::views::view_in;
 
 /// The overlay that explains images; of several views, over the first. It shows the plan of the
@@ -76,8 +76,8 @@ impl DebugOverlay {
         passes: &mut FramePasses,
         executor: &PlanExecutor,
         hierarchy: &Hierarchy,
-        state: &ViewState,
-        view: &View,
+        state: &RenderView,
+        view: &CullView,
     ) -> Result<(), Error> {
         if self.is_empty() {
             return Ok(());
@@ -86,7 +86,7 @@ impl DebugOverlay {
         let draws = snapshot.upload(frame, &executor.leaves)?;
         let boxes = state.plan().tests.iter().map(|test| {
             let colour = match (test.tester, state.visibility.culler().state(test.tag.node)) {
-                (Tester::SharedProxy(_), _) => BOX_BEHIND,
+                (VisibilityTest::SharedProxy(_), _) => BOX_BEHIND,
                 (_, NodeState::Hidden) => BOX_HIDDEN,
                 (_, NodeState::Unknown) => BOX_UNKNOWN,
                 (_, NodeState::Visible) => BOX_SHOWED,
@@ -106,7 +106,7 @@ impl DebugOverlay {
         frame: &mut Frame<'_>,
         passes: &mut FramePasses,
         executor: &PlanExecutor,
-        view: &View,
+        view: &CullView,
         draws: Option<BufferSlice>,
     ) -> Result<(), Error> {
         self.record_depth_complexity(frame, passes, executor, view, draws)?;
@@ -120,7 +120,7 @@ impl DebugOverlay {
         frame: &mut Frame<'_>,
         passes: &mut FramePasses,
         executor: &PlanExecutor,
-        view: &View,
+        view: &CullView,
         draws: Option<BufferSlice>,
     ) -> Result<(), Error> {
         if !self.has_depth_complexity {
@@ -135,7 +135,7 @@ impl DebugOverlay {
         frame: &mut Frame<'_>,
         passes: &mut FramePasses,
         executor: &PlanExecutor,
-        view: &View,
+        view: &CullView,
         draws: Option<BufferSlice>,
         boxes: Option<OverlayIo>,
     ) {
@@ -147,7 +147,7 @@ impl DebugOverlay {
         }
         passes.target.prepare(frame.commands());
         let target = passes.target_of(view, None);
-        let target = passes.scope_target(frame.commands(), ViewScope::DebugLines, target);
+        let target = passes.scope_target(frame.commands(), AttachmentSchedule::DebugLines, target);
         let Pipelines { wireframe, overlay, .. } = &passes.pipelines;
         let wireframe = wireframe.get().zip(draws).filter(|_| has_wireframe);
         let boxes = overlay.get().zip(boxes);
@@ -178,11 +178,12 @@ impl DebugOverlay {
         let reach = reach(hierarchy, snapshot);
         let io = Sketch::of(snapshot, reach).upload(frame)?;
         let view = view_in(&passes.device, &above(snapshot, reach), area);
-        let view = &View { section: passes.section.planes, ..view };
+        let view = &CullView { section: passes.section.planes, ..view };
         passes.begin_section_view(frame, hierarchy, view)?;
         passes.target.prepare(frame.commands());
         let target = passes.image_target(view, BACKGROUND);
-        let target = passes.scope_target(frame.commands(), ViewScope::ViewFromAbove, target);
+        let target =
+            passes.scope_target(frame.commands(), AttachmentSchedule::ViewFromAbove, target);
         frame.commands().pass(VIEW_FROM_ABOVE, |commands| {
             commands.rendering(target, |commands| {
                 passes.draw_all(executor, commands, view, draws, Some(BACKGROUND));

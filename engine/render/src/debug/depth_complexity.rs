@@ -7,14 +7,14 @@
 //! show      the values as colours, over the image
 //! ```
 
-use cull::View;
+use cull::CullView;
 use gpu::{Access, Buffer, BufferSlice, Device, Frame, MemoryBarrier, MemoryKind, vk};
 use occlusion::PlanExecutor;
 
+use crate::attachment_schedule::AttachmentSchedule;
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::passes::LayersIo;
-use crate::view_scopes::ViewScope;
 
 /// The label of the pass.
 pub(super) const DEPTH_COMPLEXITY: &str = "depth complexity";
@@ -26,7 +26,7 @@ pub(crate) struct LayerCounts(Option<Buffer>);
 
 impl LayerCounts {
     /// Returns the values of the pixels of a view, in memory that is made when it is first needed.
-    fn of(&mut self, device: &Device, view: &View) -> Result<BufferSlice, Error> {
+    fn of(&mut self, device: &Device, view: &CullView) -> Result<BufferSlice, Error> {
         let bytes = view.size.map(u64::from).iter().product::<u64>() * size_of::<u32>() as u64;
         let buffer = match self.0.take().filter(|buffer| buffer.size_bytes() >= bytes) {
             Some(buffer) => buffer,
@@ -48,7 +48,7 @@ pub(super) fn record_depth_complexity(
     passes: &mut FramePasses,
     frame: &mut Frame<'_>,
     executor: &PlanExecutor,
-    view: &View,
+    view: &CullView,
     draws: Option<BufferSlice>,
 ) -> Result<(), Error> {
     let layers = passes.layer_counts.of(&passes.device, view)?;
@@ -56,7 +56,7 @@ pub(super) fn record_depth_complexity(
     let between = MemoryBarrier::between;
     passes.target.prepare_tests(commands);
     let counting = passes.target_of(view, None);
-    let counting = passes.scope_target(commands, ViewScope::Layers, counting);
+    let counting = passes.scope_target(commands, AttachmentSchedule::Layers, counting);
     commands.pass(DEPTH_COMPLEXITY, |commands| {
         // The frame before may still show its own.
         commands.barrier(between(&[Access::FragmentRead], &[Access::CopyWrite]));
@@ -73,7 +73,7 @@ pub(super) fn record_depth_complexity(
         commands.barrier(between(&counted, &[Access::FragmentRead]));
         passes.target.prepare(commands);
         let showing = passes.target_of(view, None).cleared_to([0.0; 4]);
-        let showing = passes.scope_target(commands, ViewScope::DepthComplexity, showing);
+        let showing = passes.scope_target(commands, AttachmentSchedule::DepthComplexity, showing);
         commands.rendering(showing, |commands| {
             if let Some(pass) = passes.pipelines.layers.get() {
                 pass.show(commands, layers, view);

@@ -1,13 +1,13 @@
 //! The outline of an object's box.
 
-use cull::{Aabb, View};
+use cull::{Aabb, CullView};
 use gpu::Frame;
 
+use crate::attachment_schedule::AttachmentSchedule;
 use crate::debug::palette::SELECTED;
 use crate::debug::top_down::Sketch;
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
-use crate::view_scopes::ViewScope;
 
 /// The pass that outlines an object.
 pub(crate) const OUTLINE: &str = "outline";
@@ -17,12 +17,12 @@ pub(crate) fn record_outline(
     frame: &mut Frame<'_>,
     passes: &mut FramePasses,
     bounds: Aabb,
-    view: &View,
+    view: &CullView,
 ) -> Result<(), Error> {
     let io = Sketch::through(std::iter::once((bounds, SELECTED))).upload(frame)?;
     passes.target.prepare(frame.commands());
     let target = passes.target_of(view, None);
-    let target = passes.scope_target(frame.commands(), ViewScope::Outline, target);
+    let target = passes.scope_target(frame.commands(), AttachmentSchedule::Outline, target);
     frame.commands().pass(OUTLINE, |commands| {
         commands.rendering(target, |commands| {
             if let Some(overlay) = passes.pipelines.overlay.get() {

@@ -7,15 +7,17 @@
 
 use std::collections::VecDeque;
 
-use cull::{FrameId, Hierarchy, LeafIndex, ObjectId, View};
+use cull::{CullView, FrameId, Hierarchy, LeafIndex, ObjectId};
 use glam::{DVec3, Vec2};
-use gpu::{Access, Device, FlagRing, Frame, MemoryBarrier, Optional, ResultSource, Tick, Viewport};
-use occlusion::{PlanExecutor, VisibilityState};
+use gpu::{
+    Access, Device, FlagRing, Frame, MemoryBarrier, OptionalFeature, ResultSource, Tick, Viewport,
+};
+use occlusion::{OcclusionState, PlanExecutor};
 
+use crate::attachment_schedule::AttachmentSchedule;
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::passes::PointerIo;
-use crate::view_scopes::ViewScope;
 
 /// The words of an answer: the leaf and the depth.
 const WORDS: usize = 2;
@@ -46,7 +48,7 @@ pub struct PointedSurface {
 struct Asked {
     frame: FrameId,
     pixel: [u32; 2],
-    view: View,
+    view: CullView,
     /// The leaves along the ray, ascending, and their objects then.
     candidates: Vec<(LeafIndex, ObjectId)>,
 }
@@ -132,10 +134,10 @@ pub(crate) fn middle_of(pixel: [u32; 2], size: [u32; 2]) -> Vec2 {
 
 /// Checks that a device finds the object under a pointer.
 pub(crate) fn check_pointer(device: &Device) -> Result<(), Error> {
-    if device.capabilities().has(Optional::FragmentStores) {
+    if device.capabilities().has(OptionalFeature::FragmentStores) {
         return Ok(());
     }
-    let missing = Optional::FragmentStores.name();
+    let missing = OptionalFeature::FragmentStores.name();
     let wanted = "finding the object under the pointer";
     Err(gpu::Error::Unsupported { device: device.adapter().name.clone(), missing, wanted }.into())
 }
@@ -151,8 +153,8 @@ pub(crate) fn record_pointer(
     executor: &PlanExecutor,
     hierarchy: &Hierarchy,
     pointer: &mut Pointer,
-    visibility: &VisibilityState,
-    view: &View,
+    visibility: &OcclusionState,
+    view: &CullView,
 ) -> Result<(), Error> {
     pointer.is_asking = false;
     let Some([x, y]) = pointer.pixel else { return Ok(()) };
@@ -176,7 +178,7 @@ pub(crate) fn record_pointer(
     passes.target.prepare_tests(commands);
     let origin = [view.origin[0] + pixel[0], view.origin[1] + pixel[1]];
     let target = passes.target_of(view, None);
-    let target = passes.scope_target(commands, ViewScope::Pointer, target);
+    let target = passes.scope_target(commands, AttachmentSchedule::Pointer, target);
     commands.pass("find pointed object", |commands| {
         commands.barrier(cleared);
         if has_draws {
@@ -196,7 +198,11 @@ pub(crate) fn record_pointer(
 
 /// Returns the leaves that may own a sample of a pixel, ascending, and their objects. Which place
 /// of the pixel a sample has is the device's choice.
-fn candidates(hierarchy: &Hierarchy, view: &View, pixel: [u32; 2]) -> Vec<(LeafIndex, ObjectId)> {
+fn candidates(
+    hierarchy: &Hierarchy,
+    view: &CullView,
+    pixel: [u32; 2],
+) -> Vec<(LeafIndex, ObjectId)> {
     let mut ranges = Vec::new();
     hierarchy.leaves_in(&view.frustum_of_pixel(pixel), view, &mut ranges);
     let objects = hierarchy.leaf_objects();

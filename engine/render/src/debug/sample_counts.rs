@@ -6,14 +6,16 @@
 //! frame is drawn, each watched object in the frustum is drawn again under a precise query, and so
 //! is its proxy, with the depth test and without. Counting does not change the image.
 
-use cull::{Containment, FrameId, Generation, Hierarchy, ObjectId, PlaneMask, View};
-use gpu::{Commands, Counting, Device, Frame, IndirectDraw, Optional, QueryIndex, QueryRing, Tick};
-use occlusion::{LeafTable, PlanExecutor, ProxyBox, ProxyIo, ProxyPass, VisibilityState};
+use cull::{Containment, CullView, FrameId, Generation, Hierarchy, ObjectId, PlaneMask};
+use gpu::{
+    Commands, Counting, Device, Frame, IndirectDraw, OptionalFeature, QueryIndex, QueryRing, Tick,
+};
+use occlusion::{LeafTable, OcclusionState, PlanExecutor, ProxyBox, ProxyIo, ProxyPass};
 
+use crate::attachment_schedule::AttachmentSchedule;
 use crate::debug::settled_counts::{SettledCounts, keep_newest};
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
-use crate::view_scopes::ViewScope;
 
 /// The number of visible samples of an object in a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -23,7 +25,7 @@ pub struct VisibleSamples {
     /// The frame of the count.
     pub frame: FrameId,
     /// The age of that frame in frames of the view. 0 only for objects outside of the frustum, as
-    /// they need no count, and after [`Renderer::drain`](crate::Renderer::drain).
+    /// they need no count, and after [`Renderer::wait_idle`](crate::Renderer::wait_idle).
     pub age_frames: u64,
     /// Samples of it where nothing is nearer in the finished image: its pixels, where no two of
     /// its faces have the same depth. 0 outside of the frustum.
@@ -196,7 +198,13 @@ impl SampleCounts {
     }
 
     /// Lays out the counts of `frame` in `view`; objects outside of the frustum are known at once.
-    fn lay_out(&mut self, hierarchy: &Hierarchy, leaves: &LeafTable, view: &View, frame: FrameId) {
+    fn lay_out(
+        &mut self,
+        hierarchy: &Hierarchy,
+        leaves: &LeafTable,
+        view: &CullView,
+        frame: FrameId,
+    ) {
         let mut asked = std::mem::take(&mut self.asked);
         asked.tags.clear();
         asked.objects.clear();
@@ -253,8 +261,8 @@ pub(crate) fn count_samples(
     executor: &PlanExecutor,
     hierarchy: &Hierarchy,
     counts: &mut SampleCounts,
-    visibility: &VisibilityState,
-    view: &View,
+    visibility: &OcclusionState,
+    view: &CullView,
 ) -> Result<(), Error> {
     counts.is_asking = false;
     if !counts.is_watching() {
@@ -280,7 +288,7 @@ pub(crate) fn count_samples(
     counts.is_asking = true;
     passes.target.prepare_tests(frame.commands());
     let target = passes.target_of(view, None);
-    let target = passes.scope_target(frame.commands(), ViewScope::SampleCounts, target);
+    let target = passes.scope_target(frame.commands(), AttachmentSchedule::SampleCounts, target);
     frame.commands().pass("count samples", |commands| {
         commands.rendering(target, |commands| {
             draw_counted(
@@ -306,7 +314,7 @@ fn draw_counted(
     queries: &QueryRing<CountTag>,
     proxies: &ProxyPass,
     io: &ProxyIo,
-    view: &View,
+    view: &CullView,
 ) {
     let Some(pass) = passes.pipelines.count.get() else { return };
     pass.bind_objects(commands, &passes.opaque_io(), view);
@@ -331,11 +339,11 @@ pub(crate) const COUNTING: &str = "counting visible samples";
 
 /// Checks that a device counts samples, which `wanted` needs.
 pub(crate) fn check_counts(device: &Device, wanted: &'static str) -> Result<(), Error> {
-    if device.capabilities().has(Optional::PreciseQueries) {
+    if device.capabilities().has(OptionalFeature::PreciseQueries) {
         return Ok(());
     }
     let device = device.adapter().name.clone();
-    let missing = Optional::PreciseQueries.name();
+    let missing = OptionalFeature::PreciseQueries.name();
     Err(gpu::Error::Unsupported { device, missing, wanted }.into())
 }
 

@@ -1,7 +1,7 @@
 //! The view from above of a moment: the drawn objects, the hidden ones as boxes, and the frustum
 //! (after the figure of a city walkthrough in GPU Gems 2, chapter 6).
 
-use cull::{Aabb, Camera, Hierarchy, Projection, Rays, View};
+use cull::{Aabb, Camera, CullView, Hierarchy, Projection, Rays};
 use glam::{Vec2, Vec3};
 use gpu::Frame;
 use scene::pack_unorm;
@@ -121,7 +121,7 @@ fn corners_of(bounds: &Aabb) -> [Vec3; 8] {
 }
 
 /// Returns the corners of the view's volume from the near plane to `reach`, numbered as a box's.
-fn frustum_corners(view: &View, reach: f32) -> [Vec3; 8] {
+fn frustum_corners(view: &CullView, reach: f32) -> [Vec3; 8] {
     std::array::from_fn(|corner| {
         let side = |bit: usize| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
         let depth_m = if corner >> 2 & 1 == 1 { reach } else { view.rays.near };

@@ -1,11 +1,11 @@
 //! One moment of a view, frozen: the draws, and the parts of the frontier that stayed hidden.
 
-use cull::{Aabb, FrameId, Hierarchy, LeafIndex, LeafRange, NodeState, View};
+use cull::{Aabb, CullView, FrameId, Hierarchy, LeafIndex, LeafRange, NodeState};
 use gpu::{BufferSlice, Frame, IndirectDraw};
 use occlusion::LeafTable;
 
 use crate::error::Error;
-use crate::view_state::{RendererId, ViewState};
+use crate::render_view::{RenderView, RendererId};
 
 /// The decisions and the results of a view in one frame.
 #[derive(Debug, Clone)]
@@ -13,7 +13,7 @@ pub struct VisibilitySnapshot {
     /// The number of the frozen frame in its view.
     pub frame: FrameId,
     /// The view it was seen from.
-    pub view: View,
+    pub view: CullView,
     /// The leaves that were drawn; empty after a frame of a [GPU-driven
     /// strategy](cull::Strategy::is_gpu_driven).
     pub drawn: Vec<LeafRange>,
@@ -26,7 +26,7 @@ pub struct VisibilitySnapshot {
 impl VisibilitySnapshot {
     /// Returns the newest frame of `state` as far as it is known while it is in flight: the leaves
     /// taken as visible, and the frontier nodes that were hidden in their last test.
-    pub(crate) fn underway(state: &ViewState, hierarchy: &Hierarchy, view: View) -> Self {
+    pub(crate) fn underway(state: &RenderView, hierarchy: &Hierarchy, view: CullView) -> Self {
         let plan = state.plan();
         let one = |first| LeafRange { first, count: 1 };
         let taken = plan.draws.iter().copied().map(one);

@@ -7,7 +7,7 @@ use cull::{LeafIndex, ObjectId};
 use gpu::{Buffer, Device, MemoryKind, vk};
 
 use crate::error::Error;
-use crate::view_state::RendererId;
+use crate::render_view::RendererId;
 
 /// The leaves that own at least one pixel of a frame, nearest first. The holes of masked materials
 /// count as covered: leaves with masked materials may be too many, never too few.

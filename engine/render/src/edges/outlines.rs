@@ -1,15 +1,15 @@
 //! Outlines of objects by a stencil: their pixels are marked in it, then their edges are drawn
 //! where no mark is, so that only the outer halves of silhouettes are left.
 
-use cull::{Hierarchy, LeafIndex, ObjectId, View};
+use cull::{CullView, Hierarchy, LeafIndex, ObjectId};
 use gpu::{BufferSlice, Frame, IndirectDraw, StencilTarget};
 use occlusion::{LeafTable, MeshDrawId};
 
 use super::record::{edge_io, wait_for_vertices};
+use crate::attachment_schedule::AttachmentSchedule;
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::passes::EdgeStyle;
-use crate::view_scopes::ViewScope;
 
 /// The pass that outlines objects.
 const OUTLINES: &str = "outline objects";
@@ -30,7 +30,7 @@ pub(crate) fn record_outlines(
     frame: &mut Frame<'_>,
     hierarchy: &Hierarchy,
     leaves: &LeafTable,
-    view: &View,
+    view: &CullView,
 ) -> Result<(), Error> {
     if passes.edges.outlines.is_empty() {
         return Ok(());
@@ -46,7 +46,7 @@ pub(crate) fn record_outlines(
     wait_for_vertices(frame);
     passes.target.prepare(frame.commands());
     let target = passes.target_of(view, None);
-    let target = passes.scope_target(frame.commands(), ViewScope::StencilOutlines, target);
+    let target = passes.scope_target(frame.commands(), AttachmentSchedule::StencilOutlines, target);
     let pass = passes.pipelines.outlines.get();
     let stencil = passes.edges.stencil.as_ref();
     let (Some(pass), Some(io), Some(stencil)) = (pass, edge_io(passes), stencil) else {

@@ -3,15 +3,15 @@
 //! Which edges show depends on that depth alone, which is the same under every strategy: so are
 //! they. The edges of all objects around the frustum are drawn, whatever hides the objects.
 
-use cull::{Hierarchy, View};
+use cull::{CullView, Hierarchy};
 use gpu::{Access, BufferSlice, Frame, MemoryBarrier};
 use occlusion::MeshDrawId;
 
 use super::options::EdgeMode;
+use crate::attachment_schedule::AttachmentSchedule;
 use crate::error::Error;
 use crate::frame_passes::FramePasses;
 use crate::passes::{EdgeIo, EdgeTest};
-use crate::view_scopes::ViewScope;
 
 /// The pass that draws edges.
 const EDGES: &str = "draw edges";
@@ -32,7 +32,7 @@ pub(crate) fn record_edges(
     passes: &mut FramePasses,
     frame: &mut Frame<'_>,
     hierarchy: &Hierarchy,
-    view: &View,
+    view: &CullView,
 ) -> Result<(), Error> {
     let options = passes.edges.options;
     if options.mode == EdgeMode::Off {
@@ -47,11 +47,11 @@ pub(crate) fn record_edges(
     wait_for_vertices(frame);
     passes.target.prepare(frame.commands());
     let mut target = passes.target_of(view, None);
-    let mut scope = ViewScope::Edges;
+    let mut scope = AttachmentSchedule::Edges;
     if options.mode.is_on_paper() {
         let [red, green, blue] = options.paper;
         target = target.cleared_to([red, green, blue, 1.0]);
-        scope = ViewScope::EdgesOnPaper;
+        scope = AttachmentSchedule::EdgesOnPaper;
     }
     let target = passes.scope_target(frame.commands(), scope, target);
     let pass = passes.pipelines.edges.get();

@@ -1,6 +1,6 @@
 //! The block of a flare: the pixels whose samples are counted, at the depth of its light.
 
-use cull::{ProjectionKind, View};
+use cull::{CullView, ProjectionKind};
 use glam::{Vec2, Vec4, Vec4Swizzles};
 use occlusion::Rect;
 use scene::{FlarePlace, LensFlare};
@@ -40,7 +40,7 @@ impl FlareBlock {
     /// Returns the block of a flare in a view whose depth is reversed. `None` where no part of it
     /// is in the image, and for a light that the near plane cuts or that is behind the eye.
     #[must_use]
-    pub fn of(flare: &LensFlare, view: &View) -> Option<Self> {
+    pub fn of(flare: &LensFlare, view: &CullView) -> Option<Self> {
         let light = match flare.place {
             FlarePlace::At(_) => SeenLight::lamp(flare, view),
             FlarePlace::Towards(_) => SeenLight::sun(flare, view),
@@ -89,7 +89,7 @@ impl FlareBlock {
 
 impl SeenLight {
     /// Returns a light at a point, as far away as its side towards the eye.
-    fn lamp(flare: &LensFlare, view: &View) -> Option<Self> {
+    fn lamp(flare: &LensFlare, view: &CullView) -> Option<Self> {
         let FlarePlace::At(point) = flare.place else { return None };
         let rays = &view.rays;
         let depth_m = rays.depth_m(point);
@@ -109,7 +109,7 @@ impl SeenLight {
 
     /// Returns a light that is infinitely far away, behind all things. Parallel rays do not meet
     /// it.
-    fn sun(flare: &LensFlare, view: &View) -> Option<Self> {
+    fn sun(flare: &LensFlare, view: &CullView) -> Option<Self> {
         let FlarePlace::Towards(direction) = flare.place else { return None };
         let clip = view.view_proj * direction.normalize_or_zero().extend(0.0);
         if view.rays.kind != ProjectionKind::Perspective || clip.w <= 1.0e-6 {
@@ -121,7 +121,7 @@ impl SeenLight {
 }
 
 /// Returns the height of a pixel where w is 1 (metres).
-fn pixel_m(view: &View) -> f32 {
+fn pixel_m(view: &CullView) -> f32 {
     2.0 * view.rays.down.length() / view.size[1] as f32
 }
 
@@ -142,8 +142,8 @@ mod tests {
         }
     }
 
-    fn view() -> View {
-        View::new(&camera(), [200, 100], 8)
+    fn view() -> CullView {
+        CullView::new(&camera(), [200, 100], 8)
     }
 
     fn flare(place: FlarePlace, radius: f32) -> LensFlare {
@@ -181,7 +181,7 @@ mod tests {
         assert_eq!(sun(Vec3::Z), None);
         assert_eq!(sun(Vec3::X), None);
         let projection = Projection::Orthographic { height: 10.0, far: 100.0 };
-        let parallel = View::new(&Camera { projection, ..camera() }, [200, 100], 8);
+        let parallel = CullView::new(&Camera { projection, ..camera() }, [200, 100], 8);
         let sun = flare(FlarePlace::Towards(Vec3::NEG_Z), 0.1);
         assert_eq!(FlareBlock::of(&sun, &parallel), None);
         let block = FlareBlock::of(&lamp(Vec3::new(0.0, 0.0, -50.5)), &parallel).unwrap();

@@ -1,20 +1,20 @@
 //! The counts of a view's flares: laid out for a frame, read back some frames later without a wait.
 
-use cull::{FrameId, View};
+use cull::{CullView, FrameId};
 use gpu::{QueryIndex, QueryRing, Tick};
 use scene::LensFlare;
 
 use crate::flares::block::FlareBlock;
 use crate::flares::history::{FlareHistory, FlareSamples, FlareState};
-use crate::passes::{FlareBlockRow, FlareSprite, VEIL_LEVELS};
+use crate::passes::{FlareBlockRow, FlareSprite, TRANSMITTANCE_LEVELS};
 
 /// The subject of a count. The queries of one flare follow each other in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum FlareCount {
     Total,
     Visible,
-    /// The light that the veil lets through, in levels: counted where there may be one.
-    Veiled,
+    /// The light that the transmittance lets through, in levels: counted where there may be one.
+    Transmitted,
 }
 
 /// A count on its way.
@@ -92,8 +92,8 @@ impl FlareCounts {
                     collected.push((flare, FlareSamples::of(frame, samples, block)));
                 }
                 (FlareCount::Visible, Some((_, counts))) => counts.visible = samples,
-                (FlareCount::Veiled, Some((_, counts))) if counts.visible > 0 => {
-                    let all = counts.visible as f32 * VEIL_LEVELS as f32;
+                (FlareCount::Transmitted, Some((_, counts))) if counts.visible > 0 => {
+                    let all = counts.visible as f32 * TRANSMITTANCE_LEVELS as f32;
                     counts.let_through = samples as f32 / all;
                 }
                 _ => {}
@@ -107,13 +107,13 @@ impl FlareCounts {
     }
 
     /// Lays out the counts of `frame` in `view`: what is not in the image is known at once. With
-    /// `has_veil`, what transparent objects let through is counted too.
+    /// `has_transmittance`, what transparent objects let through is counted too.
     pub(super) fn lay_out(
         &mut self,
         flares: &[LensFlare],
-        view: &View,
+        view: &CullView,
         frame: FrameId,
-        has_veil: bool,
+        has_transmittance: bool,
         samples_per_pixel: u32,
     ) {
         self.histories.resize_with(flares.len(), FlareHistory::default);
@@ -137,7 +137,7 @@ impl FlareCounts {
             asked.queries.push(QueryIndex(asked.tags.len() as u32));
             asked.rows.push(block.row(view.origin, asked.cells));
             asked.tags.extend([FlareCount::Total, FlareCount::Visible].map(tag));
-            asked.tags.extend(has_veil.then(|| tag(FlareCount::Veiled)));
+            asked.tags.extend(has_transmittance.then(|| tag(FlareCount::Transmitted)));
             asked.cells += pixels;
             for axis in 0..2 {
                 let [low, high] = &mut asked.covering;

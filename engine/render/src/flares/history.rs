@@ -134,8 +134,8 @@ mod tests {
     fn fractions_are_of_what_is_in_the_image_and_of_what_is_let_through() {
         let whole = counted(1, 8);
         assert_eq!((whole.fraction(), whole.in_image()), (0.5, 1.0));
-        let veiled = FlareSamples { let_through: 0.5, ..whole };
-        assert_eq!(veiled.fraction(), 0.25);
+        let transmitted = FlareSamples { let_through: 0.5, ..whole };
+        assert_eq!(transmitted.fraction(), 0.25);
         let cut = FlareSamples { total: 8, ..whole };
         assert_eq!((cut.fraction(), cut.in_image()), (1.0, 0.5));
         let outside = FlareSamples { total: 0, visible: 0, ..whole };

@@ -4,7 +4,7 @@
 //! ```text
 //! block    a square of pixels at the light's place and depth, larger where it is nearer
 //! count    its samples in the image, and those where the finished depth is not nearer
-//! veil     what transparent objects in front let through at each of its pixels
+//! transmittance     what transparent objects in front let through at each of its pixels
 //! history  the counts of the frame N frames ago, N being in flight: the brightness of this frame
 //! sprites  the glow and the ghosts, added to the finished image
 //! ```

@@ -1,17 +1,17 @@
 //! The recording of a view's flares: counts of the finished depth, then sprites over the image.
 
-use cull::View;
+use cull::CullView;
 use gpu::{Access, BufferSlice, Counting, Frame, MemoryBarrier, QueryIndex, QueryRing};
-use occlusion::{PlanExecutor, VisibilityState};
+use occlusion::{OcclusionState, PlanExecutor};
 use scene::LensFlare;
 
+use crate::attachment_schedule::AttachmentSchedule;
 use crate::error::Error;
 use crate::flares::block::FlareBlock;
 use crate::flares::counts::FlareCounts;
 use crate::flares::sprites::sprites;
 use crate::frame_passes::FramePasses;
 use crate::passes::FlareBlockIo;
-use crate::view_scopes::ViewScope;
 
 /// Counts the flares of a view, once everything of its frame is drawn, and draws those that earlier
 /// frames have counted.
@@ -24,15 +24,15 @@ pub(crate) fn record_flares(
     executor: &PlanExecutor,
     flares: &[LensFlare],
     counts: &mut FlareCounts,
-    visibility: &VisibilityState,
-    view: &View,
+    visibility: &OcclusionState,
+    view: &CullView,
 ) -> Result<(), Error> {
     counts.is_asking = false;
     let now = visibility.plan().frame;
     let slots = visibility.frames_in_flight();
-    let has_veil = passes.pipelines.veil.is_some() && has_transparent(passes);
+    let has_transmittance = passes.pipelines.transmittance.is_some() && has_transparent(passes);
     let samples_per_pixel = passes.target.attachments().samples.as_raw();
-    counts.lay_out(flares, view, now, has_veil, samples_per_pixel);
+    counts.lay_out(flares, view, now, has_transmittance, samples_per_pixel);
     counts.advance(now, slots);
     if flares.is_empty() {
         return Ok(());
@@ -47,12 +47,12 @@ pub(crate) fn record_flares(
         queries.begin(frame, &counts.asked.tags)?;
         counts.is_asking = true;
         let blocks = frame.uploads().push(&counts.asked.rows)?;
-        let veil = if has_veil {
-            Some(record_veil(passes, frame, executor, counts, blocks, view)?)
+        let transmittance = if has_transmittance {
+            Some(record_transmittance(passes, frame, executor, counts, blocks, view)?)
         } else {
             None
         };
-        record_counts(passes, frame, counts, FlareBlockIo { blocks, veil }, view);
+        record_counts(passes, frame, counts, FlareBlockIo { blocks, transmittance }, view);
     }
     record_sprites(passes, frame, counts, flares, view)
 }
@@ -64,39 +64,47 @@ fn has_transparent(passes: &FramePasses) -> bool {
 
 /// Adds up how much the transparent objects in front of the lights take at each pixel of the
 /// blocks.
-fn record_veil(
+fn record_transmittance(
     passes: &mut FramePasses,
     frame: &mut Frame<'_>,
     executor: &PlanExecutor,
     counts: &FlareCounts,
     blocks: BufferSlice,
-    view: &View,
+    view: &CullView,
 ) -> Result<BufferSlice, Error> {
     let cells = std::iter::repeat_n(0_u32, counts.asked.cells as usize);
-    let veil = frame.uploads().push_iter(cells)?;
+    let transmittance = frame.uploads().push_iter(cells)?;
     let [low, high] = counts.asked.covering;
     let origin = [0, 1].map(|axis| view.origin[axis] + low[axis]);
     let size = [0, 1].map(|axis| high[axis].saturating_sub(low[axis]));
     passes.target.prepare_tests(frame.commands());
     let target = passes.target_of(view, None);
-    let target = passes.scope_target(frame.commands(), ViewScope::FlareVeil, target);
+    let target =
+        passes.scope_target(frame.commands(), AttachmentSchedule::FlareTransmittance, target);
     let passes = &*passes;
-    frame.commands().pass("veil flares", |commands| {
+    frame.commands().pass("transmittance flares", |commands| {
         commands.rendering(target, |commands| {
             let (Some(transparent), Some(pass), Some(surfaces)) =
-                (&passes.transparent, &passes.pipelines.veil, passes.surface_io())
+                (&passes.transparent, &passes.pipelines.transmittance, passes.surface_io())
             else {
                 return;
             };
             commands.clip(origin, size);
             transparent.draw_bound(executor, commands, surfaces, &|commands, surfaces| {
-                pass.bind_veil(commands, surfaces, blocks, veil, view, &passes.light);
+                pass.bind_transmittance(
+                    commands,
+                    surfaces,
+                    blocks,
+                    transmittance,
+                    view,
+                    &passes.light,
+                );
             });
         });
         let to_counts = MemoryBarrier::between(&[Access::FragmentWrite], &[Access::FragmentRead]);
         commands.barrier(to_counts);
     });
-    Ok(veil)
+    Ok(transmittance)
 }
 
 /// Counts the samples of the blocks.
@@ -105,12 +113,12 @@ fn record_counts(
     frame: &mut Frame<'_>,
     counts: &FlareCounts,
     io: FlareBlockIo,
-    view: &View,
+    view: &CullView,
 ) {
     let (Some(queries), asked) = (&counts.queries, &counts.asked) else { return };
     passes.target.prepare_tests(frame.commands());
     let target = passes.target_of(view, None);
-    let target = passes.scope_target(frame.commands(), ViewScope::FlareCounts, target);
+    let target = passes.scope_target(frame.commands(), AttachmentSchedule::FlareCounts, target);
     let Some(pass) = passes.pipelines.flares.get() else { return };
     frame.commands().pass("count flares", |commands| {
         commands.rendering(target, |commands| {
@@ -134,7 +142,7 @@ fn record_sprites(
     frame: &mut Frame<'_>,
     counts: &mut FlareCounts,
     flares: &[LensFlare],
-    view: &View,
+    view: &CullView,
 ) -> Result<(), Error> {
     let mut sprites_drawn = std::mem::take(&mut counts.sprites);
     sprites_drawn.clear();
@@ -156,7 +164,7 @@ fn record_sprites(
     }
     passes.target.prepare(frame.commands());
     let target = passes.target_of(view, None);
-    let target = passes.scope_target(frame.commands(), ViewScope::Flares, target);
+    let target = passes.scope_target(frame.commands(), AttachmentSchedule::Flares, target);
     let Some(pass) = passes.pipelines.flares.get() else { return Ok(()) };
     frame.commands().pass("lens flares", |commands| {
         commands.rendering(target, |commands| {

@@ -7,10 +7,11 @@
 //! ```
 
 use bytemuck::{Pod, Zeroable};
-use cull::View;
+use cull::CullView;
 use gpu::{
     Attachments, Blend, BufferSlice, Commands, DepthMode, DepthRange, Device, FragmentChoice,
-    GraphicsPipeline, GraphicsPipelineInfo, IndirectDraw, Optional, StencilMode, StorageLayout, vk,
+    GraphicsPipeline, GraphicsPipelineInfo, IndirectDraw, OptionalFeature, StencilMode,
+    StorageLayout, vk,
 };
 use occlusion::{Error, ShaderSet};
 use scene::Shell;
@@ -111,7 +112,7 @@ impl CapPass {
     ) -> Result<Self, Error> {
         let storage = StorageLayout::new::<Constants>(BUFFERS);
         // What lies beyond the far plane of an orthographic view counts, too.
-        let range = if device.capabilities().has(Optional::DepthClamp) {
+        let range = if device.capabilities().has(OptionalFeature::DepthClamp) {
             DepthRange::Clamped
         } else {
             DepthRange::Clipped
@@ -150,7 +151,7 @@ impl CapPass {
         let odd = StencilMode::Odd;
         let none = Blend::NoColour;
         let all = FragmentChoice::All;
-        let can_note = device.capabilities().has(Optional::FragmentStores);
+        let can_note = device.capabilities().has(OptionalFeature::FragmentStores);
         let seen = (DepthMode::Ignored, odd, none);
         let pointed = can_note
             .then(|| drawn("pointed caps", "cap_pointed.frag", FragmentChoice::FirstSample, seen))
@@ -169,7 +170,7 @@ impl CapPass {
     }
 
     /// Draws the caps of a view, in their order, over a stencil of 0.
-    pub(crate) fn draw(&self, commands: &Commands, io: &CapIo<'_>, view: &View, kind: CapKind) {
+    pub(crate) fn draw(&self, commands: &Commands, io: &CapIo<'_>, view: &CullView, kind: CapKind) {
         let (Some(first), Some(section)) = (io.draws.first(), io.opaque.section) else { return };
         let notes = io.notes.unwrap_or(section.planes);
         let all = [io.opaque.instances, io.rows, section.planes, notes];

@@ -1,7 +1,7 @@
 //! The caster pass: the depth of objects as lights see them.
 
 use ::shadows::ShadowBias;
-use cull::View;
+use cull::CullView;
 use gpu::{
     BufferSlice, Commands, DepthLayers, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
     StorageLayout, vk,
@@ -186,7 +186,7 @@ impl CasterPass {
     }
 
     /// Sets the light's view of a map; the caller then records draws.
-    pub fn set_view(&self, commands: &Commands, io: &CasterIo<'_>, view: &View) {
+    pub fn set_view(&self, commands: &Commands, io: &CasterIo<'_>, view: &CullView) {
         match self {
             Self::Whole(WholeCasters { pipeline }) => {
                 commands.push_constants(pipeline, &SeenConstants::of(view));

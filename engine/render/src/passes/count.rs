@@ -1,7 +1,7 @@
 //! The count pass: counts the samples of single objects, and of their proxies, in a finished
 //! image.
 
-use cull::View;
+use cull::CullView;
 use gpu::{
     Attachments, BOX_VERTICES, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
     IndirectDraw, StorageLayout, vk,
@@ -58,7 +58,7 @@ impl CountPass {
     }
 
     /// Binds everything for objects; the caller then records [`CountPass::draw`] for each.
-    pub fn bind_objects(&self, commands: &Commands, io: &OpaqueIo, view: &View) {
+    pub fn bind_objects(&self, commands: &Commands, io: &OpaqueIo, view: &CullView) {
         with_section(&[io.instances], io.section, |all| commands.bind(&self.objects, all));
         commands.bind_geometry(io.vertices, Some(io.indices));
         commands.push_constants(&self.objects, &SeenConstants::of(view));
@@ -72,7 +72,7 @@ impl CountPass {
 
     /// Binds everything for proxies as if nothing hid them; the caller then records
     /// [`CountPass::draw_proxy`] for each.
-    pub fn bind_proxies(&self, commands: &Commands, io: &ProxyIo, view: &View) {
+    pub fn bind_proxies(&self, commands: &Commands, io: &ProxyIo, view: &CullView) {
         commands.bind(&self.proxies, &[io.boxes]);
         commands.push_constants(&self.proxies, &ProxyConstants::of(view));
     }

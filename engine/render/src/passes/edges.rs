@@ -1,10 +1,11 @@
 //! The edge pass: segments of edges as lines that are pixels wide, over a depth that is there.
 
 use bytemuck::{Pod, Zeroable};
-use cull::{ProjectionKind, View};
+use cull::{CullView, ProjectionKind};
 use gpu::{
     Attachments, Blend, Buffer, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
-    GraphicsPipelineInfo, Optional, StencilMode, StencilTarget, StorageLayout, UnindexedDraw, vk,
+    GraphicsPipelineInfo, OptionalFeature, StencilMode, StencilTarget, StorageLayout,
+    UnindexedDraw, vk,
 };
 use occlusion::{Error, ShaderSet};
 
@@ -15,7 +16,7 @@ use crate::resources::instance::Instance;
 /// The stage that widens lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EdgePath {
-    /// A geometry shader. For devices with [`Optional::GeometryShaders`].
+    /// A geometry shader. For devices with [`OptionalFeature::GeometryShaders`].
     GeometryShader,
     /// The vertex shader, which finds the line of its segment for each corner of a strip. The same
     /// picture, to the bit, at several times the work.
@@ -25,10 +26,18 @@ pub enum EdgePath {
 impl EdgePath {
     /// Returns the path for a device.
     pub fn of(device: &Device) -> Self {
-        if device.capabilities().has(Optional::GeometryShaders) {
+        if device.capabilities().has(OptionalFeature::GeometryShaders) {
             Self::GeometryShader
         } else {
             Self::Quads
+        }
+    }
+
+    /// Returns a name for people.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::GeometryShader => "a geometry shader",
+            Self::Quads => "quads",
         }
     }
 
@@ -124,7 +133,7 @@ struct Constants {
 const _: () = assert!(size_of::<Constants>() == 124);
 
 impl Constants {
-    fn new(view: &View, style: &EdgeStyle) -> Self {
+    fn new(view: &CullView, style: &EdgeStyle) -> Self {
         let eye = view.rays.eye();
         Self {
             anchored: anchored(view),
@@ -142,7 +151,7 @@ impl Constants {
 
 /// Returns the difference of depth over the width of a pixel along the view: a factor of the depth,
 /// and what is added to that.
-fn depth_step(view: &View) -> [f32; 2] {
+fn depth_step(view: &CullView) -> [f32; 2] {
     let [_, height] = view.size;
     // In metres, in perspective at a distance of one.
     let pixel_m = 2.0 * view.rays.down.length() / height.max(1) as f32;
@@ -193,7 +202,7 @@ impl EdgePass {
         &self,
         commands: &Commands,
         io: &EdgeIo,
-        view: &View,
+        view: &CullView,
         test: EdgeTest,
         style: &EdgeStyle,
     ) {
@@ -239,7 +248,7 @@ impl OutlinePass {
         &self,
         commands: &Commands,
         io: &EdgeIo,
-        view: &View,
+        view: &CullView,
         style: &EdgeStyle,
         draws: BufferSlice,
     ) {
@@ -252,7 +261,7 @@ fn bind(
     commands: &Commands,
     pipeline: &GraphicsPipeline,
     io: &EdgeIo,
-    view: &View,
+    view: &CullView,
     style: &EdgeStyle,
 ) {
     let own = [io.instances, io.segments, io.vertices];

@@ -2,16 +2,16 @@
 //! to a finished image.
 
 use bytemuck::{Pod, Zeroable};
-use cull::View;
+use cull::CullView;
 use gpu::{
     Attachments, Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
-    GraphicsPipelineInfo, Optional, StorageLayout,
+    GraphicsPipelineInfo, OptionalFeature, StorageLayout,
 };
 
 use occlusion::{Error, ShaderSet};
 
-/// The levels by which the count of a veiled block knows what is let through at a pixel.
-pub(crate) const VEIL_LEVELS: u32 = 32;
+/// The levels by which the count of a transmitted block knows what is let through at a pixel.
+pub(crate) const TRANSMITTANCE_LEVELS: u32 = 32;
 
 /// Two triangles.
 const SQUARE_VERTICES: u32 = 6;
@@ -20,8 +20,8 @@ const SQUARE_VERTICES: u32 = 6;
 pub struct FlarePass {
     total: GraphicsPipeline,
     visible: GraphicsPipeline,
-    /// Missing where fragment shaders cannot write what the veil is made of.
-    veiled: Option<GraphicsPipeline>,
+    /// Missing where fragment shaders cannot write what the transmittance is made of.
+    transmitted: Option<GraphicsPipeline>,
     sprites: GraphicsPipeline,
 }
 
@@ -32,24 +32,26 @@ pub enum BlockCount {
     Total,
     /// Those where the finished depth is not nearer.
     Visible,
-    /// The same, [`VEIL_LEVELS`] times each, less what the veil takes.
-    Veiled,
+    /// The same, [`TRANSMITTANCE_LEVELS`] times each, less what the transmittance takes.
+    Transmitted,
 }
 
-/// The buffers of the counts: reads blocks, the veil and the finished depth; writes nothing.
+/// The buffers of the counts: reads blocks, the transmittance and the finished depth; writes
+/// nothing.
 #[derive(Clone, Copy)]
 pub struct FlareBlockIo {
     /// A [`FlareBlockRow`] per block.
     pub blocks: BufferSlice,
     /// The light that transparent objects take at each pixel of the blocks, where there are any.
-    pub veil: Option<BufferSlice>,
+    pub transmittance: Option<BufferSlice>,
 }
 
 impl FlareBlockIo {
     /// Returns the counts of each block, in the order of their queries.
     pub fn kinds(&self) -> &'static [BlockCount] {
-        const KINDS: [BlockCount; 3] = [BlockCount::Total, BlockCount::Visible, BlockCount::Veiled];
-        let count = if self.veil.is_some() { 3 } else { 2 };
+        const KINDS: [BlockCount; 3] =
+            [BlockCount::Total, BlockCount::Visible, BlockCount::Transmitted];
+        let count = if self.transmittance.is_some() { 3 } else { 2 };
         KINDS.get(..count).unwrap_or(&KINDS)
     }
 }
@@ -125,14 +127,14 @@ impl FlarePass {
             storage: StorageLayout::new::<Constants>(1),
             depth,
             attachments,
-            // A veiled block has so many instances.
-            instance_bytes: size_of::<FlareBlockRow>() as u32 / VEIL_LEVELS,
+            // A transmitted block has so many instances.
+            instance_bytes: size_of::<FlareBlockRow>() as u32 / TRANSMITTANCE_LEVELS,
             ..GraphicsPipelineInfo::of(name, block)
         };
-        let veiled = GraphicsPipelineInfo {
+        let transmitted = GraphicsPipelineInfo {
             fragment: Some(shaders.find("flare_block.frag")?),
             storage: StorageLayout::new::<Constants>(2),
-            ..counted("veiled flares", DepthMode::TestOnly)
+            ..counted("transmitted flares", DepthMode::TestOnly)
         };
         let sprites = GraphicsPipelineInfo {
             fragment: Some(shaders.find("flare.frag")?),
@@ -144,11 +146,11 @@ impl FlarePass {
             ..GraphicsPipelineInfo::of("lens flares", sprite).numbered::<FlareSprite>()
         };
         let pipeline = |info| GraphicsPipeline::new(device, &info);
-        let can_veil = device.capabilities().has(Optional::FragmentStores);
+        let can_transmittance = device.capabilities().has(OptionalFeature::FragmentStores);
         Ok(Self {
             total: pipeline(counted("flares in the image", DepthMode::Ignored))?,
             visible: pipeline(counted("visible flares", DepthMode::TestOnly))?,
-            veiled: can_veil.then(|| pipeline(veiled)).transpose()?,
+            transmitted: can_transmittance.then(|| pipeline(transmitted)).transpose()?,
             sprites: pipeline(sprites)?,
         })
     }
@@ -160,16 +162,18 @@ impl FlarePass {
         commands: &Commands,
         kind: BlockCount,
         io: &FlareBlockIo,
-        view: &View,
+        view: &CullView,
     ) {
         let bind = |pipeline, buffers: &[BufferSlice]| {
             commands.bind(pipeline, buffers);
             let clip_per_pixel = view.size.map(|side| 2.0 / side as f32);
             commands.push_constants(pipeline, &Constants { clip_per_pixel, levels: levels(kind) });
         };
-        match (kind, &self.veiled, io.veil) {
+        match (kind, &self.transmitted, io.transmittance) {
             (BlockCount::Total, ..) => bind(&self.total, &[io.blocks]),
-            (BlockCount::Veiled, Some(pipeline), Some(veil)) => bind(pipeline, &[io.blocks, veil]),
+            (BlockCount::Transmitted, Some(pipeline), Some(transmittance)) => {
+                bind(pipeline, &[io.blocks, transmittance])
+            }
             _ => bind(&self.visible, &[io.blocks]),
         }
     }
@@ -189,5 +193,5 @@ impl FlarePass {
 
 /// Returns how many times a count draws each block.
 fn levels(kind: BlockCount) -> u32 {
-    if kind == BlockCount::Veiled { VEIL_LEVELS } else { 1 }
+    if kind == BlockCount::Transmitted { TRANSMITTANCE_LEVELS } else { 1 }
 }

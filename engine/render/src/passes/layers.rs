@@ -2,10 +2,10 @@
 //! that number as a colour.
 
 use bytemuck::{Pod, Zeroable};
-use cull::View;
+use cull::CullView;
 use gpu::{
     Attachments, Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
-    GraphicsPipelineInfo, Optional, StorageLayout, vk,
+    GraphicsPipelineInfo, OptionalFeature, StorageLayout, vk,
 };
 use occlusion::{Error, ShaderSet};
 
@@ -50,7 +50,7 @@ struct CountingConstants {
 const _: () = assert!(size_of::<CountingConstants>() == 100);
 
 impl AreaConstants {
-    fn of(view: &View) -> Self {
+    fn of(view: &CullView) -> Self {
         Self { origin: view.origin, width: view.size[0] }
     }
 }
@@ -65,10 +65,10 @@ impl LayersPass {
         shaders: &ShaderSet,
         attachments: Attachments,
     ) -> Result<Self, Error> {
-        if !device.capabilities().has(Optional::FragmentStores) {
+        if !device.capabilities().has(OptionalFeature::FragmentStores) {
             return Err(gpu::Error::Unsupported {
                 device: device.adapter().name.clone(),
-                missing: Optional::FragmentStores.name(),
+                missing: OptionalFeature::FragmentStores.name(),
                 wanted: "showing the depth complexity",
             }
             .into());
@@ -99,7 +99,7 @@ impl LayersPass {
     }
 
     /// Binds everything that counts; the caller then records draws.
-    pub(crate) fn bind(&self, commands: &Commands, io: &LayersIo, view: &View) {
+    pub(crate) fn bind(&self, commands: &Commands, io: &LayersIo, view: &CullView) {
         let own = [io.opaque.instances, io.layers];
         with_section(&own, io.opaque.section, |all| commands.bind(&self.counting, all));
         commands.bind_geometry(io.opaque.vertices, Some(io.opaque.indices));
@@ -109,7 +109,7 @@ impl LayersPass {
     }
 
     /// Draws the counts over the whole view.
-    pub(crate) fn show(&self, commands: &Commands, layers: BufferSlice, view: &View) {
+    pub(crate) fn show(&self, commands: &Commands, layers: BufferSlice, view: &CullView) {
         commands.bind(&self.showing, &[layers]);
         commands.push_constants(&self.showing, &AreaConstants::of(view));
         commands.draw(3, 0);

@@ -2,7 +2,7 @@
 
 use ::shadows::MIDPOINT_TEXELS;
 use bytemuck::{Pod, Zeroable};
-use cull::{ProjectionKind, View};
+use cull::{CullView, ProjectionKind};
 use gpu::{
     Commands, DepthLayers, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo,
     SampledArrays, SampledTexture, StorageLayout,
@@ -34,7 +34,7 @@ pub(crate) struct MidpointTile {
 
 impl MidpointTile {
     /// Returns the tile of a light's view in a layer.
-    pub(crate) fn new(view: &View, layer: u32) -> Self {
+    pub(crate) fn new(view: &CullView, layer: u32) -> Self {
         let [_, scaled] = view.rays.depth;
         // The image is a square, and depth falls with the distance: linearly, or as its inverse.
         let side_m = 2.0 * view.rays.right.length();
@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     /// Returns the depth that a view has at a distance before its eye.
-    fn depth_at(view: &View, distance_m: f32) -> f32 {
+    fn depth_at(view: &CullView, distance_m: f32) -> f32 {
         let clip = view.view_proj * (Vec3::NEG_Z * distance_m).extend(1.0);
         clip.z / clip.w
     }
@@ -98,7 +98,7 @@ mod tests {
             let forward = Vec3::NEG_Z;
             let up = Vec3::Y;
             let camera = Camera { eye: Vec3::ZERO, forward, up, projection, near: 0.05 };
-            let view = View::new(&camera, [512; 2], 8);
+            let view = CullView::new(&camera, [512; 2], 8);
             let MidpointTile { reach: [constant, scaled], layer } = MidpointTile::new(&view, 3);
             assert_eq!(layer, 3);
             // Where a tile is ten times as wide as at 1 m, if it widens.

@@ -27,7 +27,7 @@ pub use caster::{CasterIo, CasterPass, CasterSide, WholeCasters};
 pub(crate) use count::CountPass;
 pub use edges::EdgePath;
 pub(crate) use edges::{EdgeIo, EdgePass, EdgeSegment, EdgeStyle, EdgeTest, OutlinePass};
-pub(crate) use flare::{FlareBlockIo, FlarePass, VEIL_LEVELS};
+pub(crate) use flare::{FlareBlockIo, FlarePass, TRANSMITTANCE_LEVELS};
 pub use flare::{FlareBlockRow, FlareShape, FlareSprite};
 pub(crate) use fragments::{FragmentIo, FragmentPasses};
 pub(crate) use layers::{LayersIo, LayersPass};

@@ -1,7 +1,7 @@
 //! The opaque pass: the colour of objects, under any strategy.
 
 use bytemuck::{Pod, Zeroable};
-use cull::View;
+use cull::CullView;
 use gpu::{
     Attachments, Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
     GraphicsPipelineInfo, Polygon, StencilMode, StorageLayout, VertexLayout, vk,
@@ -57,7 +57,7 @@ const _: () = assert!(size_of::<Constants>() == 128);
 /// Returns a whole image's matrix of places relative to the anchor, with the anchor itself in its
 /// last column, where clip x and y are 0: three columns; then the anchor, and clip z there. Clip w
 /// there is sent apart.
-pub(super) fn anchored(view: &View) -> [f32; 16] {
+pub(super) fn anchored(view: &CullView) -> [f32; 16] {
     let mut matrix = view.from_anchor;
     matrix.w_axis = view.anchor.extend(matrix.w_axis.z);
     matrix.to_cols_array()
@@ -111,7 +111,7 @@ impl OpaquePass {
     /// Compiles a pass that draws the edges of the objects of [`OpaquePass::new`], in one colour.
     ///
     /// # Errors
-    /// A device that lacks [`gpu::Optional::Wireframe`]; a failed call.
+    /// A device that lacks [`gpu::OptionalFeature::Wireframe`]; a failed call.
     pub fn wireframe(
         device: &Device,
         shaders: &ShaderSet,
@@ -198,7 +198,7 @@ impl OpaquePass {
     }
 
     /// Binds everything; the caller then records draws, each a leaf or a range of leaves.
-    pub fn bind(&self, commands: &Commands, io: &OpaqueIo, view: &View, light: &Light) {
+    pub fn bind(&self, commands: &Commands, io: &OpaqueIo, view: &CullView, light: &Light) {
         self.bind_inputs(commands, io);
         self.set_view(commands, view, light);
     }
@@ -208,7 +208,7 @@ impl OpaquePass {
         commands.bind_geometry(io.vertices, Some(io.indices));
     }
 
-    fn set_view(&self, commands: &Commands, view: &View, light: &Light) {
+    fn set_view(&self, commands: &Commands, view: &CullView, light: &Light) {
         let with = |[x, y, z]: [f32; 3], w| [x, y, z, w];
         let [steps_across, steps_up] = view.snap_steps;
         commands.push_constants(

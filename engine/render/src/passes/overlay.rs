@@ -1,7 +1,7 @@
 //! The overlay pass: coloured triangles and lines in the world, for views that explain.
 
 use bytemuck::{Pod, Zeroable};
-use cull::View;
+use cull::CullView;
 use gpu::{
     Attachments, Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
     GraphicsPipelineInfo, StorageLayout, VertexLayout, vk,
@@ -90,7 +90,7 @@ impl OverlayPass {
     }
 
     /// Draws the triangles in their order, then the lines.
-    pub fn record(&self, commands: &Commands, io: &OverlayIo, view: &View) {
+    pub fn record(&self, commands: &Commands, io: &OverlayIo, view: &CullView) {
         let constants = Constants {
             from_anchor: view.from_anchor.to_cols_array(),
             anchor: view.anchor.extend(0.0).to_array(),

@@ -1,7 +1,7 @@
 //! All passes of a renderer, compiled from one set of shaders.
 
 use ::shadows::{ShadowMethod, ShadowOptions};
-use gpu::{Attachments, Device, Optional};
+use gpu::{Attachments, Device, OptionalFeature};
 use occlusion::{BoxVolumePass, Error, ShaderSet};
 
 use crate::passes::{
@@ -36,7 +36,7 @@ pub(crate) struct Pipelines {
     pub(crate) count: OnDemand<CountPass>,
     pub(crate) flares: OnDemand<FlarePass>,
     /// The pass of transparent objects before flares, if there are both.
-    pub(crate) veil: Option<SurfacePass>,
+    pub(crate) transmittance: Option<SurfacePass>,
     pub(crate) seen: OnDemand<SeenPass>,
     pub(crate) pointer: OnDemand<PointerPass>,
     pub(crate) overlay: OnDemand<OverlayPass>,
@@ -85,8 +85,8 @@ impl Pipelines {
         let PassNeeds { attachments, surfaces, has_transparent, has_skinned_meshes, .. } = needs;
         let options = needs.shadows;
         let shadows = surface_shadows(options);
-        let veiled = surfaces.filter(|_| has_transparent);
-        let transparent = veiled;
+        let transmitted = surfaces.filter(|_| has_transparent);
+        let transparent = transmitted;
         let transparent = transparent
             .map(|transparent| {
                 SurfacePass::new(
@@ -99,7 +99,7 @@ impl Pipelines {
                 )
             })
             .transpose()?;
-        let fragments = veiled.filter(|_| needs.sorts_fragments);
+        let fragments = transmitted.filter(|_| needs.sorts_fragments);
         let fragments = fragments
             .map(|fragment| FragmentPasses::new(device, shaders, attachments, fragment, shadows))
             .transpose()?;
@@ -115,16 +115,22 @@ impl Pipelines {
             .transpose()?;
         let can_cull = options.method != ShadowMethod::Off
             && options.may_cull_casters()
-            && device.capabilities().has(Optional::FragmentStores);
+            && device.capabilities().has(OptionalFeature::FragmentStores);
         let shadow_tests =
             can_cull.then(|| BoxVolumePass::new(device, shaders, attachments)).transpose()?;
         let on_demand = Former { device, shaders, attachments, former };
-        let veil = match (veiled, former.and_then(|former| former.veil.as_ref())) {
-            (Some(pass), Some(_)) => {
-                Some(SurfacePass::new(device, shaders, attachments, SurfaceKind::Veil, pass, None)?)
-            }
-            _ => None,
-        };
+        let transmittance =
+            match (transmitted, former.and_then(|former| former.transmittance.as_ref())) {
+                (Some(pass), Some(_)) => Some(SurfacePass::new(
+                    device,
+                    shaders,
+                    attachments,
+                    SurfaceKind::Transmittance,
+                    pass,
+                    None,
+                )?),
+                _ => None,
+            };
         Ok(Self {
             opaque: OpaquePass::new(device, shaders, attachments)?,
             shading: surfaces
@@ -140,7 +146,7 @@ impl Pipelines {
             caps: on_demand.again(|on_demand| &on_demand.caps, CapPass::new)?,
             count: on_demand.again(|on_demand| &on_demand.count, CountPass::new)?,
             flares: on_demand.again(|on_demand| &on_demand.flares, FlarePass::new)?,
-            veil,
+            transmittance,
             seen: on_demand.again(|on_demand| &on_demand.seen, SeenPass::new)?,
             pointer: on_demand.again(|on_demand| &on_demand.pointer, PointerPass::new)?,
             overlay: on_demand.again(|on_demand| &on_demand.overlay, OverlayPass::new)?,

@@ -1,6 +1,6 @@
 //! The pointer pass: finds the object that owns one pixel of a finished image, and its depth.
 
-use cull::View;
+use cull::CullView;
 use gpu::{
     Attachments, BufferSlice, Commands, DepthMode, Device, FragmentChoice, GraphicsPipeline,
     GraphicsPipelineInfo, StorageLayout, vk,
@@ -62,7 +62,7 @@ impl PointerPass {
     }
 
     /// Binds everything; the caller then records the draws of the objects along the ray.
-    pub(crate) fn bind(&self, commands: &Commands, io: &PointerIo, view: &View) {
+    pub(crate) fn bind(&self, commands: &Commands, io: &PointerIo, view: &CullView) {
         let own = [io.opaque.instances, io.pointed];
         with_section(&own, io.opaque.section, |all| commands.bind(&self.pipeline, all));
         commands.bind_geometry(io.opaque.vertices, Some(io.opaque.indices));

@@ -1,7 +1,7 @@
 //! Section planes as passes of objects read them, and what passes are compiled for to be cut.
 
 use bytemuck::{Pod, Zeroable};
-use cull::{SectionMode, SectionPlanes, View};
+use cull::{CullView, SectionMode, SectionPlanes};
 use glam::{DMat4, DVec4};
 use gpu::Spirv;
 use gpu::{BufferSlice, vk};
@@ -37,7 +37,7 @@ const _: () = assert!(size_of::<SectionRow>() == 112);
 
 impl SectionRow {
     /// Returns the planes of a view.
-    pub(crate) fn of(view: &View) -> Self {
+    pub(crate) fn of(view: &CullView) -> Self {
         let image = ImageRows::of(view);
         let mut planes = [[0.0; 4]; SectionPlanes::MAX];
         for (row, plane) in planes.iter_mut().zip(view.section.planes()) {
@@ -63,7 +63,7 @@ pub(crate) struct ImageRows {
 }
 
 impl ImageRows {
-    pub(crate) fn of(view: &View) -> Self {
+    pub(crate) fn of(view: &CullView) -> Self {
         let [width, height] = view.size.map(|side| f64::from(side.max(1)));
         let to_ndc = DMat4::from_diagonal(DVec4::new(2.0 / width, 2.0 / height, 1.0, 1.0));
         let middle =

@@ -1,10 +1,10 @@
 //! The seen pass: finds the objects that own a pixel of a finished image.
 
 use bytemuck::{Pod, Zeroable};
-use cull::View;
+use cull::CullView;
 use gpu::{
-    Attachments, BufferSlice, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo, Optional,
-    StorageLayout, vk,
+    Attachments, BufferSlice, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo,
+    OptionalFeature, StorageLayout, vk,
 };
 
 use crate::passes::OpaqueIo;
@@ -41,7 +41,7 @@ pub(super) struct SeenConstants {
 const _: () = assert!(size_of::<SeenConstants>() == 88);
 
 impl SeenConstants {
-    pub(super) fn of(view: &View) -> Self {
+    pub(super) fn of(view: &CullView) -> Self {
         Self {
             from_anchor: view.from_anchor.to_cols_array(),
             anchor: view.anchor.extend(0.0).to_array(),
@@ -60,10 +60,10 @@ impl SeenPass {
         shaders: &ShaderSet,
         attachments: Attachments,
     ) -> Result<Self, Error> {
-        if !device.capabilities().has(Optional::FragmentStores) {
+        if !device.capabilities().has(OptionalFeature::FragmentStores) {
             return Err(gpu::Error::Unsupported {
                 device: device.adapter().name.clone(),
-                missing: Optional::FragmentStores.name(),
+                missing: OptionalFeature::FragmentStores.name(),
                 wanted: "finding out which objects are seen",
             }
             .into());
@@ -85,7 +85,7 @@ impl SeenPass {
     }
 
     /// Binds everything; the caller then records the same draws as before.
-    pub fn bind(&self, commands: &Commands, io: &SeenIo, view: &View) {
+    pub fn bind(&self, commands: &Commands, io: &SeenIo, view: &CullView) {
         let own = [io.opaque.instances, io.seen];
         with_section(&own, io.opaque.section, |all| commands.bind(&self.pipeline, all));
         commands.bind_geometry(io.opaque.vertices, Some(io.opaque.indices));

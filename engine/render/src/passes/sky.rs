@@ -1,7 +1,7 @@
 //! The sky pass: a colour, or the light from all around, where nothing was drawn.
 
 use bytemuck::{Pod, Zeroable};
-use cull::{ProjectionKind, View};
+use cull::{CullView, ProjectionKind};
 use glam::Vec3;
 use gpu::{
     Attachments, Blend, BufferSlice, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo,
@@ -149,7 +149,7 @@ impl SkyPass {
         &self,
         commands: &Commands,
         io: &SkyIo<'_>,
-        view: &View,
+        view: &CullView,
         exposure: f32,
     ) {
         let [x, y] = view.origin.map(|pixel| pixel as f32);

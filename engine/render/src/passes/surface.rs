@@ -2,7 +2,7 @@
 
 use ::shadows::ShadowFilter;
 use bytemuck::{Pod, Zeroable};
-use cull::{ProjectionKind, View};
+use cull::{CullView, ProjectionKind};
 use gpu::{
     Attachments, Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
     GraphicsPipelineInfo, SampledArrays, StorageLayout, VertexLayout, vk,
@@ -33,14 +33,15 @@ pub enum SurfaceKind {
     /// front.
     Transparent,
     /// Transparent objects in any order: their fragments are not drawn but stored, to be sorted.
-    /// For devices with [`gpu::Optional::FragmentStores`] and [`gpu::Optional::SectionBuffers`].
+    /// For devices with [`gpu::OptionalFeature::FragmentStores`] and
+    /// [`gpu::OptionalFeature::SectionBuffers`].
     Fragments,
     /// The depth of casters of shadows, with the holes of masked materials, to
     /// [`DepthLayers`](gpu::DepthLayers).
     Casters(CasterSide),
     /// The light of lens flares that transparent objects take, added up in a buffer, in any order.
-    /// For devices with [`gpu::Optional::FragmentStores`].
-    Veil,
+    /// For devices with [`gpu::OptionalFeature::FragmentStores`].
+    Transmittance,
 }
 
 /// The pass that draws objects of a scene with surfaces. Compiled for the features that its
@@ -76,7 +77,9 @@ enum Inputs {
 impl Inputs {
     fn of(kind: SurfaceKind, shadows: Option<SurfaceShadows>) -> Self {
         match (kind, shadows) {
-            (SurfaceKind::Depth | SurfaceKind::Casters(_) | SurfaceKind::Veil, _) => Self::Holes,
+            (SurfaceKind::Depth | SurfaceKind::Casters(_) | SurfaceKind::Transmittance, _) => {
+                Self::Holes
+            }
             (_, None)
             | (SurfaceKind::Transparent | SurfaceKind::Fragments, Some(SurfaceShadows::Volumes)) => {
                 Self::Lights
@@ -193,8 +196,10 @@ impl SurfacePass {
             _ => vk::CullModeFlags::BACK,
         };
         let section = shaders.section();
-        let is_transparent =
-            matches!(kind, SurfaceKind::Transparent | SurfaceKind::Fragments | SurfaceKind::Veil);
+        let is_transparent = matches!(
+            kind,
+            SurfaceKind::Transparent | SurfaceKind::Fragments | SurfaceKind::Transmittance
+        );
         let mut constants = surfaces.features(is_transparent).constants(is_transparent).to_vec();
         constants.push((PICTURE_PAGES, surfaces.features(is_transparent).pictures));
         constants.push((ENVIRONMENT, u32::from(surfaces.environment.is_there())));
@@ -224,7 +229,7 @@ impl SurfacePass {
         let (fragment, texture_arrays, table) = match &surfaces.textures {
             SurfaceTextures::Pages { .. } => (fragment.to_owned(), MAX_PAGES as u32, None),
             SurfaceTextures::Images(images) => {
-                (format!("{fragment}_indexed"), 0, Some(images.table()))
+                (format!("{fragment}_bindless"), 0, Some(images.table()))
             }
         };
         let info = GraphicsPipelineInfo {
@@ -247,7 +252,7 @@ impl SurfacePass {
 
     /// Binds everything; the caller then records draws of one instance each, since a draw has one
     /// material.
-    pub fn bind(&self, commands: &Commands, io: &SurfaceIo<'_>, view: &View, light: &Light) {
+    pub fn bind(&self, commands: &Commands, io: &SurfaceIo<'_>, view: &CullView, light: &Light) {
         self.bind_inputs(commands, io);
         self.set_view(commands, io, view, light);
     }
@@ -259,19 +264,19 @@ impl SurfacePass {
         self.bind_buffers(commands, io, own);
     }
 
-    /// Binds everything for [`SurfaceKind::Veil`]: reads the blocks of flares and adds to their
-    /// veil, which lie where other kinds have lights and their lists.
-    pub fn bind_veil(
+    /// Binds everything for [`SurfaceKind::Transmittance`]: reads the blocks of flares and adds to
+    /// their transmittance, which lie where other kinds have lights and their lists.
+    pub fn bind_transmittance(
         &self,
         commands: &Commands,
         io: &SurfaceIo<'_>,
         blocks: BufferSlice,
-        veil: BufferSlice,
-        view: &View,
+        transmittance: BufferSlice,
+        view: &CullView,
         light: &Light,
     ) {
         let [materials, transforms, ..] = io.surfaces.buffers();
-        let own = [io.instances, materials, transforms, blocks, veil];
+        let own = [io.instances, materials, transforms, blocks, transmittance];
         self.bind_buffers(commands, &SurfaceIo { shadows: None, ..*io }, own);
         self.set_view(commands, io, view, light);
     }
@@ -322,7 +327,7 @@ impl SurfacePass {
         &self,
         commands: &Commands,
         io: &SurfaceIo<'_>,
-        view: &View,
+        view: &CullView,
         light: &Light,
     ) {
         let with = |[x, y, z]: [f32; 3], w| [x, y, z, w];
@@ -364,8 +369,8 @@ fn look_of(kind: SurfaceKind) -> (&'static str, &'static str, DepthMode, Blend) 
         SurfaceKind::Casters(side) => {
             (side.name_masked(), "surface_depth", DepthMode::TestAndWrite, Blend::NoColour)
         }
-        SurfaceKind::Veil => {
-            ("veil of flares", "surface_depth", DepthMode::TestOnly, Blend::NoColour)
+        SurfaceKind::Transmittance => {
+            ("transmittance of flares", "surface_depth", DepthMode::TestOnly, Blend::NoColour)
         }
     }
 }
@@ -382,7 +387,7 @@ fn with_others(own: &[BufferSlice], io: &SurfaceIo<'_>, bind: impl FnOnce(&[Buff
 /// the name `shader`.
 fn fragment_shader(kind: SurfaceKind, inputs: Inputs, shader: &'static str) -> &'static str {
     match (kind, inputs) {
-        (SurfaceKind::Veil, _) => "flare_veil",
+        (SurfaceKind::Transmittance, _) => "flare_transmittance",
         (SurfaceKind::Fragments, Inputs::Maps) => "surface_shadowed_sorted",
         (SurfaceKind::Fragments, _) => "surface_sorted",
         (_, Inputs::Maps) => "surface_shadowed",

@@ -1,7 +1,7 @@
 //! The push constants of shadow volumes: the view, the light, and where volumes begin and end.
 
 use bytemuck::{Pod, Zeroable};
-use cull::{ProjectionKind, View};
+use cull::{CullView, ProjectionKind};
 use glam::Vec4;
 use shadows::{Caps, VolumeCounting, VolumeEnd, VolumeKind};
 
@@ -58,7 +58,7 @@ const CAP_SHIFT: f32 = 1.0 / 16.0;
 impl VolumeConstants {
     /// Returns the constants of the draws of a group of casters.
     pub(super) fn new(
-        view: &View,
+        view: &CullView,
         light: Vec4,
         ends: &[VolumeEnd],
         VolumeGroup { counting, kind, end }: VolumeGroup,
@@ -84,7 +84,7 @@ impl VolumeConstants {
 }
 
 /// Returns the factor of a near cap's depth, and what is taken off it.
-fn cap_depth(view: &View) -> [f32; 2] {
+fn cap_depth(view: &CullView) -> [f32; 2] {
     let [_, height] = view.size;
     // In metres, in perspective at a distance of one.
     let shift_m = CAP_SHIFT * 2.0 * view.rays.down.length() / height.max(1) as f32;

@@ -10,12 +10,12 @@
 //! ```
 
 use bytemuck::{Pod, Zeroable};
-use cull::View;
+use cull::CullView;
 use glam::Vec4;
 use gpu::{
     Access, AttachmentStore, Buffer, BufferSlice, Commands, DepthMode, DepthRange, Device, Frame,
-    GraphicsPipeline, GraphicsPipelineInfo, IndirectDraw, MemoryBarrier, MemoryKind, Optional,
-    StencilMode, StencilTarget, StorageLayout, Target, VertexLayout, vk,
+    GraphicsPipeline, GraphicsPipelineInfo, IndirectDraw, MemoryBarrier, MemoryKind,
+    OptionalFeature, StencilMode, StencilTarget, StorageLayout, Target, VertexLayout, vk,
 };
 use occlusion::{Error, ShaderSet};
 use shadows::{LitArea, VolumeCounting, VolumeEnd};
@@ -28,7 +28,7 @@ use crate::resources::instance::Instance;
 /// The stage that extrudes volumes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VolumePath {
-    /// A geometry shader. For devices with [`Optional::GeometryShaders`].
+    /// A geometry shader. For devices with [`OptionalFeature::GeometryShaders`].
     GeometryShader,
     /// A compute pass, which every device has.
     Compute,
@@ -37,7 +37,7 @@ pub enum VolumePath {
 impl VolumePath {
     /// Returns the path for a device.
     pub fn of(device: &Device) -> Self {
-        if device.capabilities().has(Optional::GeometryShaders) {
+        if device.capabilities().has(OptionalFeature::GeometryShaders) {
             Self::GeometryShader
         } else {
             Self::Compute
@@ -158,16 +158,16 @@ impl VolumePass {
     ///
     /// # Errors
     /// A size beyond the device's limits, a device that lacks what the path or the stencil needs
-    /// ([`StencilTarget::new`]) or [`Optional::FragmentStores`], no memory, a failed call.
+    /// ([`StencilTarget::new`]) or [`OptionalFeature::FragmentStores`], no memory, a failed call.
     pub fn new(
         device: &Device,
         shaders: &ShaderSet,
         size: [u32; 2],
         path: VolumePath,
     ) -> Result<Self, Error> {
-        if !device.capabilities().has(Optional::FragmentStores) {
+        if !device.capabilities().has(OptionalFeature::FragmentStores) {
             let device = device.adapter().name.clone();
-            let missing = Optional::FragmentStores;
+            let missing = OptionalFeature::FragmentStores;
             let missing = missing.name();
             let wanted = "a mask of shadows";
             return Err(gpu::Error::Unsupported { device, missing, wanted }.into());
@@ -252,7 +252,7 @@ impl VolumePass {
         &mut self,
         commands: &Commands,
         io: &VolumeIo,
-        view: &View,
+        view: &CullView,
         from: &mut Target,
         draws: &VolumeDraws,
         culled: DrawGroup<'_>,
@@ -280,7 +280,13 @@ impl VolumePass {
     }
 
     /// Copies the depth of a view, and empties the mask.
-    fn load_depth(&mut self, commands: &Commands, io: &VolumeIo, view: &View, from: &mut Target) {
+    fn load_depth(
+        &mut self,
+        commands: &Commands,
+        io: &VolumeIo,
+        view: &CullView,
+        from: &mut Target,
+    ) {
         let between = MemoryBarrier::between;
         let depths = self.depths.whole();
         commands.barrier(between(&[Access::CopyRead, Access::FragmentRead], &[Access::CopyWrite]));
@@ -300,7 +306,7 @@ impl VolumePass {
         &self,
         commands: &Commands,
         io: &VolumeIo,
-        view: &View,
+        view: &CullView,
         lights: &[LightDraws],
         culled: DrawGroup<'_>,
     ) {
@@ -334,7 +340,7 @@ impl VolumePass {
         &self,
         commands: &Commands,
         io: &VolumeIo,
-        view: &View,
+        view: &CullView,
         extruder: &Extruder,
         light: &LightDraws,
         last: AttachmentStore,
@@ -372,7 +378,7 @@ impl VolumePass {
         }
     }
 
-    fn draw_mask(&self, commands: &Commands, io: &VolumeIo, view: &View, mask: MaskBits) {
+    fn draw_mask(&self, commands: &Commands, io: &VolumeIo, view: &CullView, mask: MaskBits) {
         let [width, height] = view.size;
         let MaskBits { bits, layer } = mask;
         let first = layer.saturating_mul(width).saturating_mul(height);

@@ -172,7 +172,7 @@ impl Geometry {
     /// Takes a mesh that fits, which is drawn when it has arrived.
     ///
     /// # Errors
-    /// [`Error::NoRoom`].
+    /// [`Error::CapacityExceeded`].
     pub(crate) fn add_mesh(
         &mut self,
         mesh: PreparedMesh,

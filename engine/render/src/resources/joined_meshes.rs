@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::resources::limits::{check, check_memory, room};
 use crate::resources::lod::LodTable;
 use crate::resources::skinned_meshes::mesh_order;
-use crate::resources::spare_room::SpareRoom;
+use crate::resources::spare_capacity::SpareCapacity;
 use crate::resources::sprites;
 
 /// Vertices, indices and draws: those of the scene, and room for more behind them.
@@ -31,7 +31,7 @@ impl JoinedMeshes {
     ///
     /// # Errors
     /// No memory; more than a draw can name.
-    pub(crate) fn new(scene: &Scene, spare: &SpareRoom) -> Result<Self, Error> {
+    pub(crate) fn new(scene: &Scene, spare: &SpareCapacity) -> Result<Self, Error> {
         let (mut vertices, mut indices, mut draws) = join(scene, spare)?;
         let lods = LodTable::join(scene, &mut indices, &mut draws);
         sprites::add_pattern(scene, &mut vertices, &mut indices, &mut draws);
@@ -45,7 +45,7 @@ impl JoinedMeshes {
 }
 
 /// Returns draws with the triangles that they show.
-fn counted(scene: &Scene, spare: &SpareRoom, draws: &[IndirectDraw]) -> Arc<[MeshDraw]> {
+fn counted(scene: &Scene, spare: &SpareCapacity, draws: &[IndirectDraw]) -> Arc<[MeshDraw]> {
     let levels = scene.surfaces.as_ref().map_or(&[][..], |surfaces| &surfaces.levels);
     let coarser = scene.meshes.iter().zip(levels);
     let coarser = coarser.flat_map(|(mesh, levels)| levels.iter().map(move |_| Some(mesh)));
@@ -67,7 +67,7 @@ type Joined = (Vec<Vertex>, Vec<u32>, Vec<IndirectDraw>);
 
 /// Joins all meshes. There is room for their coarser levels, for the pattern of sprites, and for
 /// meshes to come.
-fn join(scene: &Scene, spare: &SpareRoom) -> Result<Joined, Error> {
+fn join(scene: &Scene, spare: &SpareCapacity) -> Result<Joined, Error> {
     let levels = scene.surfaces.iter().flat_map(|surfaces| surfaces.levels.iter().flatten());
     let levels: usize = levels.map(|level| level.indices.len()).sum();
     let [pattern_vertices, pattern_indices] = sprites::pattern_size(scene);

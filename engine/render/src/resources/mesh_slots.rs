@@ -9,7 +9,7 @@ use scene::{MeshId, PreparedMesh, Scene};
 use crate::error::Error;
 use crate::resources::joined_meshes::JoinedMeshes;
 use crate::resources::skinned_meshes::are_skinned;
-use crate::resources::spare_room::{SpareRanges, SpareRoom};
+use crate::resources::spare_capacity::{SpareCapacity, SpareRanges};
 
 /// The state of the place of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,7 +60,7 @@ pub(crate) struct MeshSlots {
 
 impl MeshSlots {
     /// Notes the places of the meshes of a scene, and the room behind them.
-    pub(crate) fn new(scene: &Scene, joined: &JoinedMeshes, spare: &SpareRoom) -> Self {
+    pub(crate) fn new(scene: &Scene, joined: &JoinedMeshes, spare: &SpareCapacity) -> Self {
         let mut are_kept = are_skinned(scene);
         for sprites in scene.surfaces.iter().flat_map(|surfaces| &surfaces.sprites) {
             if let Some(is_kept) = are_kept.get_mut(sprites.mesh.0 as usize) {
@@ -123,7 +123,7 @@ impl MeshSlots {
     /// Takes the places of a mesh that is on its way.
     ///
     /// # Errors
-    /// [`Error::NoRoom`], and nothing is taken.
+    /// [`Error::CapacityExceeded`], and nothing is taken.
     pub(crate) fn take(&mut self, mesh: &PreparedMesh) -> Result<(MeshId, MeshPlace), Error> {
         let id = self.ids.take(1)?;
         let mut place = MeshPlace::default();

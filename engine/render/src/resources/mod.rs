@@ -10,7 +10,7 @@ pub(crate) mod mesh_slots;
 pub(crate) mod object_bounds;
 pub(crate) mod skinned_mesh_state;
 pub(crate) mod skinned_meshes;
-pub(crate) mod spare_room;
+pub(crate) mod spare_capacity;
 pub(crate) mod sprites;
 pub(crate) mod upload_queue;
 pub(crate) mod volume_meshes;

@@ -52,7 +52,7 @@ pub(crate) enum PoseUploads<'a> {
     /// All with a new pose, written at once.
     All,
     /// Those that one of the views may show, written once their draws are known.
-    Seen(&'a [cull::View]),
+    Seen(&'a [cull::CullView]),
 }
 
 /// The work of a frame for skinned meshes.

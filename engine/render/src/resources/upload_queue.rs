@@ -201,7 +201,7 @@ impl UploadQueue {
     /// Returns the images of textures that have one each and that no frame knows. The next one must
     /// open them, whether it copies to them or not: its draws may sample them.
     fn new_images<'a>(&self, targets: UploadTargets<'a>) -> impl Iterator<Item = &'a TextureArray> {
-        let has_own = |textures: &&SurfaceTextures| textures.storage() == TextureStorage::Images;
+        let has_own = |textures: &&SurfaceTextures| textures.storage() == TextureStorage::Bindless;
         let textures = targets.textures.filter(has_own);
         self.queue.iter().filter_map(move |pending| match pending {
             PendingUpload::Texture { place, is_new: true, .. } => textures?.array(*place),

@@ -1,6 +1,8 @@
 //! The caps of a view: which objects have some, and what shaders need to draw them.
 
-use cull::{Aabb, Containment, Hierarchy, ObjectId, PlaneMask, ProjectionKind, SectionPlane, View};
+use cull::{
+    Aabb, Containment, CullView, Hierarchy, ObjectId, PlaneMask, ProjectionKind, SectionPlane,
+};
 use glam::{DVec3, DVec4, Vec2, Vec3};
 
 use super::{MetObject, Section};
@@ -15,7 +17,7 @@ pub(super) fn plan_caps(
     section: &mut Section,
     geometry: &Geometry,
     hierarchy: &Hierarchy,
-    view: &View,
+    view: &CullView,
 ) {
     let planes = section.planes;
     let image = ImageRows::of(view);
@@ -44,7 +46,7 @@ pub(super) fn plan_caps(
 }
 
 /// Returns true if rays through the image meet a plane from its removed side.
-fn is_seen_open(plane: &SectionPlane, view: &View) -> bool {
+fn is_seen_open(plane: &SectionPlane, view: &CullView) -> bool {
     match view.rays.kind {
         ProjectionKind::Perspective => {
             // Where the anchor is the eye, it is so to the bit.
@@ -69,7 +71,7 @@ struct Cap<'a> {
 }
 
 impl Cap<'_> {
-    fn row(&self, view: &View, image: &ImageRows) -> CapRow {
+    fn row(&self, view: &CullView, image: &ImageRows) -> CapRow {
         let anchor = view.anchor.as_dvec3();
         // A little larger than the object.
         let margin = self.bounds.largest_coordinate() * 4.0 * f32::EPSILON;
@@ -105,7 +107,7 @@ impl Cap<'_> {
     /// Returns the row that counts the lines of the hatch across them. They lie in the plane, so
     /// they do not crawl when the eye moves; only their distance is doubled or halved with the
     /// object's size in the image.
-    fn hatch(&self, view: &View) -> DVec4 {
+    fn hatch(&self, view: &CullView) -> DVec4 {
         let normal = self.plane.normal();
         let along = normal.any_orthonormal_vector();
         let up = normal.cross(along);
@@ -139,7 +141,7 @@ fn pattern_of(object: ObjectId) -> Pattern {
 
 /// Returns the part of a view that a box may cover, in normalised device coordinates: the lower and
 /// the upper corner.
-fn area_of(view: &View, bounds: &Aabb) -> [f32; 4] {
+fn area_of(view: &CullView, bounds: &Aabb) -> [f32; 4] {
     const WHOLE: [f32; 4] = [-1.0, -1.0, 1.0, 1.0];
     let corners = bounds.corners().map(|corner| view.clip(corner));
     let nearest_w = corners.iter().fold(f64::INFINITY, |least, clip| least.min(clip.w));

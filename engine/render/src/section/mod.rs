@@ -12,7 +12,7 @@ mod reading;
 use std::collections::HashMap;
 
 use cull::{
-    Hierarchy, LeafIndex, NodeId, ObjectId, SectionMode, SectionPlane, SectionPlanes, View,
+    CullView, Hierarchy, LeafIndex, NodeId, ObjectId, SectionMode, SectionPlane, SectionPlanes,
 };
 use glam::DVec3;
 use gpu::{BufferSlice, Frame};
@@ -116,7 +116,7 @@ impl Section {
     pub(crate) fn io_of(
         &self,
         frame: &mut Frame<'_>,
-        view: &View,
+        view: &CullView,
     ) -> Result<Option<SectionIo>, Error> {
         let Some(states) = self.uploaded_states else { return Ok(None) };
         let planes = frame.uploads().push(&[SectionRow::of(view)])?;
@@ -172,7 +172,7 @@ impl Section {
         frame: &mut Frame<'_>,
         geometry: &Geometry,
         hierarchy: &Hierarchy,
-        view: &View,
+        view: &CullView,
     ) -> Result<(), Error> {
         self.end_view();
         self.io = self.io_of(frame, view)?;

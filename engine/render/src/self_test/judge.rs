@@ -3,7 +3,7 @@
 use gpu::ResultSource;
 use occlusion::Rect;
 
-use super::finding::Finding;
+use super::check_result::CheckResult;
 use super::probe::{PER_DECISION, QueriedSamples, TestedProxies};
 use super::probe_scene::{CELL, CELLS, PROBES, SIZE};
 
@@ -78,7 +78,7 @@ pub(super) fn query_counts(
     pixels: &[u32],
     found: &QueriedSamples,
     counts: CountsSamples,
-) -> Finding {
+) -> CheckResult {
     let agree = |expected: u32, samples: u32| match counts {
         // Where faces of an object meet, a pixel may count for each of the three that show.
         CountsSamples::Exactly => (expected..=3 * expected).contains(&samples),
@@ -89,7 +89,7 @@ pub(super) fn query_counts(
     let sum = |samples: &[u32]| samples.iter().copied().map(u64::from).sum::<u64>();
     // Few pixels are such.
     let is_more = counts == CountsSamples::Exactly && 4 * sum(&found.objects) > 5 * sum(pixels);
-    Finding::of_faults(
+    CheckResult::of_faults(
         wrong + hidden + usize::from(is_more),
         2 * pixels.len() + 1,
         "occlusion queries say something else than the image",
@@ -106,15 +106,15 @@ pub(super) enum CountsSamples {
 }
 
 /// Judges a tester that says if a proxy shows, by the pixels of the image.
-pub(super) fn shown_proxies(pixels: &[u32], found: &TestedProxies, of: &str) -> Finding {
+pub(super) fn shown_proxies(pixels: &[u32], found: &TestedProxies, of: &str) -> CheckResult {
     let lost = faults(pixels, &found.shown, |expected, result| expected == 0 || result > 0);
-    Finding::of_faults(lost, pixels.len(), &format!("objects that show are lost by {of}"))
+    CheckResult::of_faults(lost, pixels.len(), &format!("objects that show are lost by {of}"))
 }
 
 /// Judges the same by proxies that nothing of shows.
-pub(super) fn hidden_proxies(pixels: &[u32], found: &TestedProxies, of: &str) -> Finding {
+pub(super) fn hidden_proxies(pixels: &[u32], found: &TestedProxies, of: &str) -> CheckResult {
     let wrong = faults(pixels, &found.hidden, |_, result| result == 0);
-    Finding::of_faults(wrong, pixels.len(), &format!("hidden boxes count as visible by {of}"))
+    CheckResult::of_faults(wrong, pixels.len(), &format!("hidden boxes count as visible by {of}"))
 }
 
 /// Judges the samples of a proxy by those of its object: none may be missing.
@@ -123,16 +123,16 @@ pub(super) fn enclosing(
     samples: &[u32],
     counts: CountsSamples,
     sentence: &str,
-) -> Finding {
+) -> CheckResult {
     let agree = |expected: u32, samples: u32| match counts {
         CountsSamples::Exactly => samples >= expected,
         CountsSamples::No => expected == 0 || samples > 0,
     };
-    Finding::of_faults(faults(pixels, samples, agree), pixels.len(), sentence)
+    CheckResult::of_faults(faults(pixels, samples, agree), pixels.len(), sentence)
 }
 
 /// Judges the image of objects under predicates, of which every other range is enabled.
-pub(super) fn predicated(pixels: &[u32], found: &[u32], source: ResultSource) -> Finding {
+pub(super) fn predicated(pixels: &[u32], found: &[u32], source: ResultSource) -> CheckResult {
     let expected = |(place, pixels): (usize, &u32)| {
         if (place / PER_DECISION).is_multiple_of(2) { *pixels } else { 0 }
     };
@@ -143,7 +143,7 @@ pub(super) fn predicated(pixels: &[u32], found: &[u32], source: ResultSource) ->
         ResultSource::Compute => "the compute tester",
     };
     let wrong = faults(&expected, found, |expected, found| expected == found);
-    Finding::of_faults(
+    CheckResult::of_faults(
         wrong,
         expected.len(),
         &format!("draws under predicates of {of} are drawn or skipped against them"),
@@ -167,28 +167,28 @@ mod tests {
     fn queries_are_judged_by_pixels() {
         let pixels = [3, 0, 5];
         let exactly = CountsSamples::Exactly;
-        assert_eq!(query_counts(&pixels, &samples(&pixels), exactly), Finding::Held);
+        assert_eq!(query_counts(&pixels, &samples(&pixels), exactly), CheckResult::Passed);
         let vague = QueriedSamples { objects: vec![1, 0, 1], ..samples(&pixels) };
-        assert_eq!(query_counts(&pixels, &vague, CountsSamples::No), Finding::Held);
-        assert_ne!(query_counts(&pixels, &vague, exactly), Finding::Held);
+        assert_eq!(query_counts(&pixels, &vague, CountsSamples::No), CheckResult::Passed);
+        assert_ne!(query_counts(&pixels, &vague, exactly), CheckResult::Passed);
         for broken in [
             QueriedSamples { hidden: vec![0, 1, 0], ..samples(&pixels) },
             QueriedSamples { objects: vec![3, 0], ..samples(&pixels) },
             QueriedSamples { objects: vec![3, 0, 16], ..samples(&pixels) },
             QueriedSamples { objects: pixels.map(|pixel| 2 * pixel).to_vec(), ..samples(&pixels) },
         ] {
-            assert_ne!(query_counts(&pixels, &broken, exactly), Finding::Held);
+            assert_ne!(query_counts(&pixels, &broken, exactly), CheckResult::Passed);
         }
     }
 
     #[test]
     fn a_proxy_may_have_more_samples_than_its_object_and_never_fewer() {
         let judge = |samples: &[u32], counts| enclosing(&[3, 0], samples, counts, "are lost");
-        assert_eq!(judge(&[3, 0], CountsSamples::Exactly), Finding::Held);
-        assert_eq!(judge(&[9, 9], CountsSamples::Exactly), Finding::Held);
-        let broken = Finding::Broken("1 of 2 are lost".to_owned());
+        assert_eq!(judge(&[3, 0], CountsSamples::Exactly), CheckResult::Passed);
+        assert_eq!(judge(&[9, 9], CountsSamples::Exactly), CheckResult::Passed);
+        let broken = CheckResult::Failed("1 of 2 are lost".to_owned());
         assert_eq!(judge(&[2, 9], CountsSamples::Exactly), broken);
-        assert_eq!(judge(&[2, 0], CountsSamples::No), Finding::Held);
+        assert_eq!(judge(&[2, 0], CountsSamples::No), CheckResult::Passed);
         assert_eq!(judge(&[0, 9], CountsSamples::No), broken);
     }
 
@@ -198,10 +198,10 @@ mod tests {
             shown: shown.to_vec(),
             hidden: hidden.to_vec(),
         };
-        assert_eq!(shown_proxies(&[3, 0], &found(&[1, 0], &[]), "x"), Finding::Held);
-        assert_ne!(shown_proxies(&[3, 0], &found(&[0, 1], &[]), "x"), Finding::Held);
-        assert_eq!(hidden_proxies(&[3, 0], &found(&[], &[0, 0]), "x"), Finding::Held);
-        assert_ne!(hidden_proxies(&[3, 0], &found(&[], &[0, 1]), "x"), Finding::Held);
+        assert_eq!(shown_proxies(&[3, 0], &found(&[1, 0], &[]), "x"), CheckResult::Passed);
+        assert_ne!(shown_proxies(&[3, 0], &found(&[0, 1], &[]), "x"), CheckResult::Passed);
+        assert_eq!(hidden_proxies(&[3, 0], &found(&[], &[0, 0]), "x"), CheckResult::Passed);
+        assert_ne!(hidden_proxies(&[3, 0], &found(&[], &[0, 1]), "x"), CheckResult::Passed);
     }
 
     #[test]
@@ -209,11 +209,11 @@ mod tests {
         let pixels = [2; 3 * PER_DECISION];
         let mut drawn = [[2; PER_DECISION], [0; PER_DECISION], [2; PER_DECISION]].concat();
         let judge = |drawn: &[u32]| predicated(&pixels, drawn, ResultSource::Queries);
-        assert_eq!(judge(&drawn), Finding::Held);
+        assert_eq!(judge(&drawn), CheckResult::Passed);
         drawn[PER_DECISION] = 2;
         assert!(judge(&drawn).detail().starts_with("1 of 12 draws under predicates of queries"));
-        assert_ne!(judge(&[0; 3 * PER_DECISION]), Finding::Held);
-        assert_ne!(judge(&pixels), Finding::Held);
+        assert_ne!(judge(&[0; 3 * PER_DECISION]), CheckResult::Passed);
+        assert_ne!(judge(&pixels), CheckResult::Passed);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The self-test: asks if the driver of a device can be trusted with what exactness rests on, by
 //! small purpose-built frames and a short walk with each tester. It takes about a second.
 
-mod finding;
+mod check_result;
 mod judge;
 mod probe;
 mod probe_lists;
@@ -9,10 +9,10 @@ mod probe_scene;
 mod walk;
 
 use cull::Strategy;
-use gpu::{Device, Predication, ResultSource};
-use occlusion::{Assumption, Rect, ShaderSet, Trust};
+use gpu::{Device, PredicationMode, ResultSource};
+use occlusion::{DriverAssumption, DriverQuirks, Rect, ShaderSet};
 
-pub use finding::Finding;
+pub use check_result::CheckResult;
 
 use crate::error::Error;
 use crate::renderer::RendererOptions;
@@ -23,8 +23,8 @@ use probe_scene::{PROBES, TWINS};
 /// The outcome of a [self-test](self_test): each assumption and what was found about it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SelfTest {
-    /// A verdict for each assumption, in the order of [`Assumption::ALL`].
-    pub findings: Vec<(Assumption, Finding)>,
+    /// A verdict for each assumption, in the order of [`DriverAssumption::ALL`].
+    pub findings: Vec<(DriverAssumption, CheckResult)>,
     /// The strategy with the safest tester of those that hold: `antumbra` itself where nothing
     /// that it may use is broken; `None` if every tester or every executor is broken. Then only
     /// plain frustum culling is right.
@@ -33,16 +33,17 @@ pub struct SelfTest {
 
 impl SelfTest {
     /// Returns the assumptions that do not hold, for
-    /// [`RendererOptions::distrusted`](crate::RendererOptions::distrusted).
+    /// [`RendererOptions::disabled`](crate::RendererOptions::disabled).
     #[must_use]
-    pub fn broken(&self) -> Vec<Assumption> {
-        let is_broken = |(_, verdict): &&(_, Finding)| matches!(verdict, Finding::Broken(_));
+    pub fn broken(&self) -> Vec<DriverAssumption> {
+        let is_broken =
+            |(_, verdict): &&(_, CheckResult)| matches!(verdict, CheckResult::Failed(_));
         self.findings.iter().filter(is_broken).map(|(assumption, _)| *assumption).collect()
     }
 
     /// Returns the verdict about an assumption; `None` for one that was not looked at.
     #[must_use]
-    pub fn verdict(&self, assumption: Assumption) -> Option<&Finding> {
+    pub fn verdict(&self, assumption: DriverAssumption) -> Option<&CheckResult> {
         self.findings.iter().find(|(tested, _)| *tested == assumption).map(|(_, verdict)| verdict)
     }
 }
@@ -50,7 +51,7 @@ impl SelfTest {
 /// Tests the driver of a device, with the shaders of `options` and the embedded ones where it
 /// names none. Everything else in `options` is left aside. Waits for the device again and again:
 /// call it before the first frame, and keep its outcome for
-/// [`RendererOptions::distrusted`](crate::RendererOptions::distrusted).
+/// [`RendererOptions::disabled`](crate::RendererOptions::disabled).
 ///
 /// # Errors
 /// No memory, a shader that does not compile, a failed call, a lost device. What a driver does
@@ -80,11 +81,11 @@ pub fn self_test(device: &Device, options: &RendererOptions) -> Result<SelfTest,
 }
 
 /// Returns the strategy with the safest tester, if there is one.
-fn safest(broken: &[Assumption], device: &Device) -> Option<Strategy> {
-    let trust = Trust::without(broken);
-    let has = |executor: Predication| executor.is_supported(device);
-    let executor = trust.executor(Predication::Conditional, has)?;
-    let testers = trust.testers(walk::offered(device), executor);
+fn safest(broken: &[DriverAssumption], device: &Device) -> Option<Strategy> {
+    let quirks = DriverQuirks::without(broken);
+    let has = |executor: PredicationMode| executor.is_supported(device);
+    let executor = quirks.executor(PredicationMode::Conditional, has)?;
+    let testers = quirks.testers(walk::offered(device), executor);
     let strategy = testers.strategy(Strategy::ANTUMBRA);
     (strategy != Strategy::FRUSTUM).then_some(strategy)
 }
@@ -92,20 +93,20 @@ fn safest(broken: &[Assumption], device: &Device) -> Option<Strategy> {
 /// The verdicts so far.
 struct Checks {
     device: Device,
-    findings: Vec<(Assumption, Finding)>,
+    findings: Vec<(DriverAssumption, CheckResult)>,
 }
 
 impl Checks {
-    fn note(&mut self, assumption: Assumption, verdict: Finding) {
-        if let Finding::Broken(observation) = &verdict {
+    fn note(&mut self, assumption: DriverAssumption, verdict: CheckResult) {
+        if let CheckResult::Failed(observation) = &verdict {
             tracing::warn!("this driver cannot be trusted with {assumption}: {observation}");
         }
         self.findings.push((assumption, verdict));
     }
 
-    fn not_tested(&mut self, assumptions: &[Assumption], reason: &str) {
+    fn not_tested(&mut self, assumptions: &[DriverAssumption], reason: &str) {
         for assumption in assumptions {
-            self.note(*assumption, Finding::NotTested(reason.to_owned()));
+            self.note(*assumption, CheckResult::Skipped(reason.to_owned()));
         }
     }
 
@@ -114,22 +115,22 @@ impl Checks {
         let found = probe.by_queries(areas)?;
         let counts = if probe.can_count() { CountsSamples::Exactly } else { CountsSamples::No };
         let verdict = judge::query_counts(pixels, &found, counts);
-        let are_right = verdict == Finding::Held;
-        self.note(Assumption::QueryCounts, verdict);
+        let are_right = verdict == CheckResult::Passed;
+        self.note(DriverAssumption::QueryCounts, verdict);
         let [wrong, all] = probe.late_results()?;
-        let late = Finding::of_faults(wrong, all, "results are not those of their frame");
-        self.note(Assumption::LateResults, late);
+        let late = CheckResult::of_faults(wrong, all, "results are not those of their frame");
+        self.note(DriverAssumption::LateResults, late);
         if !are_right {
-            let geometry = [Assumption::ProxyCoverage, Assumption::ProxyDepth];
+            let geometry = [DriverAssumption::ProxyCoverage, DriverAssumption::ProxyDepth];
             self.not_tested(&geometry, "it is measured by queries, which are broken");
             return Ok(());
         }
         let coverage = "proxies leave out samples of their objects";
         let coverage = judge::enclosing(pixels, &found.alone, counts, coverage);
-        self.note(Assumption::ProxyCoverage, coverage);
+        self.note(DriverAssumption::ProxyCoverage, coverage);
         let depth = "proxies are behind their objects";
         let depth = judge::enclosing(pixels, &found.proxies, counts, depth);
-        self.note(Assumption::ProxyDepth, depth);
+        self.note(DriverAssumption::ProxyDepth, depth);
         Ok(())
     }
 
@@ -137,13 +138,16 @@ impl Checks {
         match probe.by_flags()? {
             Some(found) => {
                 let hidden = judge::hidden_proxies(pixels, &found, "flags");
-                self.note(Assumption::EarlyTests, hidden);
+                self.note(DriverAssumption::EarlyTests, hidden);
                 let shown = judge::shown_proxies(pixels, &found, "flags");
-                self.note(Assumption::FlagWrites, shown);
+                self.note(DriverAssumption::FlagWrites, shown);
             }
             None => {
                 let reason = "fragment shaders of this device cannot write to buffers";
-                self.not_tested(&[Assumption::EarlyTests, Assumption::FlagWrites], reason);
+                self.not_tested(
+                    &[DriverAssumption::EarlyTests, DriverAssumption::FlagWrites],
+                    reason,
+                );
             }
         }
         Ok(())
@@ -156,13 +160,13 @@ impl Checks {
         shaders: &ShaderSet,
     ) -> Result<(), Error> {
         let verdict = match probe.by_compute(shaders)? {
-            None => Finding::NotTested("this device has no compute tester".to_owned()),
+            None => CheckResult::Skipped("this device has no compute tester".to_owned()),
             Some(found) => match judge::shown_proxies(pixels, &found, "the compute tester") {
-                Finding::Held => judge::hidden_proxies(pixels, &found, "the compute tester"),
+                CheckResult::Passed => judge::hidden_proxies(pixels, &found, "the compute tester"),
                 broken => broken,
             },
         };
-        self.note(Assumption::ComputedDepths, verdict);
+        self.note(DriverAssumption::ComputedDepths, verdict);
         Ok(())
     }
 
@@ -173,28 +177,28 @@ impl Checks {
         pixels: &[u32],
         shaders: &ShaderSet,
     ) -> Result<(), Error> {
-        for executor in Predication::ALL {
+        for executor in PredicationMode::ALL {
             let assumption = match executor {
-                Predication::Conditional => Assumption::ConditionalRendering,
-                Predication::Counts => Assumption::DrawCounts,
-                Predication::Instances => Assumption::InstanceCounts,
-                Predication::Compacted => Assumption::CompactedLists,
+                PredicationMode::Conditional => DriverAssumption::ConditionalRendering,
+                PredicationMode::Counts => DriverAssumption::DrawCounts,
+                PredicationMode::Instances => DriverAssumption::InstanceCounts,
+                PredicationMode::Compacted => DriverAssumption::CompactedLists,
             };
             if !executor.is_supported(&self.device) {
                 self.not_tested(&[assumption], "this device does not have it");
                 continue;
             }
-            let mut verdict = Finding::Held;
+            let mut verdict = CheckResult::Passed;
             for source in [ResultSource::Queries, ResultSource::Fragments] {
                 // What is not known to set results right says nothing about their use.
                 let is_broken = self.findings.iter().any(|(tested, verdict)| {
                     let writes = match source {
-                        ResultSource::Queries => Assumption::QueryCounts,
-                        _ => Assumption::FlagWrites,
+                        ResultSource::Queries => DriverAssumption::QueryCounts,
+                        _ => DriverAssumption::FlagWrites,
                     };
-                    *tested == writes && matches!(verdict, Finding::Broken(_))
+                    *tested == writes && matches!(verdict, CheckResult::Failed(_))
                 });
-                if is_broken || verdict != Finding::Held {
+                if is_broken || verdict != CheckResult::Passed {
                     continue;
                 }
                 if let Some(image) = probe.predicated(executor, source, shaders)? {
@@ -219,14 +223,14 @@ impl Checks {
         let together = probe.image_of(&[all])?;
         let alone = probe.image_of(&[without_twins])?;
         let apart = probe.image_of(&[twins, objects])?;
-        let broken = |what: &str| Finding::Broken(what.to_owned());
+        let broken = |what: &str| CheckResult::Failed(what.to_owned());
         let verdict = match (together == alone, apart == last, first == last) {
             (_, _, true) => broken("two colours look the same"),
             (false, _, _) => broken("of two draws of one call the later one wins"),
             (_, false, _) => broken("of two calls the later one wins"),
-            (true, true, false) => Finding::Held,
+            (true, true, false) => CheckResult::Passed,
         };
-        self.note(Assumption::DrawOrder, verdict);
+        self.note(DriverAssumption::DrawOrder, verdict);
         Ok(())
     }
 
@@ -235,23 +239,27 @@ impl Checks {
         let found = judge::shaded_pixels(&walk::shaded_probes(&self.device, options)?);
         let lost = pixels.iter().zip(&found).filter(|(expected, found)| expected != found).count();
         let sentence = "objects lose pixels between their depth and their colour";
-        self.note(Assumption::RepeatedDepth, Finding::of_faults(lost, pixels.len(), sentence));
+        self.note(
+            DriverAssumption::RepeatedDepth,
+            CheckResult::of_faults(lost, pixels.len(), sentence),
+        );
         Ok(())
     }
 
     /// Checks walks with each tester against plain frustum culling.
     fn walks(&mut self, options: &RendererOptions) -> Result<(), Error> {
         let walks = [
-            (Assumption::QueriedWalk, Strategy::ANTUMBRA_QUERIES),
-            (Assumption::FlaggedWalk, Strategy::ANTUMBRA_FLAGS),
-            (Assumption::ComputedWalk, Strategy::ANTUMBRA_COMPUTE),
+            (DriverAssumption::QueriedWalk, Strategy::ANTUMBRA_QUERIES),
+            (DriverAssumption::FlaggedWalk, Strategy::ANTUMBRA_FLAGS),
+            (DriverAssumption::ComputedWalk, Strategy::ANTUMBRA_COMPUTE),
         ];
-        let broken: Vec<Assumption> =
+        let broken: Vec<DriverAssumption> =
             SelfTest { findings: self.findings.clone(), safest: None }.broken();
         // With the executor that would be used, or each walk would find its faults again.
-        let trust = Trust::without(&broken);
-        let has = |executor: Predication| executor.is_supported(&self.device);
-        let Some(executor) = trust.executor(Predication::best(self.device.capabilities()), has)
+        let quirks = DriverQuirks::without(&broken);
+        let has = |executor: PredicationMode| executor.is_supported(&self.device);
+        let Some(executor) =
+            quirks.executor(PredicationMode::best(self.device.capabilities()), has)
         else {
             let reason = "draws cannot be skipped in any way";
             self.not_tested(&walks.map(|(assumption, _)| assumption), reason);

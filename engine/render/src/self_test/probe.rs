@@ -3,13 +3,15 @@
 
 use std::ops::Range;
 
-use cull::View;
+use cull::CullView;
 use gpu::{
     Access, BufferSlice, Commands, Counting, Device, DrawRange, FlagRing, Frame, IndirectDraw,
-    MemoryBarrier, Optional, PredicatedRange, Predicates, Predication, QueryIndex, QueryRing,
-    Readback, ResultSource, Reveal,
+    MemoryBarrier, OptionalFeature, PredicatedRange, Predicates, PredicationMode, QueryIndex,
+    QueryRing, Readback, ResultSource, Reveal,
 };
-use occlusion::{ComputeTest, ComputeTestIo, Costs, ProxyBox, ProxyIo, ProxyPass, Rect, ShaderSet};
+use occlusion::{
+    ComputeTest, ComputeTestIo, CostModel, ProxyBox, ProxyIo, ProxyPass, Rect, ShaderSet,
+};
 
 use super::probe_lists::ProbeLists;
 use super::probe_scene::{self, PROBES, SIZE, TWINS};
@@ -35,7 +37,7 @@ const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 pub(super) struct Probe {
     renderer: Renderer,
     device: Device,
-    view: View,
+    view: CullView,
     /// The draws of the objects, and of the twins behind them.
     draws: Vec<IndirectDraw>,
     boxes: Vec<ProxyBox>,
@@ -67,7 +69,7 @@ impl Probe {
     /// Makes the boxes and the passes of `options`.
     pub(super) fn new(device: &Device, options: &RendererOptions) -> Result<Self, Error> {
         let scene = probe_scene::probes();
-        let options = RendererOptions { size: SIZE, costs: Costs::Ignored, ..options.clone() };
+        let options = RendererOptions { size: SIZE, cost_model: CostModel::Off, ..options.clone() };
         let renderer = Renderer::new(device, &scene, &options)?;
         let view = renderer.view_of(&probe_scene::camera());
         let draws = (0..(PROBES + TWINS) as u32).map(|object| {
@@ -89,7 +91,7 @@ impl Probe {
 
     /// Returns true if queries count samples exactly on this device.
     pub(super) fn can_count(&self) -> bool {
-        self.device.capabilities().has(Optional::PreciseQueries)
+        self.device.capabilities().has(OptionalFeature::PreciseQueries)
     }
 
     /// Returns the image of a frame of frustum culling.
@@ -100,7 +102,7 @@ impl Probe {
             ..FrameRequest::new(cull::Strategy::FRUSTUM, probe_scene::camera())
         };
         self.renderer.render(&mut state, &request)?;
-        self.renderer.drain(&mut state)?;
+        self.renderer.wait_idle(&mut state)?;
         self.rgba()
     }
 
@@ -127,7 +129,7 @@ impl Probe {
         finish_image(&mut frame, passes, None, Some(image))?;
         let tick = frame.submit(None)?;
         renderer.submitted(tick);
-        self.device.drain()?;
+        self.device.wait_idle()?;
         self.rgba()
     }
 
@@ -174,7 +176,7 @@ impl Probe {
         let tick = frame.submit(None)?;
         queries.submitted(tick);
         renderer.submitted(tick);
-        device.drain()?;
+        device.wait_idle()?;
         let mut samples = Vec::new();
         queries.collect(device.completed()?, |(), found| samples.push(found));
         let part = |number| samples.iter().copied().skip(number * count).take(count).collect();
@@ -212,7 +214,7 @@ impl Probe {
         let tick = frame.submit(None)?;
         flags.submitted(tick);
         renderer.submitted(tick);
-        device.drain()?;
+        device.wait_idle()?;
         tested(&mut flags, device, count).map(Some)
     }
 
@@ -254,7 +256,7 @@ impl Probe {
         let tick = frame.submit(None)?;
         results.submitted(tick);
         renderer.submitted(tick);
-        device.drain()?;
+        device.wait_idle()?;
         tested(&mut results, device, count).map(Some)
     }
 
@@ -262,7 +264,7 @@ impl Probe {
     /// its number is even, which tests of `source` find out; `None` where there is no such tester.
     pub(super) fn predicated(
         &mut self,
-        executor: Predication,
+        executor: PredicationMode,
         source: ResultSource,
         shaders: &ShaderSet,
     ) -> Result<Option<Vec<u8>>, Error> {
@@ -289,7 +291,7 @@ impl Probe {
         };
         begin_decisions(&mut predicates, &mut frame, source, results)?;
         let lists = match predicates.predication() {
-            Predication::Compacted => Some(ProbeLists::new(&self.device, shaders)?),
+            PredicationMode::Compacted => Some(ProbeLists::new(&self.device, shaders)?),
             _ => None,
         };
         let listed = lists
@@ -323,7 +325,7 @@ impl Probe {
         queries.submitted(tick);
         flags.submitted(tick);
         renderer.submitted(tick);
-        self.device.drain()?;
+        self.device.wait_idle()?;
         self.rgba().map(Some)
     }
 
@@ -362,7 +364,7 @@ impl Probe {
             queries.submitted(tick);
             renderer.submitted(tick);
         }
-        self.device.drain()?;
+        self.device.wait_idle()?;
         queries.collect(self.device.completed()?, &mut judge);
         Ok(counts)
     }
@@ -378,7 +380,7 @@ fn test_even(
     proxies: &ProxyPass,
     io: &ProxyIo,
     commands: &Commands,
-    view: &View,
+    view: &CullView,
     queries: &QueryRing<()>,
     source: ResultSource,
     numbers: Range<u32>,
@@ -433,7 +435,7 @@ fn tested(
 }
 
 /// Draws all objects without their twins.
-fn draw_objects(passes: &FramePasses, commands: &Commands, view: &View, draws: BufferSlice) {
+fn draw_objects(passes: &FramePasses, commands: &Commands, view: &CullView, draws: BufferSlice) {
     bind(passes, commands, view);
     commands.draw_indirect(draws.part(0, PROBES as u64 * DRAW_BYTES));
 }

@@ -153,7 +153,7 @@ fn cube() -> Mesh {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use scene::outwardness;
+    use scene::signed_volume;
 
     #[test]
     fn the_scenes_are_sound_and_their_cube_is_closed() {
@@ -164,7 +164,7 @@ mod tests {
         let at = |index: &u32| Vec3::from_array(cube.vertices[*index as usize].position);
         let triangles =
             cube.indices.chunks(3).map(|index| [at(&index[0]), at(&index[1]), at(&index[2])]);
-        assert!(outwardness(&cube.bounds, triangles) > 0.9);
+        assert!(signed_volume(&cube.bounds, triangles) > 0.9);
     }
 
     #[test]

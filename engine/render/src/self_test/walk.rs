@@ -1,31 +1,31 @@
 //! Walks of the self-test: frames of a street by each tester, against plain frustum culling, and
 //! the boxes in the passes of scenes with surfaces.
 
-use cull::{Strategy, TesterSupport};
-use gpu::{Device, Optional, Readback};
-use occlusion::Costs;
+use cull::{Strategy, VisibilityTestSupport};
+use gpu::{Device, OptionalFeature, Readback};
+use occlusion::CostModel;
 
-use super::finding::Finding;
+use super::check_result::CheckResult;
 use super::probe_scene::{self, SIZE, WALK_FRAMES};
 use crate::error::Error;
+use crate::render_view::RenderView;
 use crate::renderer::{Renderer, RendererOptions};
-use crate::view_state::ViewState;
 use crate::views::FrameRequest;
 
 /// Size of the images of the walk.
 const WALK_SIZE: [u32; 2] = [192, 108];
 
 /// Returns the testers that the device offers.
-pub(super) fn offered(device: &Device) -> TesterSupport {
-    let flags = device.capabilities().has(Optional::FragmentStores);
+pub(super) fn offered(device: &Device) -> VisibilityTestSupport {
+    let flags = device.capabilities().has(OptionalFeature::FragmentStores);
     let compute = occlusion::ComputeTest::check(device, WALK_SIZE).is_ok();
-    TesterSupport { flags, compute, leaf_tests: flags, ..TesterSupport::default() }
+    VisibilityTestSupport { flags, compute, leaf_tests: flags, ..VisibilityTestSupport::default() }
 }
 
 /// Returns the image of the boxes in a scene with surfaces, whose depth is drawn before its colour.
 pub(super) fn shaded_probes(device: &Device, options: &RendererOptions) -> Result<Vec<u8>, Error> {
     let scene = probe_scene::probes().with_surfaces();
-    let options = RendererOptions { size: SIZE, costs: Costs::Ignored, ..options.clone() };
+    let options = RendererOptions { size: SIZE, cost_model: CostModel::Off, ..options.clone() };
     let mut renderer = Renderer::new(device, &scene, &options)?;
     let mut view = renderer.new_view()?;
     let request = FrameRequest::new(Strategy::FRUSTUM, probe_scene::camera());
@@ -37,8 +37,9 @@ pub(super) fn walks(
     device: &Device,
     options: &RendererOptions,
     strategies: [Strategy; 3],
-) -> Result<Vec<Finding>, Error> {
-    let options = RendererOptions { size: WALK_SIZE, costs: Costs::Ignored, ..options.clone() };
+) -> Result<Vec<CheckResult>, Error> {
+    let options =
+        RendererOptions { size: WALK_SIZE, cost_model: CostModel::Off, ..options.clone() };
     let mut renderer = Renderer::new(device, &probe_scene::street(), &options)?;
     let mut references = Vec::new();
     let mut view = renderer.new_view()?;
@@ -54,9 +55,9 @@ fn walk(
     renderer: &mut Renderer,
     strategy: Strategy,
     references: &[Vec<u8>],
-) -> Result<Finding, Error> {
+) -> Result<CheckResult, Error> {
     if let Err(error) = renderer.supports(strategy) {
-        return Ok(Finding::NotTested(error.to_string()));
+        return Ok(CheckResult::Skipped(error.to_string()));
     }
     let mut view = renderer.new_view()?;
     let mut wrong = 0;
@@ -66,17 +67,17 @@ fn walk(
         wrong += usize::from(found != *expected);
     }
     let sentence = "frames differ from plain frustum culling";
-    Ok(Finding::of_faults(wrong, references.len(), sentence))
+    Ok(CheckResult::of_faults(wrong, references.len(), sentence))
 }
 
 /// Draws a frame and waits for its image.
 fn image(
     renderer: &mut Renderer,
-    view: &mut ViewState,
+    view: &mut RenderView,
     request: FrameRequest<'_>,
 ) -> Result<Vec<u8>, Error> {
     let image = Readback::new(renderer.device(), renderer.size())?;
     renderer.render(view, &FrameRequest { image: Some(&image), ..request })?;
-    renderer.drain(view)?;
+    renderer.wait_idle(view)?;
     Ok(image.rgba8()?.to_vec())
 }

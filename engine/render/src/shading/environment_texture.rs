@@ -1,7 +1,7 @@
 //! The light from all around on the GPU, and what is seen of it.
 
 use gpu::{
-    Buffer, Device, MipMaking, SampledTexture, TextureArray, TextureArrayInfo, TextureUploads,
+    Buffer, Device, MipGeneration, SampledTexture, TextureArray, TextureArrayInfo, TextureUploads,
     VolumeTexels, VolumeTexture, vk,
 };
 use half::f16;
@@ -95,7 +95,7 @@ fn upload_panorama(device: &Device, panorama: &Panorama) -> Result<TextureArray,
         minified: vk::Filter::LINEAR,
         between_levels: Some(vk::SamplerMipmapMode::LINEAR),
         anisotropy: 1.0,
-        mip_making: MipMaking::Given(levels.len() as u32),
+        mip_making: MipGeneration::Given(levels.len() as u32),
     };
     let mut array = TextureArray::new(device, &info)?;
     let bytes = |level: &Vec<u32>| bytemuck::cast_slice(level).to_vec();

@@ -11,7 +11,7 @@
 //! and that does not count.
 
 use bytemuck::{Pod, Zeroable};
-use cull::View;
+use cull::CullView;
 use gpu::{
     Access, Buffer, BufferSlice, Commands, Device, FlagRing, Frame, MemoryBarrier, MemoryKind,
     ResultSource, Tick, vk,
@@ -158,7 +158,11 @@ impl Fragments {
     ///
     /// # Errors
     /// No memory.
-    pub(crate) fn begin_view(&mut self, frame: &mut Frame<'_>, view: &View) -> Result<(), Error> {
+    pub(crate) fn begin_view(
+        &mut self,
+        frame: &mut Frame<'_>,
+        view: &CullView,
+    ) -> Result<(), Error> {
         self.view = None;
         let Some(layout) = self.layout(view.size) else { return Ok(()) };
         let kept = self.pool.take().filter(|pool| pool.size_bytes() >= layout.bytes());

@@ -29,8 +29,8 @@ pub struct SceneDegradations {
     pub enlarged_images: usize,
     /// Images of compressed blocks that take four bytes per texel, since they lie on pages, or the
     /// device does not sample their format or size, or not as colours (BC4 and BC5): once for each
-    /// encoding, and with [images](TextureStorage::Images) for each sampler. Those that come later
-    /// do not count.
+    /// encoding, and with [images](TextureStorage::Bindless) for each sampler. Those that come
+    /// later do not count.
     pub unpacked_images: usize,
     /// Textures that are sampled by another sampler than their own.
     pub borrowed_samplers: usize,
@@ -46,14 +46,14 @@ impl SceneDegradations {
         let Self { crowded_objects, dark_suns, broken_lights, unshadowed_objects, .. } = *self;
         let Self { shrunk_images, unpacked_images, borrowed_samplers, textures, .. } = *self;
         let shrunk_by = match textures {
-            TextureStorage::Images => "the device takes no larger ones".to_owned(),
-            TextureStorage::Pages => format!(
+            TextureStorage::Bindless => "the device takes no larger ones".to_owned(),
+            TextureStorage::ArrayPacked => format!(
                 "{MAX_PAGES} texture pages hold no more sizes, or the device takes no larger ones"
             ),
         };
         let unpacked_by = match textures {
-            TextureStorage::Images => "the device does not sample such blocks as they are",
-            TextureStorage::Pages => "texture pages do not take blocks",
+            TextureStorage::Bindless => "the device does not sample such blocks as they are",
+            TextureStorage::ArrayPacked => "texture pages do not take blocks",
         };
         let sentence = |count: usize, one: &str, several: &str, rest: String| {
             (count > 0).then(|| format!("{} {rest}", counted(count, one, several)))
@@ -141,14 +141,14 @@ mod tests {
             enlarged_images: 8,
             unpacked_images: 3,
             borrowed_samplers: 9,
-            textures: TextureStorage::Pages,
+            textures: TextureStorage::ArrayPacked,
         };
         for (text, number) in all.texts().iter().zip([5, 6, 4, 2, 7, 3, 9, 1]) {
             assert!(text.starts_with(&number.to_string()), "{text}");
         }
         assert_eq!(all.texts().len(), 8);
         assert!(all.texts()[4].contains("texture pages"), "{}", all.texts()[4]);
-        let own = SceneDegradations { textures: TextureStorage::Images, ..all }.texts();
+        let own = SceneDegradations { textures: TextureStorage::Bindless, ..all }.texts();
         assert!(!own[4].contains("pages"), "{}", own[4]);
         let one = SceneDegradations { unpacked_images: 1, ..SceneDegradations::default() }.texts();
         assert!(one[0].starts_with("1 compressed image is unpacked"), "{}", one[0]);

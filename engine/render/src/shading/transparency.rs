@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use cull::Tester;
-use gpu::{Device, Optional, vk};
-use occlusion::Trust;
+use cull::VisibilityTest;
+use gpu::{Device, OptionalFeature, vk};
+use occlusion::DriverQuirks;
 
 /// The order in which transparent objects are blended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -79,10 +79,10 @@ impl FragmentCounts {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TransparencyFallback {
     /// The device lacks something.
-    Lacks(Optional),
-    /// Flags of fragment shaders are [distrusted](crate::RendererOptions::distrusted): they may be
+    Lacks(OptionalFeature),
+    /// Flags of fragment shaders are [distrusted](crate::RendererOptions::disabled): they may be
     /// written where the depth test fails, or be lost.
-    Distrusted,
+    DriverQuirk,
     /// A pixel has several samples, each of which may be covered by other fragments.
     SeveralSamples,
     /// The lists of so many pixels do not fit into a storage buffer of the device.
@@ -93,7 +93,7 @@ impl fmt::Display for TransparencyFallback {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Lacks(missing) => write!(formatter, "the device lacks {}", missing.name()),
-            Self::Distrusted => {
+            Self::DriverQuirk => {
                 formatter.write_str("what fragment shaders of the driver write is not trusted")
             }
             Self::SeveralSamples => formatter.write_str("a pixel has several samples"),
@@ -103,11 +103,11 @@ impl fmt::Display for TransparencyFallback {
 }
 
 /// Returns the options that a driver is trusted with: fragments are stored where flags would be.
-pub(crate) fn trusted_transparency(
-    trust: &Trust,
+pub(crate) fn usable_transparency(
+    quirks: &DriverQuirks,
     wanted: TransparencyOptions,
 ) -> TransparencyOptions {
-    if trust.allows(Tester::Flag) {
+    if quirks.allows(VisibilityTest::Flag) {
         wanted
     } else {
         TransparencyOptions { method: TransparencyMethod::SortedObjects, ..wanted }
@@ -120,8 +120,8 @@ pub(crate) fn fallback_of(
     device: &Device,
     samples: vk::SampleCountFlags,
 ) -> Option<TransparencyFallback> {
-    let needs = [Optional::FragmentStores, Optional::SectionBuffers];
-    let lacks = |needed: &Optional| !device.capabilities().has(*needed);
+    let needs = [OptionalFeature::FragmentStores, OptionalFeature::SectionBuffers];
+    let lacks = |needed: &OptionalFeature| !device.capabilities().has(*needed);
     match needs.into_iter().find(lacks) {
         Some(missing) => Some(TransparencyFallback::Lacks(missing)),
         None if samples != vk::SampleCountFlags::TYPE_1 => {

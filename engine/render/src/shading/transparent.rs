@@ -3,11 +3,11 @@
 
 use std::collections::HashMap;
 
-use cull::{Aabb, Containment, Frustum, PlaneMask, Rays, View};
+use cull::{Aabb, Containment, CullView, Frustum, PlaneMask, Rays};
 use glam::Affine3A;
 use gpu::{BufferSlice, Commands, Device, Frame, IndirectDraw};
 use occlusion::{BucketDraw, OcclusionPasses, PlanExecutor, TransparentList};
-use scene::{ENCLOSING, Light, Mesh, Object, Scene, TransparentId, outwardness};
+use scene::{ENCLOSING, Light, Mesh, Object, Scene, TransparentId, signed_volume};
 
 use crate::error::Error;
 use crate::passes::{SurfaceIo, SurfacePass};
@@ -54,7 +54,7 @@ impl Faces {
         let place = |index: &u32| Some(mesh.vertices.get(*index as usize)?.position.into());
         let triangles = mesh.indices.as_chunks::<3>().0.iter();
         let triangles = triangles.filter_map(|[a, b, c]| Some([place(a)?, place(b)?, place(c)?]));
-        match outwardness(&mesh.bounds, triangles) {
+        match signed_volume(&mesh.bounds, triangles) {
             part if part >= ENCLOSING => Self::Out,
             part if part <= -ENCLOSING => Self::In,
             _ => Self::Along,
@@ -133,7 +133,7 @@ impl Transparent {
     /// Finds the objects in the frustum of a view and sorts them: the farthest first, by the middle
     /// of their boxes, or by the visible side of the box of an object that encloses something; of
     /// equally far ones the first of the scene.
-    fn sort(&mut self, view: &View) {
+    fn sort(&mut self, view: &CullView) {
         self.sorted.clear();
         for (number, object) in self.objects.iter().enumerate() {
             let bounds = &object.bounds;
@@ -156,7 +156,7 @@ impl Transparent {
         frame: &mut Frame<'_>,
         geometry: &Geometry,
         passes: &OcclusionPasses,
-        view: &View,
+        view: &CullView,
         tests: bool,
     ) -> Result<(), Error> {
         let Self { sorted, objects, list, .. } = self;
@@ -198,7 +198,7 @@ impl Transparent {
         frame: &mut Frame<'_>,
         geometry: &Geometry,
         passes: &OcclusionPasses,
-        view: &View,
+        view: &CullView,
         tests: bool,
     ) -> Result<u32, Error> {
         self.sort(view);
@@ -250,7 +250,7 @@ impl Transparent {
         executor: &PlanExecutor,
         commands: &Commands,
         surfaces: SurfaceIo<'_>,
-        view: &View,
+        view: &CullView,
         light: &Light,
     ) {
         self.draw_bound(executor, commands, surfaces, &|commands, surfaces| {
@@ -293,7 +293,7 @@ mod tests {
             projection: cull::Projection::perspective(1.0),
             near: 0.1,
         };
-        let rays = View::new(&camera, [64, 64], 8).rays;
+        let rays = CullView::new(&camera, [64, 64], 8).rays;
         for middle in [Vec3::ZERO, Vec3::new(1.2, -0.7, 0.9)] {
             let around = |half: Vec3| {
                 Aabb::new(middle * half.y.min(1.0) - half, middle * half.y.min(1.0) + half)

@@ -14,12 +14,12 @@ use std::collections::HashMap;
 
 use ::shadows::{LitArea, ShadowLightId};
 use cull::{
-    BoxShadowVolumes, CullConfig, Culler, DrawPhases, FramePlan, Hierarchy, LeafIndex, MultiView,
-    PendingTest, ResultReader, Strategy, TesterSupport, View,
+    BoxShadowVolumes, CullConfig, CullView, Culler, DrawPhases, FramePlan, Hierarchy, LeafIndex,
+    MultiView, PendingTest, ResultReader, Strategy, VisibilityTestSupport,
 };
 use gpu::{
     Access, Commands, Device, FlagRing, Frame, IndirectDraw, MemoryBarrier, Predicates,
-    Predication, RenderTarget, ResultSource, Tick,
+    PredicationMode, RenderTarget, ResultSource, Tick,
 };
 use occlusion::{BoxVolumeIo, BoxVolumePass};
 
@@ -74,8 +74,8 @@ struct LightHistory {
 }
 
 /// Returns true if an executor can skip casters on a device, however many there will be.
-pub(crate) fn can_skip(device: &Device, executor: Predication) -> bool {
-    Predication::choose(device, Some(executor), DRAWS_MAX, 0).is_ok()
+pub(crate) fn can_skip(device: &Device, executor: PredicationMode) -> bool {
+    PredicationMode::choose(device, Some(executor), DRAWS_MAX, 0).is_ok()
 }
 
 impl CasterCulling {
@@ -87,7 +87,7 @@ impl CasterCulling {
         let source = ResultSource::Fragments;
         let capacity = 1024;
         // One way for as many draws as may ever be: growing must not need another.
-        let predication = Predication::choose(device, None, DRAWS_MAX, 0)?;
+        let predication = PredicationMode::choose(device, None, DRAWS_MAX, 0)?;
         Ok(Self {
             device: device.clone(),
             histories: HashMap::new(),
@@ -112,7 +112,11 @@ impl CasterCulling {
     ///
     /// # Errors
     /// No memory, a failed call.
-    pub(super) fn skip_by(&mut self, executor: Predication, frames: usize) -> Result<(), Error> {
+    pub(super) fn skip_by(
+        &mut self,
+        executor: PredicationMode,
+        frames: usize,
+    ) -> Result<(), Error> {
         if executor != self.predicates.predication() {
             let wanted = executor;
             let capacity = self.capacity;
@@ -264,7 +268,7 @@ impl CasterCulling {
         commands: &Commands,
         pass: &BoxVolumePass,
         depth: RenderTarget,
-        view: &View,
+        view: &CullView,
     ) {
         commands.pass("test shadows", |commands| {
             commands.rendering(depth, |commands| self.test(commands, pass, view));
@@ -275,7 +279,7 @@ impl CasterCulling {
         });
     }
 
-    fn test(&self, commands: &Commands, pass: &BoxVolumePass, view: &View) {
+    fn test(&self, commands: &Commands, pass: &BoxVolumePass, view: &CullView) {
         let Some(io) = &self.io else { return };
         commands.set_viewport(&gpu::Viewport::covering(view.origin, view.size));
         for TestedLight { light, area, tests } in &self.draws.lights {
@@ -312,8 +316,11 @@ impl CasterCulling {
 
 impl LightHistory {
     fn new() -> Self {
-        let testers =
-            TesterSupport { flags: true, draw_phases: DrawPhases::Two, ..Default::default() };
+        let testers = VisibilityTestSupport {
+            flags: true,
+            draw_phases: DrawPhases::Two,
+            ..Default::default()
+        };
         Self {
             culler: Culler::with_testers(CullConfig::default(), testers),
             plan: FramePlan::default(),

@@ -5,8 +5,8 @@ use std::ops::Range;
 
 use ::shadows::{LitArea, ShadowLightId};
 use cull::{
-    Aabb, BoxShadowVolumes, FrameId, FramePlan, Hierarchy, LeafIndex, NodeId, ObjectId,
-    PendingTest, QueryKind, QueryTag, Tester, View,
+    Aabb, BoxShadowVolumes, CullView, FrameId, FramePlan, Hierarchy, LeafIndex, NodeId, ObjectId,
+    PendingTest, QueryKind, QueryTag, VisibilityTest,
 };
 use glam::Vec4;
 use gpu::{DrawRange, PredicatedRange, Reveal};
@@ -22,7 +22,7 @@ pub(super) struct CastersInView<'a> {
     pub(super) receivers: Aabb,
     /// The number of triangles of a caster, as it is drawn.
     pub(super) triangles: fn(&Geometry, ObjectId, LeafIndex) -> u32,
-    pub(super) view: &'a View,
+    pub(super) view: &'a CullView,
 }
 
 /// Casters that are drawn in one piece, such as those of a map, before they are culled.
@@ -199,7 +199,7 @@ impl CulledDraws {
         volumes: &BoxShadowVolumes<'_>,
     ) {
         self.boxes.push(BoxVolume::new(proxy, volumes.length(proxy)));
-        self.tags.push(PendingTest { tag, tester: Tester::Flag, contents });
+        self.tags.push(PendingTest { tag, tester: VisibilityTest::Flag, contents });
         if let Some(light) = self.lights.last_mut() {
             light.tests.end += 1;
         }

@@ -8,15 +8,15 @@ mod map_images;
 mod records;
 mod shadow_maps;
 mod tile_draws;
-mod trusted;
+mod usable;
 mod volume_shadows;
 
 use std::collections::HashMap;
 
 use ::shadows::{ShadowMethod, ShadowOptions, ShadowStats};
-use cull::{Aabb, Hierarchy, LeafIndex, View};
+use cull::{Aabb, CullView, Hierarchy, LeafIndex};
 use gpu::{
-    Commands, Device, Frame, Predicates, Predication, RenderTarget, SampleCount, Target, Tick,
+    Commands, Device, Frame, Predicates, PredicationMode, RenderTarget, SampleCount, Target, Tick,
 };
 use scene::LightId;
 
@@ -30,7 +30,7 @@ pub use light_shadow::LightShadow;
 pub use records::{ShadowIo, ShadowMapIo, ShadowMaskIo};
 pub(crate) use shadow_maps::MapUses;
 use shadow_maps::ShadowMaps;
-pub(crate) use trusted::{caster_executor, trusted_shadows};
+pub(crate) use usable::{caster_executor, usable_shadows};
 use volume_shadows::VolumeShadows;
 
 /// The shadows of a renderer's lights.
@@ -80,7 +80,11 @@ impl Shadows {
     ///
     /// # Errors
     /// No memory, a failed call.
-    pub(crate) fn skip_by(&mut self, executor: Predication, frames: usize) -> Result<(), Error> {
+    pub(crate) fn skip_by(
+        &mut self,
+        executor: PredicationMode,
+        frames: usize,
+    ) -> Result<(), Error> {
         self.maps.as_mut().map_or(Ok(()), |maps| maps.skip_by(executor, frames))?;
         self.volumes.as_mut().map_or(Ok(()), |volumes| volumes.skip_by(executor, frames))
     }
@@ -101,7 +105,7 @@ impl Shadows {
         geometry: &Geometry,
         hierarchy: &Hierarchy,
         receivers: Aabb,
-        views: &[View],
+        views: &[CullView],
         uses: MapUses,
     ) -> Result<(), Error> {
         let Some(surfaces) = &geometry.surfaces else { return Ok(()) };
@@ -150,7 +154,7 @@ impl Shadows {
         geometry: &Geometry,
         pipelines: &Pipelines,
         target: RenderTarget,
-        view: &View,
+        view: &CullView,
     ) {
         if let (Some(maps), Some(tests), Some(passes)) =
             (&mut self.maps, &pipelines.shadow_tests, &pipelines.maps)
@@ -194,7 +198,7 @@ impl Shadows {
         &mut self,
         frame: &mut Frame<'_>,
         number: u32,
-        view: &View,
+        view: &CullView,
         geometry: &Geometry,
         hierarchy: &Hierarchy,
         pipelines: &Pipelines,
@@ -216,7 +220,7 @@ impl Shadows {
         commands: &Commands,
         geometry: &Geometry,
         pipelines: &mut Pipelines,
-        view: &View,
+        view: &CullView,
         target: &mut Target,
     ) {
         if let (Some(volumes), Some(pass)) = (&mut self.volumes, &mut pipelines.volumes) {

@@ -3,7 +3,7 @@
 
 use ::shadows::{Face, PlannedFace, ShadowLight, ShadowPlan};
 use bytemuck::{Pod, Zeroable};
-use cull::{ProjectionKind, View};
+use cull::{CullView, ProjectionKind};
 use gpu::{BufferSlice, SampledTexture};
 
 /// The inputs of passes that draw with shadows.
@@ -48,7 +48,7 @@ pub(super) const MASK_HEAD_VALUES: usize = 4;
 /// Writes the values of the mask of a view: where it lies, and the bit of each place in the table
 /// of lights, up to the last that has one.
 pub(super) fn write_mask_lights(
-    view: &View,
+    view: &CullView,
     places: impl IntoIterator<Item = u32>,
     values: &mut Vec<u32>,
 ) {
@@ -111,7 +111,7 @@ impl FaceRecord {
 
 /// Returns the depth as a function of the distance, its change over a tile on a slope of 1, and
 /// the tiles per metre.
-fn depth_of(view: &View) -> [f32; 4] {
+fn depth_of(view: &CullView) -> [f32; 4] {
     let [constant, scaled] = view.rays.depth;
     // The image is a square.
     let side_m = 2.0 * view.rays.right.length();
@@ -166,7 +166,7 @@ mod tests {
         let forward = Vec3::NEG_Z;
         let up = Vec3::Y;
         let camera = Camera { eye: Vec3::ZERO, forward, up, projection, near: 0.1 };
-        let view = View { origin: [7, 3], ..View::new(&camera, [64, 48], 8) };
+        let view = CullView { origin: [7, 3], ..CullView::new(&camera, [64, 48], 8) };
         let mut values = vec![9; 2];
         write_mask_lights(&view, [4, 1], &mut values);
         assert_eq!(values, [7, 3, 64, 48, 0, 2, 0, 0, 1]);

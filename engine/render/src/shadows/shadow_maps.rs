@@ -6,11 +6,11 @@ use ::shadows::{
     Casters, FaceWork, JitterTexture, LitArea, PlannedFace, PlannedLight, ShadowCache,
     ShadowFilter, ShadowLight, ShadowOptions, ShadowPlan, ShadowStats, ShadowViews, light_reach,
 };
-use cull::{BoxChange, BoxShadowVolumes, Frustum, Hierarchy, LeafIndex, View};
+use cull::{BoxChange, BoxShadowVolumes, CullView, Frustum, Hierarchy, LeafIndex};
 use glam::Vec3;
 use gpu::{
-    BufferSlice, Commands, Device, Frame, Optional, Predicates, Predication, RenderTarget, Tick,
-    VolumeTexels, VolumeTexture,
+    BufferSlice, Commands, Device, Frame, OptionalFeature, Predicates, PredicationMode,
+    RenderTarget, Tick, VolumeTexels, VolumeTexture,
 };
 use occlusion::BoxVolumePass;
 use scene::LightId;
@@ -81,7 +81,7 @@ pub(crate) enum MapUses {
 impl MapUses {
     /// Returns true if all that samples shadows is seen against the finished depth of one view,
     /// which can tell the casters that matter.
-    pub(super) fn are_of_one_depth(self, views: &[View]) -> bool {
+    pub(super) fn are_of_one_depth(self, views: &[CullView]) -> bool {
         self == Self::ShadedView && views.len() == 1
     }
 }
@@ -104,8 +104,8 @@ impl ShadowMaps {
             let limit = limit.into();
             return Err(gpu::Error::TooLarge { what, wanted, limit }.into());
         }
-        let can_cull =
-            options.may_cull_casters() && device.capabilities().has(Optional::FragmentStores);
+        let can_cull = options.may_cull_casters()
+            && device.capabilities().has(OptionalFeature::FragmentStores);
         let culling = can_cull.then(|| CasterCulling::new(device, frames_in_flight));
         Ok(Self {
             culling: culling.transpose()?,
@@ -143,7 +143,11 @@ impl ShadowMaps {
     ///
     /// # Errors
     /// No memory, a failed call.
-    pub(crate) fn skip_by(&mut self, executor: Predication, frames: usize) -> Result<(), Error> {
+    pub(crate) fn skip_by(
+        &mut self,
+        executor: PredicationMode,
+        frames: usize,
+    ) -> Result<(), Error> {
         self.culling.as_mut().map_or(Ok(()), |culling| culling.skip_by(executor, frames))
     }
 
@@ -169,7 +173,7 @@ impl ShadowMaps {
         table: &LightTable,
         own: &HashMap<LightId, LightShadow>,
         scene: &CastersInView<'_>,
-        views: &[View],
+        views: &[CullView],
         uses: MapUses,
     ) -> Result<(), Error> {
         let hierarchy = scene.hierarchy;
@@ -306,7 +310,7 @@ impl ShadowMaps {
         tests: &BoxVolumePass,
         casters: &CasterPass,
         target: RenderTarget,
-        view: &View,
+        view: &CullView,
     ) {
         let Some(culling) = self.culling.as_ref().filter(|culling| !culling.groups().is_empty())
         else {

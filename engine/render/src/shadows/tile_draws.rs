@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use ::shadows::{FaceWork, PlannedFace, Tile};
-use cull::View;
+use cull::CullView;
 use gpu::{BufferSlice, Commands, DepthLayers, Frame, Load, Predicates, RenderTarget};
 
 use crate::error::Error;
@@ -59,7 +59,7 @@ impl FaceSections {
     ) -> Result<(), Error> {
         self.0.clear();
         for face in faces {
-            let view = View { section: section.planes, ..face.face.view };
+            let view = CullView { section: section.planes, ..face.face.view };
             let Some(io) = section.io_of(frame, &view)? else { break };
             self.0.push(io);
         }

@@ -7,11 +7,11 @@ use ::shadows::{
     CasterCulling as CullingOption, MASK_LIGHTS, PlannedVolumes, ShadowLight, ShadowOptions,
     ShadowStats, VolumeCounting, VolumeEnd, VolumePlan,
 };
-use cull::{Aabb, BoxShadowVolumes, Frustum, Hierarchy, LeafIndex, LightReach, View};
+use cull::{Aabb, BoxShadowVolumes, CullView, Frustum, Hierarchy, LeafIndex, LightReach};
 use glam::Vec4;
 use gpu::{
     AttachmentStore, Buffer, BufferSlice, Commands, Device, Frame, IndirectDraw, MemoryKind,
-    Predication, Target, Tick, vk,
+    PredicationMode, Target, Tick, vk,
 };
 use occlusion::BoxVolumePass;
 use scene::LightId;
@@ -123,7 +123,11 @@ impl VolumeShadows {
     ///
     /// # Errors
     /// No memory, a failed call.
-    pub(super) fn skip_by(&mut self, executor: Predication, frames: usize) -> Result<(), Error> {
+    pub(super) fn skip_by(
+        &mut self,
+        executor: PredicationMode,
+        frames: usize,
+    ) -> Result<(), Error> {
         self.culling.as_mut().map_or(Ok(()), |culling| culling.skip_by(executor, frames))
     }
 
@@ -144,7 +148,7 @@ impl VolumeShadows {
         table: &LightTable,
         own: &HashMap<LightId, LightShadow>,
         scene: &CastersInView<'_>,
-        views: &[View],
+        views: &[CullView],
         uses: MapUses,
     ) -> Result<(), Error> {
         let hierarchy = scene.hierarchy;
@@ -180,7 +184,7 @@ impl VolumeShadows {
         Ok(())
     }
 
-    fn plan_views(&mut self, hierarchy: &Hierarchy, views: &[View]) {
+    fn plan_views(&mut self, hierarchy: &Hierarchy, views: &[CullView]) {
         for (plan, view) in self.plans.iter_mut().zip(views) {
             let layers = self.room_bytes / layer_bytes(view).max(1);
             let layers = layers.min(self.options.layers_max.into()) as usize;
@@ -202,7 +206,7 @@ impl VolumeShadows {
         &mut self,
         frame: &mut Frame<'_>,
         number: u32,
-        view: &View,
+        view: &CullView,
         geometry: &Geometry,
         hierarchy: &Hierarchy,
         pass: &VolumePass,
@@ -266,7 +270,7 @@ impl VolumeShadows {
         geometry: &Geometry,
         pass: &mut VolumePass,
         tests: Option<&BoxVolumePass>,
-        view: &View,
+        view: &CullView,
         target: &mut Target,
     ) {
         let culling = self.culling.as_ref().filter(|_| self.is_culled);
@@ -407,11 +411,11 @@ fn count(stats: &mut ShadowStats, casters: &[VolumeCaster]) {
 }
 
 /// Returns the bytes of a layer of the mask of a view: 32 bits per pixel.
-fn layer_bytes(view: &View) -> u64 {
+fn layer_bytes(view: &CullView) -> u64 {
     view.size.map(u64::from).iter().product::<u64>() * size_of::<u32>() as u64
 }
 
-fn mask_bytes(plan: &VolumePlan, view: &View) -> u64 {
+fn mask_bytes(plan: &VolumePlan, view: &CullView) -> u64 {
     u64::from((plan.lights.len() as u32).div_ceil(MASK_LIGHTS)) * layer_bytes(view)
 }
 

@@ -1,6 +1,6 @@
 //! Levels of detail of edges: how many pieces each is divided into.
 
-use cull::View;
+use cull::CullView;
 use glam::{Affine3A, Mat4, Vec3, Vec3A, vec2};
 
 use super::surface::PatchSurface;
@@ -24,7 +24,7 @@ pub struct TessellationView {
 
 impl TessellationView {
     /// Returns that of an object with this transform.
-    pub fn new(view: &View, transform: &Affine3A, piece_px: f32) -> Self {
+    pub fn new(view: &CullView, transform: &Affine3A, piece_px: f32) -> Self {
         // From the anchor, where large coordinates have cancelled out.
         let mut relative = *transform;
         relative.translation -= Vec3A::from(view.anchor);

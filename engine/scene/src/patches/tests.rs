@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use cull::{Camera, Projection, View};
+use cull::{Camera, CullView, Projection};
 use glam::{Affine3A, Mat4, Vec3, vec3};
 
 use super::*;
@@ -194,7 +194,7 @@ fn levels_are_those_of_the_edge_and_the_view() {
         projection: Projection::perspective(1.0),
         near: 0.1,
     };
-    let view = View::new(&camera, [640, 480], 8);
+    let view = CullView::new(&camera, [640, 480], 8);
     let near = TessellationView::new(&view, &Affine3A::IDENTITY, 8.0);
     let away = TessellationView::new(&view, &Affine3A::from_translation(vec3(0.0, 0.0, -9.0)), 8.0);
     let behind =

@@ -6,7 +6,7 @@
 //! corners that are moved to the plane by it span flat caps, and sides that share a corner share
 //! its end.
 
-use cull::{Aabb, ProjectionKind, Rays, View};
+use cull::{Aabb, CullView, ProjectionKind, Rays};
 use glam::{DVec3, DVec4, Vec2, Vec3, Vec4};
 
 use super::counting::NearSpan;
@@ -59,7 +59,7 @@ impl VolumeEnd {
     /// all that is in view: a sun's ten times as far away as that is large, a lamp's where a caster
     /// that is a millimetre from it shades what is in view.
     #[must_use]
-    pub fn of(view: &View, light: Vec4, receivers: &Aabb) -> Vec<Self> {
+    pub fn of(view: &CullView, light: Vec4, receivers: &Aabb) -> Vec<Self> {
         if view.rays.kind == ProjectionKind::Orthographic {
             return vec![Self::of_parallel(&view.rays, light)];
         }
@@ -178,10 +178,10 @@ mod tests {
 
     const RECEIVERS: Aabb = Aabb::new(vec3(-50.0, 0.0, -80.0), vec3(50.0, 30.0, 80.0));
 
-    fn view(eye: Vec3, sub_pixel_bits: u32) -> View {
+    fn view(eye: Vec3, sub_pixel_bits: u32) -> CullView {
         let projection = Projection::perspective(1.0);
         let camera = Camera { eye, forward: Vec3::X, up: Vec3::Y, projection, near: 0.1 };
-        View::new(&camera, [64, 48], sub_pixel_bits)
+        CullView::new(&camera, [64, 48], sub_pixel_bits)
     }
 
     fn suns() -> impl Iterator<Item = Vec3> {
@@ -190,7 +190,7 @@ mod tests {
         all.chain([Vec3::X, Vec3::Y, Vec3::NEG_Z, -vec3(0.1, 1.0, 0.3).normalize()])
     }
 
-    fn end_of(view: &View, light: Vec4) -> VolumeEnd {
+    fn end_of(view: &CullView, light: Vec4) -> VolumeEnd {
         let ends = VolumeEnd::of(view, light, &RECEIVERS);
         let [end] = ends[..] else { panic!("a sun has one end: {ends:?}") };
         end

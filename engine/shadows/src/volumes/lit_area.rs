@@ -1,6 +1,6 @@
 //! The part of a view that a light can reach: its shadows matter nowhere else.
 
-use cull::{Aabb, View};
+use cull::{Aabb, CullView};
 use glam::{DVec2, DVec4, Vec4Swizzles};
 
 use super::mesh::rounding;
@@ -21,14 +21,14 @@ pub struct LitArea {
 impl LitArea {
     /// Returns a whole view.
     #[must_use]
-    pub fn whole(view: &View) -> Self {
+    pub fn whole(view: &CullView) -> Self {
         Self { origin: [0, 0], size: view.size.map(|side| side.max(1)) }
     }
 
     /// Returns the part of a view in which all of `receivers` lies that a light reaches and the
     /// view shows; `None` if there is nothing of it.
     #[must_use]
-    pub fn of(view: &View, shape: &LightShape, receivers: &Aabb) -> Option<Self> {
+    pub fn of(view: &CullView, shape: &LightShape, receivers: &Aabb) -> Option<Self> {
         let lit = shape.reached(receivers);
         if lit.is_empty() {
             return None;
@@ -37,7 +37,7 @@ impl LitArea {
     }
 
     /// Returns the part of a view that shows a box.
-    fn around(view: &View, bounds: &Aabb) -> Option<Self> {
+    fn around(view: &CullView, bounds: &Aabb) -> Option<Self> {
         let corners = bounds.corners().map(|corner| view.clip(corner));
         if !corners.iter().all(|corner| corner.is_finite()) {
             return Some(Self::whole(view));
@@ -87,16 +87,16 @@ mod tests {
     const SIZE: [u32; 2] = [160, 90];
     const EVERYTHING: Aabb = Aabb::new(Vec3::splat(-1e3), Vec3::splat(1e3));
 
-    fn view() -> View {
+    fn view() -> CullView {
         let projection = Projection::perspective(1.0);
         let eye = vec3(0.0, 2.0, 10.0);
         let up = Vec3::Y;
         let camera = Camera { eye, forward: vec3(0.1, -0.2, -1.0), up, projection, near: 0.1 };
-        View::new(&camera, SIZE, 8)
+        CullView::new(&camera, SIZE, 8)
     }
 
     /// Counts the points that are lit, shown and in the area, each of which must be.
-    fn shown(view: &View, shape: &LightShape, receivers: &Aabb) -> usize {
+    fn shown(view: &CullView, shape: &LightShape, receivers: &Aabb) -> usize {
         let (position, reach_m) = shape.reach().unwrap();
         let area = LitArea::of(view, shape, receivers);
         let mut count = 0;

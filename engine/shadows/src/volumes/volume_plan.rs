@@ -4,7 +4,7 @@
 use std::f32::consts::FRAC_PI_2;
 use std::ops::Range;
 
-use cull::{Aabb, Hierarchy, LeafIndex, LeafRange, View};
+use cull::{Aabb, CullView, Hierarchy, LeafIndex, LeafRange};
 use glam::{Vec3, Vec4};
 
 use super::counting::{NearSpan, VolumeCounting};
@@ -55,7 +55,7 @@ impl VolumePlan {
         &mut self,
         lights: &[ShadowLight],
         hierarchy: &Hierarchy,
-        view: &View,
+        view: &CullView,
         lights_max: usize,
     ) {
         self.lights.clear();
@@ -210,10 +210,10 @@ mod tests {
         (Hierarchy::build(&boxes).unwrap(), boxes)
     }
 
-    fn view(eye: Vec3, at: Vec3) -> View {
+    fn view(eye: Vec3, at: Vec3) -> CullView {
         let projection = Projection::perspective(1.0);
         let camera = Camera { eye, forward: at - eye, up: Vec3::Y, projection, near: 0.1 };
-        View::new(&camera, [64, 48], 8)
+        CullView::new(&camera, [64, 48], 8)
     }
 
     fn light(shape: LightShape) -> ShadowLight {
@@ -226,7 +226,7 @@ mod tests {
 
     const SUN: LightShape = LightShape::Sun { towards: Vec3::Y };
 
-    fn planned(lights: &[ShadowLight], view: &View, lights_max: usize) -> VolumePlan {
+    fn planned(lights: &[ShadowLight], view: &CullView, lights_max: usize) -> VolumePlan {
         let mut plan = VolumePlan::default();
         plan.plan(lights, &crates().0, view, lights_max);
         plan

@@ -6,7 +6,7 @@ use antumbra_shadows::{
     Caps, Extrusion, NearSpan, VolumeCounting, VolumeEnd, VolumeKind, VolumeMesh, VolumeSource,
     VolumeTriangle,
 };
-use cull::{Aabb, Camera, Projection, View};
+use cull::{Aabb, Camera, CullView, Projection};
 use glam::{DMat3, DMat4, DVec3, DVec4, Vec3, Vec4};
 
 mod meshes;
@@ -182,10 +182,10 @@ fn check_seed(seed: u64, seen: &mut Seen) {
 const AROUND: Aabb = Aabb::new(Vec3::splat(-5.0), Vec3::splat(5.0));
 
 /// Returns a view from the middle of it.
-fn view() -> View {
+fn view() -> CullView {
     let projection = Projection::perspective(1.0);
     let camera = Camera { eye: Vec3::ZERO, forward: Vec3::X, up: Vec3::Y, projection, near: 0.1 };
-    View::new(&camera, [64, 48], 8)
+    CullView::new(&camera, [64, 48], 8)
 }
 
 /// Returns true if the edges of triangles cancel, each by one in the other direction; those at

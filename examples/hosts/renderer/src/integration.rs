@@ -7,7 +7,7 @@ use ash::vk;
 use cull::{Aabb, Camera, Strategy};
 use glam::Affine3A;
 use gpu::{Device, DeviceOptions, FinishedImage, HostQueue, HostQueueLock};
-use render::{Costs, FrameRequest, Renderer, RendererOptions, ViewState};
+use render::{CostModel, FrameRequest, RenderView, Renderer, RendererOptions};
 use scene::{Mesh, MeshId, Object, Scene};
 use walk::{AshDevice, BoxScene};
 
@@ -17,7 +17,7 @@ const COLOURS: [[f32; 3]; walk::BUCKETS as usize] = [[0.8, 0.7, 0.5], [0.1, 0.3,
 /// The engine's renderer, and one view of the scene.
 pub struct DrawnScene {
     renderer: Renderer,
-    view: ViewState,
+    view: RenderView,
 }
 
 impl DrawnScene {
@@ -31,8 +31,8 @@ impl DrawnScene {
         let device = unsafe { Device::adopt(description(host, lock)) }?;
         // Tests are made whether they pay or not: the program counts what they hide.
         let size = walk::SIZE;
-        let costs = Costs::Ignored;
-        let options = RendererOptions { size, costs, ..Default::default() };
+        let cost_model = CostModel::Off;
+        let options = RendererOptions { size, cost_model, ..Default::default() };
         let renderer = Renderer::new(&device, &scene_of(walk), &options)?;
         let view = renderer.new_view()?;
         Ok(Self { renderer, view })
@@ -50,8 +50,8 @@ impl DrawnScene {
 
     /// Frees everything, and returns the draws of the last frame.
     pub fn finish(mut self) -> Result<u64, Box<dyn Error>> {
-        self.renderer.drain(&mut self.view)?;
-        Ok(self.view.take_outcomes().next_back().map_or(0, |outcome| outcome.draws))
+        self.renderer.wait_idle(&mut self.view)?;
+        Ok(self.view.drain_stats().next_back().map_or(0, |outcome| outcome.draws))
     }
 }
 

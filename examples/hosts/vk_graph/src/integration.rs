@@ -6,14 +6,14 @@ use std::ffi::CString;
 use std::sync::Arc;
 
 use ash::vk;
-use cull::{Camera, CullConfig, DrawPhases, Strategy, View};
+use cull::{Camera, CullConfig, CullView, DrawPhases, Strategy};
 use gpu::{
     Commands, Device, DeviceOptions, FrameNumbers, FrameRing, HostImage, HostImages, ImageState,
     IndirectDraw, NearDepth, RenderTarget, Resubmission, Target, Tick,
 };
 use occlusion::{
     BucketDraw, BucketId, BucketTableInfo, HostObject, HostScene, ObjectPass, ObjectRenderer,
-    OcclusionPasses, Rendering, ShaderSet, VisibilityState, execute,
+    OcclusionPasses, OcclusionState, Rendering, ShaderSet, execute,
 };
 use walk::{BoxScene, HostInstance, ViewConstants};
 
@@ -28,7 +28,7 @@ pub struct GraphCulling {
     device: Device,
     frames: FrameRing,
     scene: HostScene,
-    view: VisibilityState,
+    view: OcclusionState,
     shaders: ShaderSet,
     objects: HostObjects,
 }
@@ -102,7 +102,7 @@ impl GraphCulling {
         self.scene.upload(&mut frame)?;
         let (hierarchy, executor) = self.scene.parts_mut();
         let sub_pixel_bits = self.device.adapter().limits.sub_pixel_precision_bits;
-        let view = View::new(camera, walk::SIZE, sub_pixel_bits);
+        let view = CullView::new(camera, walk::SIZE, sub_pixel_bits);
         self.view.collect(self.device.completed()?, hierarchy, &executor.leaves);
         self.view.plan_frame(hierarchy, &executor.leaves, strategy, &view, QUERY_BUDGET);
         let objects = &mut self.objects;
@@ -121,7 +121,7 @@ impl GraphCulling {
         unsafe { self.device.host_finished() }?;
         let (hierarchy, executor) = self.scene.parts_mut();
         self.view.collect(self.device.completed()?, hierarchy, &executor.leaves);
-        Ok(self.view.take_outcomes().next_back().map_or(0, |outcome| outcome.draws))
+        Ok(self.view.drain_stats().next_back().map_or(0, |outcome| outcome.draws))
     }
 }
 
@@ -130,11 +130,11 @@ impl ObjectRenderer for HostObjects {
         &mut self.target
     }
 
-    fn rendering(&self, _view: &View, rendering: Rendering) -> RenderTarget {
+    fn rendering(&self, _view: &CullView, rendering: Rendering) -> RenderTarget {
         self.target.render_target((rendering == Rendering::First).then_some([0.0; 4]))
     }
 
-    fn bind(&self, commands: &Commands, view: &View, bucket: BucketId, _pass: ObjectPass) {
+    fn bind(&self, commands: &Commands, view: &CullView, bucket: BucketId, _pass: ObjectPass) {
         let view_proj = view.view_proj.to_cols_array();
         let snap_steps = view.snap_steps;
         self.renderer.bind(commands.raw(), bucket.0, &ViewConstants { view_proj, snap_steps });

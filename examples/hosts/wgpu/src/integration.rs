@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use ash::vk;
 use cull::{
-    Camera, ClipY, CullConfig, DepthConvention, DrawPhases, Strategy, View, ViewProjection,
+    Camera, ClipY, CullConfig, CullView, DepthConvention, DrawPhases, Strategy, ViewProjection,
 };
 use glam::{Mat4, vec3};
 use gpu::{
@@ -16,7 +16,7 @@ use gpu::{
 };
 use occlusion::{
     BucketDraw, BucketId, BucketTableInfo, DrawList, HostObject, HostScene, OcclusionPasses,
-    ShaderSet, VisibilityState, list_draws,
+    OcclusionState, ShaderSet, list_draws,
 };
 use walk::{BoxScene, HostInstance, ViewConstants};
 use wgpu::hal::{api::Vulkan, vulkan};
@@ -32,7 +32,7 @@ pub struct WgpuCulling {
     device: Device,
     frames: FrameRing,
     scene: HostScene,
-    view: VisibilityState,
+    view: OcclusionState,
     shaders: ShaderSet,
     renderer: Arc<WgpuRenderer>,
     target: Target,
@@ -104,7 +104,7 @@ impl WgpuCulling {
             })
         }?;
         let bits = self.device.adapter().limits.sub_pixel_precision_bits;
-        let snap_steps = View::new(camera, walk::SIZE, bits).snap_steps;
+        let snap_steps = CullView::new(camera, walk::SIZE, bits).snap_steps;
         let constants = ViewConstants { view_proj: view_proj.to_cols_array(), snap_steps };
         let draws =
             |lists: &[DrawList]| lists.iter().map(|list| self.draws(list)).collect::<Vec<_>>();
@@ -130,9 +130,9 @@ impl WgpuCulling {
         let bits = self.device.adapter().limits.sub_pixel_precision_bits;
         // The y of wgpu's clip space goes up.
         let upwards = Mat4::from_scale(vec3(1.0, -1.0, 1.0));
-        let matrix = upwards * View::new(camera, walk::SIZE, bits).view_proj;
+        let matrix = upwards * CullView::new(camera, walk::SIZE, bits).view_proj;
         let projection = ViewProjection { matrix, depth: DepthConvention::Reversed, y: ClipY::Up };
-        let view = View::from_matrix(&projection, walk::SIZE, bits)?;
+        let view = CullView::from_matrix(&projection, walk::SIZE, bits)?;
         self.view.collect(self.device.completed()?, hierarchy, &executor.leaves);
         self.view.plan_frame(hierarchy, &executor.leaves, strategy, &view, QUERY_BUDGET);
         let tests = list_draws(&mut frame, executor, &mut self.view, &view)?;
@@ -172,7 +172,7 @@ impl WgpuCulling {
         unsafe { self.device.host_finished() }?;
         let (hierarchy, executor) = self.scene.parts_mut();
         self.view.collect(self.device.completed()?, hierarchy, &executor.leaves);
-        Ok(self.view.take_outcomes().next_back().map_or(0, |outcome| outcome.draws))
+        Ok(self.view.drain_stats().next_back().map_or(0, |outcome| outcome.draws))
     }
 }
 

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::choices::{
-    CameraPathChoice, CostsChoice, EdgesChoice, PredicatesChoice, ProjectionChoice, TrustChoice,
-    ValidationChoice,
+    CameraPathChoice, CostModelChoice, EdgesChoice, PredicatesChoice, ProjectionChoice,
+    QuirksChoice, ValidationChoice,
 };
 use crate::strategy::Strategy;
 use antumbra::cull::SectionPlanes;
@@ -69,7 +69,7 @@ fn every_option_arrives() {
         "--projection=jittered",
         "--edges=hidden",
         "--transparency=fragments",
-        "--moving=30",
+        "--moving-percent=30",
         "--frames=7",
         "--size=64X32",
         "--strategy=antumbra, frustum",
@@ -93,10 +93,10 @@ fn every_option_arrives() {
         Options {
             lights: None,
             shadows: Vec::new(),
-            costs: CostsChoice::Measured,
+            cost_model: CostModelChoice::Measured,
             time_passes: false,
             broken_parts: BrokenParts::LeaveOut,
-            cut_above_triangles: Some(1 << 16),
+            cut_above_triangles: None,
             scene: SceneChoice::Made(MadeScene {
                 scene: GeneratorChoice::Field,
                 objects: 2_000_000,
@@ -117,7 +117,7 @@ fn every_option_arrives() {
             frames_in_flight: 4,
             device: DeviceChoice::Name("llvmpipe".into()),
             validation: ValidationChoice::Sync,
-            trust: TrustChoice::Driver,
+            quirks: QuirksChoice::None,
             predicates: PredicatesChoice::Instances,
             threshold_pixels: 9,
             section: SectionPlanes::default(),
@@ -142,7 +142,7 @@ fn of_an_option_said_twice_the_last_counts() {
         ("--path", "fly", "cut"),
         ("--views", "1", "2"),
         ("--projection", "jittered", "orthographic"),
-        ("--moving", "1", "2"),
+        ("--moving-percent", "1", "2"),
         ("--frames", "1", "2"),
         ("--size", "1x1", "2x2"),
         ("--strategy", "frustum", "antumbra,ideal"),
@@ -151,7 +151,7 @@ fn of_an_option_said_twice_the_last_counts() {
         ("--frames-in-flight", "1", "3"),
         ("--predicates", "auto", "count"),
         ("--threshold", "0", "4"),
-        ("--costs", "ignored", "measured"),
+        ("--cost-model", "off", "measured"),
         ("--device", "0", "llvmpipe"),
         ("--validation", "on", "sync"),
         ("--shaders", "a", "b"),
@@ -175,7 +175,7 @@ fn numbers_outside_their_range_are_refused() {
     for (option, values) in [
         ("--objects", ["0", "4000001", "-5", "many", "", "1e6"]),
         ("--views", ["0", "3", "-1", "two", "", "1.0"]),
-        ("--moving", ["101", "-1", "ten", "5%", "", "1.5"]),
+        ("--moving-percent", ["101", "-1", "ten", "5%", "", "1.5"]),
         ("--threshold", ["-1", "4294967296", "few", "", "1.5", "2px"]),
         ("--frames", ["0", "1000001", "-1", "1.5", " 3", "4294967296"]),
         ("--frames-in-flight", ["0", "5", "-1", "two", "", "99999999999"]),
@@ -227,8 +227,11 @@ fn unknown_names_are_refused_with_what_there_is() {
 
 #[test]
 fn the_ideal_is_left_out_of_scenes_that_move_and_refused_by_name() {
-    assert!(refusal(&["--strategy=frustum,ideal", "--moving=10"]).contains("do not go together"));
-    for arguments in [&["--moving=10"][..], &["--moving=10", "--strategy=all"]] {
+    assert!(
+        refusal(&["--strategy=frustum,ideal", "--moving-percent=10"])
+            .contains("do not go together")
+    );
+    for arguments in [&["--moving-percent=10"][..], &["--moving-percent=10", "--strategy=all"]] {
         let options = parse(arguments).unwrap();
         assert!(!options.strategies.contains(&methods::IDEAL));
         assert_eq!(options.left_out[0].strategy, "ideal");
@@ -248,16 +251,16 @@ fn a_threshold_cannot_be_compared_by_conditional_rendering() {
 
 #[test]
 fn options_that_no_strategy_heeds_are_refused() {
-    let said = refusal(&["--threshold=4", "--strategy=frustum,pyramid"]);
-    assert!(said.contains("--threshold 4 changes nothing for --strategy frustum and pyramid"));
-    assert!(said.ends_with("(coherent, antumbra and antumbra_queries)"), "{said}");
-    let said = refusal(&["--costs=measured", "--strategy=coherent,ideal"]);
-    assert!(said.contains("--costs measured changes nothing for --strategy coherent and ideal"));
+    let said = refusal(&["--threshold=4", "--strategy=frustum,hzb"]);
+    assert!(said.contains("--threshold 4 changes nothing for --strategy frustum and hzb"));
+    assert!(said.ends_with("(chc, antumbra and antumbra_queries)"), "{said}");
+    let said = refusal(&["--cost-model=measured", "--strategy=chc,ideal"]);
+    assert!(said.contains("--cost-model measured changes nothing for --strategy chc and ideal"));
     for line in [
-        &["--threshold=4", "--strategy=frustum,coherent"][..],
+        &["--threshold=4", "--strategy=frustum,chc"][..],
         &["--threshold=0", "--strategy=frustum"],
-        &["--costs=measured", "--strategy=frustum,antumbra_flags"],
-        &["--costs=measured", "--threshold=4"],
+        &["--cost-model=measured", "--strategy=frustum,antumbra_flags"],
+        &["--cost-model=measured", "--threshold=4"],
     ] {
         assert!(parse(line).is_ok(), "{line:?}");
     }
@@ -275,7 +278,7 @@ fn what_has_a_dot_or_a_slash_is_a_file() {
         assert_eq!(options.scene, SceneChoice::File(file.into()));
         assert_eq!(options.path, PathChoice::OfFile(None));
     }
-    let options = parse(&["--scene=a.glb", "--path=Camera.001", "--moving=0"]).unwrap();
+    let options = parse(&["--scene=a.glb", "--path=Camera.001", "--moving-percent=0"]).unwrap();
     assert_eq!(options.path, PathChoice::OfFile(Some("Camera.001".to_owned())));
     assert!(options.strategies.contains(&methods::IDEAL), "it knows what moves");
     assert!(refusal(&["--path", "Camera"]).contains("cameras have names in glTF files only"));
@@ -284,7 +287,7 @@ fn what_has_a_dot_or_a_slash_is_a_file() {
 
 #[test]
 fn what_is_for_made_scenes_is_refused_for_files() {
-    for [option, value] in [["--objects", "10"], ["--seed", "1"], ["--moving", "10"]] {
+    for [option, value] in [["--objects", "10"], ["--seed", "1"], ["--moving-percent", "10"]] {
         let said = refusal(&["--scene=a.glb", option, value]);
         assert!(said.starts_with(&format!("{option} is for scenes that are made")), "{said}");
     }

@@ -1,4 +1,4 @@
-//! Measures the prices of a device and makes its page.
+//! Measures the costs of a device and makes its page.
 #![forbid(unsafe_code)]
 
 use std::process::ExitCode;

@@ -13,7 +13,7 @@ use bench::terminal::{
     output::{say, say_wrote},
     print, style,
 };
-use bench::{exit_status, progress, strategy, table, trust_table};
+use bench::{exit_status, progress, self_test_table, strategy, table};
 
 fn main() -> ExitCode {
     let arguments = match terminal::start::<Arguments>("warn") {
@@ -41,8 +41,8 @@ fn walk(arguments: &Arguments) -> Result<Ending, RunError> {
     }
     if arguments.self_test {
         let (device, found) = run::self_test(&options)?;
-        ending.attempt(print(&trust_table::render(&device, &found)));
-        trust_table::complaint(&found).into_iter().for_each(|complaint| ending.fail(complaint));
+        ending.attempt(print(&self_test_table::render(&device, &found)));
+        self_test_table::complaint(&found).into_iter().for_each(|complaint| ending.fail(complaint));
         return Ok(ending);
     }
     let _outputs = Outputs::of_walk(&options)?;

@@ -47,7 +47,7 @@ impl Place {
             scene: measured.scene.name.clone(),
             path: measured.path.clone(),
             objects: number("--objects").unwrap_or_else(|| two_digits(measured.scene.objects)),
-            moving: number("--moving").unwrap_or(0),
+            moving: number("--moving-percent").or_else(|| number("--moving")).unwrap_or(0),
             views: number("--views").unwrap_or(1),
         }
     }

@@ -10,7 +10,7 @@ use super::spread::{Spread, objects, short};
 pub const STREET_GOALS: [(u64, f64); 4] =
     [(2_000, 1.15), (10_000, 1.22), (40_000, 1.32), (100_000, 1.40)];
 /// The strategies that it must beat in every case.
-const RIVALS: [&str; 4] = ["coherent", "pyramid", "stop_and_wait", "next_frame"];
+const RIVALS: [&str; 4] = ["chc", "hzb", "stop_and_wait", "next_frame"];
 
 /// The goal of a figure.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -296,14 +296,14 @@ mod tests {
 
     #[test]
     fn sizes_and_strategies_are_in_the_plot_of_ratios() {
-        let times = [("ideal", 1.0), ("antumbra", 1.2), ("coherent", 2.0)];
+        let times = [("ideal", 1.0), ("antumbra", 1.2), ("chc", 2.0)];
         let reports = [
             measured("city", "street", 2_000, &[times[0], times[1], times[2], ("naive", 60.0)]),
             measured("city", "street", 40_000, &times),
             measured("city", "street", 40_000, &[("frustum", 30.0), times[0]]),
         ];
         let plot = ratios(&Cases::of(&reports)).unwrap().unwrap();
-        for name in ["ideal", "antumbra", "coherent"] {
+        for name in ["ideal", "antumbra", "chc"] {
             assert!(has_line(&plot.svg, name), "{name}");
         }
         for text in ["2k", "40k", "naive", "frustum", "frame time, times that of ideal"] {
@@ -380,11 +380,11 @@ mod tests {
     #[test]
     fn who_waits_shows_the_work_of_a_cut_at_once() {
         let times = || vec![1.0; 30];
-        let names = ["antumbra", "stop_and_wait", "coherent"].map(|name| (name, times()));
+        let names = ["antumbra", "stop_and_wait", "chc"].map(|name| (name, times()));
         let reports = [walked("city", "cut", 10_000, &names)];
         let place = Place::still("city", "cut", 10_000);
         let plot = frame_times(&Cases::of(&reports), &place).unwrap().unwrap();
-        let words = "at once for those that wait for answers (stop_and_wait, coherent)";
+        let words = "at once for those that wait for answers (stop_and_wait, chc)";
         assert!(plot.caption.contains("2 frames later") && plot.caption.contains(words));
     }
 

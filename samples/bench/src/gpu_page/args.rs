@@ -7,7 +7,7 @@ use clap::{Parser, value_parser};
 use crate::args::DeviceArguments;
 use crate::options::FrameSize;
 
-/// Makes the page of a device: its prices, measured now, what its driver is trusted with, and the
+/// Makes the page of a device: its costs, measured now, what its driver is trusted with, and the
 /// walks of a folder of reports. `ci/gpu` calls it.
 #[derive(Clone, Debug, Parser)]
 #[command(
@@ -17,7 +17,7 @@ use crate::options::FrameSize;
     after_help = "\
 Examples:
   gpu_page --out docs/gpu
-      Prices and self-test of the best device, as docs/gpu/NAME.md with a plot.
+      Costs and self-test of the best device, as docs/gpu/NAME.md with a plot.
   gpu_page --device llvmpipe --reports out/gpu/reports --out docs/gpu
       With the walks of ci/gpu.
 
@@ -44,14 +44,14 @@ pub struct Arguments {
     /// The code has changes that are not in that commit
     #[arg(long, requires = "commit")]
     pub uncommitted: bool,
-    /// Size of the image that prices are measured with
+    /// Size of the image that costs are measured with
     #[arg(long, value_name = "WxH", default_value = "1280x720")]
     pub size: FrameSize,
     /// The most of a thing that are measured together, a power of ten
     #[arg(long, value_name = "N", default_value = "10000")]
     #[arg(value_parser = value_parser!(u32).range(1..=10_000))]
     pub most: u32,
-    /// Times that each price is measured
+    /// Times that each cost is measured
     #[arg(long, value_name = "N", default_value = "5")]
     #[arg(value_parser = value_parser!(u32).range(1..=1_000))]
     pub rounds: u32,

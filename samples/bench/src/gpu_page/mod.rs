@@ -1,4 +1,4 @@
-//! The page of a device: prices, trust and walks, so that what is known of it can be read and
+//! The page of a device: costs, trust and walks, so that what is known of it can be read and
 //! repeated.
 
 pub mod args;
@@ -6,7 +6,7 @@ mod text;
 mod walks;
 
 use antumbra::gpu::{Device, DeviceOptions};
-use antumbra::render::{self, PriceListOptions, RendererOptions};
+use antumbra::render::{self, CostListOptions, RendererOptions};
 
 use self::args::Arguments;
 use self::text::{DevicePage, file_stem};
@@ -17,9 +17,9 @@ use crate::outputs::{Outputs, write_file};
 use crate::provenance::Provenance;
 use crate::run::{open_instance, pick_adapter};
 use crate::run_error::RunError;
+use crate::self_test_table;
 use crate::terminal::Ending;
 use crate::terminal::output::{say, say_wrote};
-use crate::trust_table;
 
 /// The width of the plot in pixels.
 const PLOT_WIDTH: u32 = 900;
@@ -50,15 +50,15 @@ pub fn run(arguments: &Arguments) -> Result<Ending, RunError> {
     let device = Device::new(&instance, &adapter, &DeviceOptions::default())?;
     let size = [arguments.size.width, arguments.size.height];
     RendererOptions { size, ..RendererOptions::default() }.check(&device)?;
-    let trust = render::self_test(&device, &RendererOptions::default())?;
-    say("measuring prices");
-    let options = PriceListOptions {
+    let quirks = render::self_test(&device, &RendererOptions::default())?;
+    say("measuring costs");
+    let options = CostListOptions {
         size,
         most: arguments.most,
         rounds: arguments.rounds as usize,
-        ..PriceListOptions::default()
+        ..CostListOptions::default()
     };
-    let prices = render::price_list(&device, &options)?;
+    let costs = render::cost_list(&device, &options)?;
     let stem = file_stem(&adapter.name);
     let page = DevicePage {
         adapter: &adapter,
@@ -66,9 +66,9 @@ pub fn run(arguments: &Arguments) -> Result<Ending, RunError> {
         provenance: &Provenance::of_this_process(),
         commit: arguments.commit.as_deref(),
         has_changes: arguments.uncommitted,
-        trust: &trust,
+        quirks: &quirks,
         options,
-        prices: &prices,
+        device_costs: &costs,
         reports: &reports,
         left_out: &left_out,
         plot: format!("{stem}.svg"),
@@ -87,7 +87,7 @@ pub fn run(arguments: &Arguments) -> Result<Ending, RunError> {
             say_wrote(&file);
         }
     }
-    trust_table::complaint(&trust).into_iter().for_each(|complaint| ending.fail(complaint));
+    self_test_table::complaint(&quirks).into_iter().for_each(|complaint| ending.fail(complaint));
     drop(device);
     let messages = instance.validation_log().len();
     if messages > 0 {

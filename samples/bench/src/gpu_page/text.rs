@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use antumbra::gpu::Adapter;
-use antumbra::render::{Finding, Price, PriceListOptions, PricedItem, SelfTest};
+use antumbra::render::{CheckResult, CostItem, CostListOptions, ItemCost, SelfTest};
 
 use crate::compare::input::Measured;
 use crate::gpu_page::walks;
@@ -22,11 +22,11 @@ pub struct DevicePage<'a> {
     /// True if the code has changes that are not in it.
     pub has_changes: bool,
     /// The outcome of the self-test.
-    pub trust: &'a SelfTest,
-    /// The extent of the prices.
-    pub options: PriceListOptions,
-    /// The prices.
-    pub prices: &'a [Price],
+    pub quirks: &'a SelfTest,
+    /// The extent of the costs.
+    pub options: CostListOptions,
+    /// The costs.
+    pub device_costs: &'a [ItemCost],
     /// The walks on this device.
     pub reports: &'a [Measured],
     /// The walks that it cannot do, a sentence each.
@@ -51,15 +51,15 @@ fn purpose(name: &str, is_software: bool) -> &'static str {
     };
     if is_software {
         return "This device draws on the CPU. Exactness found here holds for its driver. Ratios of \
-                strategies within this page mean something for software drivers alone, and prices \
+                strategies within this page mean something for software drivers alone, and device_costs \
                 even less: on a GPU a box costs next to nothing, and breaks and empty draws count.";
     }
     if name.split(|letter: char| !letter.is_alphanumeric()).any(is_compute) {
         return "This is a GPU of a data centre: it draws triangles on few of its units (an H100 on 2 \
-                of 66), and computes on all. Exactness found here holds. Prices compare raster with \
+                of 66), and computes on all. Exactness found here holds. Costs compare raster with \
                 raster only: compute looks many times cheaper than on a GPU for games.";
     }
-    "This is a GPU: exactness, prices and ratios found here hold for it and this driver. Other \
+    "This is a GPU: exactness, device_costs and ratios found here hold for it and this driver. Other \
      machines have other ratios: measure them by the same command."
 }
 
@@ -77,55 +77,55 @@ impl DevicePage<'_> {
             purpose(name, self.is_software)
         );
         let exactness = walks::exactness(self.reports, self.left_out);
-        head + &self.trusted() + &exactness + &self.price_table() + &walks::timed(self.reports)
+        head + &self.trusted() + &exactness + &self.cost_table() + &walks::timed(self.reports)
     }
 
-    /// Returns the price of each item in the largest number that was measured.
+    /// Returns the cost of each item in the largest number that was measured.
     pub fn bars(&self) -> Vec<(String, Option<f64>)> {
-        let last = |item: PricedItem| self.prices.iter().rev().find(|price| price.item == item);
-        let bar = |item: PricedItem| {
-            last(item).map(|price| (item.name(), Some(price.each_ns().max(0.0).round())))
+        let last = |item: CostItem| self.device_costs.iter().rev().find(|cost| cost.item == item);
+        let bar = |item: CostItem| {
+            last(item).map(|cost| (item.name(), Some(cost.each_ns().max(0.0).round())))
         };
-        PricedItem::all().into_iter().filter_map(bar).collect()
+        CostItem::all().into_iter().filter_map(bar).collect()
     }
 
     fn trusted(&self) -> String {
         let mut text = "\n## What the driver is trusted with\n\n".to_owned();
         text += "The [self-test](../drivers.md#what-a-driver-is-trusted-with) found:\n\n";
         text += &head(&["assumption", "verdict", "seen"]);
-        for (assumption, finding) in &self.trust.findings {
+        for (assumption, finding) in &self.quirks.findings {
             text += &row(&[assumption.name(), finding.word(), finding.detail()]);
         }
-        let broken = |(_, finding): &&(_, Finding)| matches!(finding, Finding::Broken(_));
-        match (self.trust.findings.iter().filter(broken).count(), self.trust.safest) {
+        let broken = |(_, finding): &&(_, CheckResult)| matches!(finding, CheckResult::Failed(_));
+        match (self.quirks.findings.iter().filter(broken).count(), self.quirks.safest) {
             (0, _) => text + "\nNothing is broken.\n",
             (_, Some(strategy)) => text + &format!("\nThe safest strategy is `{strategy}`.\n"),
             (_, None) => text + "\nOnly plain frustum culling is safe.\n",
         }
     }
 
-    fn price_table(&self) -> String {
-        let PriceListOptions { size: [width, height], rounds, .. } = self.options;
+    fn cost_table(&self) -> String {
+        let CostListOptions { size: [width, height], rounds, .. } = self.options;
         let mut text = format!(
-            "\n## Prices\n\nNanoseconds of one, of so many in a frame of {width}x{height}: medians of \
+            "\n## Costs\n\nNanoseconds of one, of so many in a frame of {width}x{height}: medians of \
              {rounds} rounds in which all take turns, above a frame without any; by the GPU's \
              timestamps where it has them, resets by the CPU's clock. `-`: not measured, since it \
-             would take too long, or no frame has so many. Below 0: less than the noise.\n\n![Prices]({})\n\n",
+             would take too long, or no frame has so many. Below 0: less than the noise.\n\n![Costs]({})\n\n",
             self.plot
         );
-        let mut counts: Vec<u32> = self.prices.iter().map(|price| price.count).collect();
+        let mut counts: Vec<u32> = self.device_costs.iter().map(|cost| cost.count).collect();
         counts.sort_unstable();
         counts.dedup();
         let mut columns = vec!["item".to_owned()];
         columns.extend(counts.iter().map(u32::to_string));
         text += &head(&columns);
-        let is_measured = |item: &PricedItem| self.prices.iter().any(|price| price.item == *item);
-        for item in PricedItem::all().into_iter().filter(is_measured) {
+        let is_measured = |item: &CostItem| self.device_costs.iter().any(|cost| cost.item == *item);
+        for item in CostItem::all().into_iter().filter(is_measured) {
             let mut cells = vec![item.name()];
             cells.extend(counts.iter().map(|count| {
-                let same = |price: &&Price| price.item == item && price.count == *count;
-                let price = self.prices.iter().find(same);
-                price.map_or("-".to_owned(), |price| format!("{:.0}", price.each_ns()))
+                let same = |cost: &&ItemCost| cost.item == item && cost.count == *count;
+                let cost = self.device_costs.iter().find(same);
+                cost.map_or("-".to_owned(), |cost| format!("{:.0}", cost.each_ns()))
             }));
             text += &row(&cells);
         }

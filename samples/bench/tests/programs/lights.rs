@@ -14,7 +14,7 @@ const SMALL: [&str; 9] = [
     "--frames=12",
     "--size=96x64",
     "--strategy=frustum,antumbra",
-    "--costs=ignored",
+    "--cost-model=off",
     "--verify=every",
     "--validation=sync",
     "--report=report.json",
@@ -40,7 +40,7 @@ fn runs_of(report: &Value) -> &[Value] {
 #[test]
 fn each_combination_is_a_run_that_is_exact_while_objects_move() {
     let scratch = Scratch::new("combinations");
-    let more = ["--lights=4", "--shadows=off,maps,maps_uncached,volumes", "--moving=5"];
+    let more = ["--lights=4", "--shadows=off,maps,maps_uncached,volumes", "--moving-percent=5"];
     let report = walk(&scratch, "llvmpipe", &more);
     assert_eq!(report["lights"], "4");
     let runs = runs_of(&report);
@@ -73,7 +73,8 @@ fn each_combination_is_a_run_that_is_exact_while_objects_move() {
 #[test]
 fn midpoint_depths_are_exact_while_objects_move() {
     let scratch = Scratch::new("midpoints");
-    let more = ["--lights=4", "--shadows=maps,maps_uncached", "--bias=midpoint", "--moving=5"];
+    let more =
+        ["--lights=4", "--shadows=maps,maps_uncached", "--bias=midpoint", "--moving-percent=5"];
     let report = walk(&scratch, "llvmpipe", &[&more[..], &["--strategy=antumbra"]].concat());
     for run in runs_of(&report) {
         assert_eq!((&run["bias"], &run["pixels_wrong"]), (&"midpoint".into(), &0.into()));

@@ -17,7 +17,7 @@ const SMALL: [&str; 6] = [
     "--size=160x90",
     "--device=llvmpipe",
     "--strategy=frustum,antumbra",
-    "--costs=ignored",
+    "--cost-model=off",
 ];
 
 fn run(scratch: &Scratch, arguments: &[&str]) -> Output {
@@ -207,9 +207,9 @@ fn a_self_test_prints_a_line_for_each_assumption() {
         assert!(table.contains("query counts") && table.contains("walk with flags"), "{table}");
         assert!(table.ends_with("safest strategy: antumbra\n") && !table.contains("BROKEN"));
     }
-    let output = run(&scratch, &["--trust=tested", "--report=report.json"]);
+    let output = run(&scratch, &["--quirks=tested", "--report=report.json"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     let report = fs::read_to_string(scratch.0.join("report.json")).expect("the report");
     let report: Value = serde_json::from_str(&report).expect("JSON");
-    assert_eq!(report["distrust"], Value::Array(Vec::new()));
+    assert_eq!(report["driver_quirks"], Value::Array(Vec::new()));
 }

@@ -16,7 +16,7 @@ case " $* " in *" --list-strategies "*)
     for name in frustum antumbra next_frame naive ideal; do echo "$name  exact  its description"; done
     exit ;;
 esac
-case "$*" in *ideal*--moving*) echo "error: --strategy ideal and --moving 10 do not go together" >&2; exit 2 ;; esac
+case "$*" in *ideal*--moving-percent*) echo "error: --strategy ideal and --moving-percent 10 do not go together" >&2; exit 2 ;; esac
 words="$*"
 echo "$words" >>"$0.walks"
 while [ "$#" -gt 1 ]; do
@@ -138,9 +138,9 @@ fn moving_objects_are_compared_for_one_eye_and_for_two() {
         fs::read_to_string(file).unwrap_or_else(|error| panic!("{name}: {error}"))
     };
     for (name, options) in [
-        ("moving", "--moving 10"),
+        ("moving", "--moving-percent 10"),
         ("views", "--views 2"),
-        ("moving-views", "--moving 10 --views 2"),
+        ("moving-views", "--moving-percent 10 --views 2"),
     ] {
         let words = words(name);
         assert!(words.contains(options) && words.contains("--verify every"), "{words}");
@@ -156,11 +156,11 @@ fn what_is_verified_is_every_exact_strategy_of_the_program() {
     let walks = scratch.0.join("target/release/walkthrough.walks");
     let walks = fs::read_to_string(walks).expect("it walked");
     for walk in walks.lines() {
-        let moving = walk.contains("--moving");
+        let moving = walk.contains("--moving-percent");
         let strategies = if moving { "frustum,antumbra" } else { "frustum,antumbra,ideal" };
         assert!(walk.contains(&format!("--strategy {strategies} --verify every")), "{walk}");
     }
-    assert!(walks.contains("--moving") && walks.contains("--projection orthographic"));
+    assert!(walks.contains("--moving-percent") && walks.contains("--projection orthographic"));
     let told = String::from_utf8_lossy(&output.stdout).into_owned();
     assert_eq!(told.matches(": 3 images compared, 0 pixels wrong").count(), walks.lines().count());
     // A program that compares nothing is no proof.
@@ -205,7 +205,7 @@ fn the_page_of_a_gpu_has_compared_and_timed_walks_of_every_way() {
     for compared in [
         "--scene field",
         "--strategy naive,batched",
-        "--moving 10 --views 2",
+        "--moving-percent 10 --views 2",
         "--objects 100 --msaa 4",
         "--lights sun --shadows maps,volumes",
         "--lights 4 --shadows maps,volumes",

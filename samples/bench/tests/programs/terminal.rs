@@ -7,7 +7,7 @@ use harness::{Scratch, stderr};
 
 use crate::{WALKTHROUGH, walkthrough};
 
-const SMALL: &str = "--objects=200 --frames=12 --size=64x48 --device=llvmpipe --costs=ignored";
+const SMALL: &str = "--objects=200 --frames=12 --size=64x48 --device=llvmpipe --cost-model=off";
 
 /// The programs of this package.
 const PROGRAMS: &[&str] = &[

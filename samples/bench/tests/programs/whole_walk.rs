@@ -15,7 +15,7 @@ const SIZE: [u32; 2] = [96, 64];
 /// Walks through a small city on `device`, every frame compared, and returns the report. Without
 /// measured costs, which differ from run to run, everything is tested.
 fn walk(scratch: &Scratch, device: &str, more: &[&str]) -> Value {
-    walk_by(scratch, device, &[&["--costs=ignored"], more].concat())
+    walk_by(scratch, device, &[&["--cost-model=off"], more].concat())
 }
 
 fn walk_by(scratch: &Scratch, device: &str, more: &[&str]) -> Value {
@@ -175,7 +175,7 @@ fn a_walk_on_swiftshader_is_exact_and_complete() {
 fn a_walk_in_which_much_moves_is_exact() {
     for device in ["llvmpipe", "swiftshader"] {
         let scratch = Scratch::new(&format!("moving-{device}"));
-        let report = walk(&scratch, device, &["--moving=40"]);
+        let report = walk(&scratch, device, &["--moving-percent=40"]);
         assert_report(&report, device);
         assert_eq!(report["moving_percent"], 40);
         let moving = number(&report["moving_objects"]);
@@ -186,7 +186,9 @@ fn a_walk_in_which_much_moves_is_exact() {
 
 #[test]
 fn a_walk_with_two_eyes_is_exact() {
-    for (device, moving) in [("llvmpipe", "--moving=20"), ("swiftshader", "--moving=0")] {
+    for (device, moving) in
+        [("llvmpipe", "--moving-percent=20"), ("swiftshader", "--moving-percent=0")]
+    {
         let scratch = Scratch::new(&format!("views-{device}"));
         let report = walk(&scratch, device, &["--views=2", moving]);
         assert_report(&report, device);
@@ -214,15 +216,15 @@ fn walks_in_other_projections_are_exact() {
 }
 
 #[test]
-fn a_walk_by_measured_prices_is_exact() {
+fn a_walk_by_measured_costs_is_exact() {
     for device in ["llvmpipe", "swiftshader"] {
-        let scratch = Scratch::new(&format!("prices-{device}"));
+        let scratch = Scratch::new(&format!("costs-{device}"));
         let report = walk_by(&scratch, device, &[]);
         for run in report["runs"].as_array().expect("runs") {
             assert_eq!(run["pixels_wrong"], 0, "{device}");
             assert_eq!(run["frames_verified"], FRAMES);
         }
-        assert!(report["runs"][1]["corrections"].is_object(), "by default prices are measured");
+        assert!(report["runs"][1]["corrections"].is_object(), "by default costs are measured");
     }
 }
 
@@ -245,11 +247,11 @@ fn a_threshold_is_not_exact_and_says_how_wrong_it_can_be() {
             "--objects=1000",
             "--frames=12",
             "--size=192x108",
-            "--strategy=frustum,antumbra,antumbra_flags,coherent",
+            "--strategy=frustum,antumbra,antumbra_flags,chc",
             "--verify=every",
             "--validation=sync",
             "--threshold=60",
-            "--costs=ignored",
+            "--cost-model=off",
             "--report=report.json",
             "--device",
             device,

@@ -132,6 +132,6 @@ fn light_of(lamp: &Object, kind: LampKind) -> PunctualLight {
         range_m: Some(range_m),
         position: lamp.transform.transform_point3(LIGHT_PLACE),
         direction: along.normalize_or(Vec3::NEG_Y),
-        picture: None,
+        cookie: None,
     }
 }

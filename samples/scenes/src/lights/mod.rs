@@ -153,8 +153,8 @@ impl Daylight {
         let are_on = self.hour.is_night() || self.lamp_hours == LampHours::Always;
         let lamp = |(light, lamp): &(LightId, PunctualLight)| {
             let intensity = if are_on { lamp.intensity } else { 0.0 };
-            let picture = lamp.picture.filter(|_| self.shows_pictures);
-            LightMove { light: *light, to: PunctualLight { intensity, picture, ..*lamp } }
+            let picture = lamp.cookie.filter(|_| self.shows_pictures);
+            LightMove { light: *light, to: PunctualLight { intensity, cookie: picture, ..*lamp } }
         };
         let sun = sun_of(self.hour).map(|to| LightMove { light: SUN, to });
         let dark = || sun_of(Hour::NIGHT).map(|sun| PunctualLight { intensity: 0.0, ..sun });

@@ -57,7 +57,7 @@ impl Session {
             let request = FrameRequest::new(self.strategy, camera);
             let request = FrameRequest { image, overlay, ..request };
             self.report = self.renderer.render(&mut self.history, &request)?;
-            self.outcome = self.history.take_outcomes().next_back().or(self.outcome);
+            self.outcome = self.history.drain_stats().next_back().or(self.outcome);
             self.times.sent(Side::Culled, self.renderer.pass_times());
             return Ok(self.report.tick);
         };
@@ -95,7 +95,7 @@ impl Session {
                     let request = FrameRequest::new(self.strategy, camera);
                     let request = FrameRequest { image, scene_image, overlay, ..request };
                     self.report = self.renderer.render(&mut self.history, &request)?;
-                    self.outcome = self.history.take_outcomes().next_back().or(self.outcome);
+                    self.outcome = self.history.drain_stats().next_back().or(self.outcome);
                     self.report.tick
                 }
                 Side::Unculled => {
@@ -115,7 +115,7 @@ impl Session {
     /// Compares the pending images, and logs the result of the whole comparison.
     pub(crate) fn finish_comparison(&mut self) -> Result<(), RunError> {
         let Some(mut comparison) = self.comparison.take() else { return Ok(()) };
-        self.renderer.device().drain()?;
+        self.renderer.device().wait_idle()?;
         comparison.collect(self.renderer.device(), self.clock.now())?;
         tracing::info!("{}: {}", self.strategy, comparison.tally().text());
         Ok(())

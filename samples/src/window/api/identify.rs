@@ -1,7 +1,7 @@
 //! A session while an object is selected: it is outlined, and a card explains why it is drawn or
 //! not.
 
-use antumbra::{FrameRequest, ObjectId, Strategy, ViewState};
+use antumbra::{FrameRequest, ObjectId, RenderView, Strategy};
 
 use crate::window::object_text::ObjectCard;
 use crate::window::page_text::Facts;
@@ -50,7 +50,7 @@ impl Session {
 
     /// Returns the view whose frames find objects: the one that is shown, or while the culling is
     /// frozen one of its own, since its frames lack what was left out.
-    fn searching(&mut self) -> Result<&mut ViewState, RunError> {
+    fn searching(&mut self) -> Result<&mut RenderView, RunError> {
         if self.frozen.is_none() {
             return Ok(&mut self.history);
         }

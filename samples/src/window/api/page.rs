@@ -48,7 +48,8 @@ impl Session {
 
     /// Times passes: of all frames on request, of some for the HUD.
     fn time_passes(&mut self) -> Result<(), RunError> {
-        let has_timestamps = self.renderer.device().capabilities().has(gpu::Optional::Timestamps);
+        let has_timestamps =
+            self.renderer.device().capabilities().has(gpu::OptionalFeature::Timestamps);
         let wanted = match (self.is_timing_passes, self.hud_level) {
             (true, _) => Some(1),
             (false, HudLevel::Off) => None,

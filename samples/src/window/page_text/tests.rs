@@ -37,8 +37,8 @@ fn text(known: &Known<'_>) -> String {
     groups.collect::<Vec<_>>().join("\n")
 }
 
-fn outcome() -> FrameOutcome {
-    FrameOutcome {
+fn outcome() -> FrameStats {
+    FrameStats {
         frame: FrameId(3),
         draws: 1_001,
         triangles: 2_002_002,

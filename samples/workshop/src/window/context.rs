@@ -1,6 +1,6 @@
 //! The context of interaction: a session as it is now.
 
-use antumbra::cull::{Aabb, FrameId, View};
+use antumbra::cull::{Aabb, CullView, FrameId};
 use antumbra::glam::Vec2;
 
 use crate::document::Document;
@@ -15,7 +15,7 @@ pub struct InteractionContext<'a> {
     /// The camera.
     pub camera: OrbitCamera,
     /// The view of the next frame.
-    pub view: View,
+    pub view: CullView,
     /// The box around all that is shown.
     pub bounds: Aabb,
     /// The newest frame.

@@ -1,6 +1,6 @@
 //! Dragging: what a press holds, and where it is when the pointer has moved.
 
-use antumbra::cull::{Aabb, View};
+use antumbra::cull::{Aabb, CullView};
 use antumbra::glam::{Vec2, Vec3};
 use antumbra::render::PointedSurface;
 
@@ -69,16 +69,16 @@ impl LidGrab {
 
     /// Returns the angle near `angle_rad` at which the point comes nearest to a place of the image,
     /// in radians.
-    pub fn angle_at(&self, view: &View, angle_rad: f32, place: Vec2) -> f32 {
+    pub fn angle_at(&self, view: &CullView, angle_rad: f32, place: Vec2) -> f32 {
         let hinge = &self.lid.hinge;
         let apart = |angle_rad: f32| {
             let point = rotation(hinge, angle_rad).transform_point3(self.point);
             place_of(view, point).map_or(f32::INFINITY, |found| found.distance(place))
         };
-        let mut best = angle_rad.clamp(hinge.closed_rad, hinge.open_rad);
+        let mut best = angle_rad.clamp(hinge.shut_rad, hinge.open_rad);
         let mut reach_rad = REACH_RAD;
         for _ in 0..REFINEMENTS {
-            let least = (best - reach_rad).max(hinge.closed_rad);
+            let least = (best - reach_rad).max(hinge.shut_rad);
             let most = (best + reach_rad).min(hinge.open_rad);
             let step = (most - least) / f32::from(STEPS);
             let tried = (0..=STEPS).map(|index| least + f32::from(index) * step);
@@ -111,7 +111,7 @@ pub struct PlaneGrab {
 impl PlaneGrab {
     /// Holds a plane; `None` where its axis is seen end on.
     pub fn new(
-        view: &View,
+        view: &CullView,
         bounds: &Aabb,
         axis: usize,
         plane: &AxisPlane,
@@ -139,7 +139,7 @@ impl PlaneGrab {
 }
 
 /// Returns the place of a point in the image, in pixels from the upper left; `None` behind the eye.
-pub fn place_of(view: &View, point: Vec3) -> Option<Vec2> {
+pub fn place_of(view: &CullView, point: Vec3) -> Option<Vec2> {
     let clip = view.clip(point);
     let [width, height] = view.size.map(|side| side as f32);
     let place = (clip.truncate().truncate() / clip.w).as_vec2();
@@ -153,15 +153,21 @@ mod tests {
     use super::*;
     use crate::orbit::{CubeView, OrbitCamera};
 
-    fn view(name: &str) -> View {
+    fn view(name: &str) -> CullView {
         let camera = OrbitCamera::around(Vec3::ZERO, 1.0);
         let camera = camera.turned_to(CubeView::named(name).unwrap(), 1.0);
-        View::new(&camera.camera(2.0), [800, 600], 8)
+        CullView::new(&camera.camera(2.0), [800, 600], 8)
     }
 
     #[test]
     fn the_lid_follows_the_point_that_is_held() {
-        let hinge = Hinge { point: Vec3::ZERO, axis: Vec3::NEG_X, closed_rad: 0.0, open_rad: 3.0 };
+        let hinge = Hinge {
+            point: Vec3::ZERO,
+            axis: Vec3::NEG_X,
+            shut_rad: 0.0,
+            closed_rad: 0.0,
+            open_rad: 3.0,
+        };
         let lid = Lid { group: PartId(0), hinge };
         let held = Vec3::new(0.1, 0.0, 0.5);
         // The point lies before the hinge and rises when the lid opens.

@@ -464,7 +464,7 @@ impl Interaction {
                 return vec![command];
             }
             KeyEffect::Tools(tools) => return self.use_tools(tools),
-            KeyEffect::View(view) => self.turn_to(view, seen),
+            KeyEffect::CullView(view) => self.turn_to(view, seen),
             KeyEffect::Record => self.path.toggle_recording(),
             KeyEffect::Play => {
                 if !self.path.toggle_playing() {

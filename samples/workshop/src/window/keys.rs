@@ -28,7 +28,7 @@ pub enum KeyEffect {
     /// Other settings of the tools.
     Tools(Tools),
     /// A turn to a view of the cube.
-    View(CubeView),
+    CullView(CubeView),
     /// The path begins to be recorded, or ends.
     Record,
     /// The path begins to be played, or ends.
@@ -50,7 +50,7 @@ pub fn effect_of(key: KeyCode, tools: &Tools, seen: &InteractionContext<'_>) -> 
         KeyCode::KeyJ => Command::Export(PathBuf::from("workshop.glb")),
         _ => {
             if let Some(view) = view_of(key) {
-                return KeyEffect::View(view);
+                return KeyEffect::CullView(view);
             }
             if let Some(camera) = camera_of(key, &seen.camera) {
                 return KeyEffect::Command(Command::Camera(camera));

@@ -1,6 +1,6 @@
 //! The boxes of a host: their pipelines and images, and what it records itself.
 
-use cull::{Aabb, View};
+use cull::{Aabb, CullView};
 use gpu::{
     Access, Blend, Buffer, BufferSlice, Commands, DepthMode, Device, Frame, GraphicsPipeline,
     GraphicsPipelineInfo, IndirectDraw, MemoryBarrier, Predicates, RenderTarget, StorageLayout,
@@ -97,12 +97,12 @@ impl ObjectRenderer for Boxes {
         &mut self.target
     }
 
-    fn rendering(&self, view: &View, rendering: Rendering) -> RenderTarget {
+    fn rendering(&self, view: &CullView, rendering: Rendering) -> RenderTarget {
         let clear = (rendering == Rendering::First).then_some([0.0, 0.0, 0.0, 1.0]);
         self.target.render_target(clear).within(view.origin, view.size)
     }
 
-    fn bind(&self, commands: &Commands, view: &View, bucket: BucketId, pass: ObjectPass) {
+    fn bind(&self, commands: &Commands, view: &CullView, bucket: BucketId, pass: ObjectPass) {
         let Some(boxes) = self.boxes else { return };
         let pipeline = match (&self.depth_first, pass) {
             _ if bucket.0 >= GLASS => &self.glass,
@@ -128,7 +128,7 @@ impl ObjectRenderer for Boxes {
         &mut self,
         _executor: &PlanExecutor,
         commands: &Commands,
-        view: &View,
+        view: &CullView,
         draw: DrawBuckets<'_>,
     ) {
         if !self.shades_later() {
@@ -180,7 +180,7 @@ pub fn draw_lists(
     frame: &mut Frame<'_>,
     boxes: &mut Boxes,
     lists: &[DrawList],
-    view: &View,
+    view: &CullView,
     counts: Option<&Buffer>,
 ) {
     let commands = frame.commands();
@@ -213,7 +213,7 @@ pub fn draw_all<'a>(
     frame: &mut Frame<'_>,
     boxes: &mut Boxes,
     parts: impl Iterator<Item = &'a (u32, Vec<Part>)>,
-    view: &View,
+    view: &CullView,
 ) {
     let mut draws: Vec<BucketDraw> =
         parts.flat_map(|(first, parts)| draws_of(*first, parts)).collect();
@@ -235,7 +235,7 @@ pub fn draw_glass(
     list: &TransparentList,
     passes: &OcclusionPasses,
     predicates: &Predicates,
-    view: &View,
+    view: &CullView,
 ) {
     let commands = frame.commands();
     list.prepare(commands);

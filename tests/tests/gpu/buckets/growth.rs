@@ -4,8 +4,8 @@
 use ash::vk;
 use cull::{Aabb, Strategy};
 use glam::vec3;
-use gpu::{Device, DeviceOptions, Predication};
-use tests::machine::{Fault, Machine, calls};
+use gpu::{Device, DeviceOptions, PredicationMode};
+use tests::fault_injection::{Fault, FaultInjection, calls};
 use tests::walk::pixels_that_differ;
 use tests::{Driver, instance_with, run_on_all};
 
@@ -23,7 +23,7 @@ pub fn grid(count: usize) -> Vec<Vec<Part>> {
 }
 
 pub fn assert_all_equal(device: &Device, host: &Host, what: &str) {
-    device.drain().unwrap();
+    device.wait_idle().unwrap();
     for (frame, [culled, all]) in host.images.iter().enumerate() {
         let [culled, all] = [culled, all].map(|image| image.rgba8().unwrap());
         assert_eq!(pixels_that_differ(&culled, &all), 0, "{what}, frame {frame}");
@@ -33,7 +33,7 @@ pub fn assert_all_equal(device: &Device, host: &Host, what: &str) {
 #[test]
 fn objects_that_come_one_by_one_find_room() {
     run_on_all(|device| {
-        let mut host = Host::new(device, 3, Predication::Instances, Recorder::Engine);
+        let mut host = Host::new(device, 3, PredicationMode::Instances, Recorder::Engine);
         host.wall = host.add(vec![wall(3)])[0];
         for (frame, object) in grid(120).into_iter().enumerate() {
             host.add(vec![object]);
@@ -49,22 +49,22 @@ fn objects_that_come_one_by_one_find_room() {
 #[test]
 fn growth_that_fails_is_tried_again_and_loses_nothing() {
     const CREATE: &std::ffi::CStr = c"vkCreateBuffer";
-    let instance = instance_with(Machine::default().entry());
+    let instance = instance_with(FaultInjection::default().entry());
     let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
     let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
     let mut failed = 0;
     for number in 0.. {
-        let mut host = Host::new(&device, 3, Predication::Counts, Recorder::Engine);
+        let mut host = Host::new(&device, 3, PredicationMode::Counts, Recorder::Engine);
         host.wall = host.add(vec![wall(3)])[0];
         (0..3).for_each(|_| host.draw(Strategy::ANTUMBRA, &camera(0.0, 0.0)));
         // More leaves and more draws than the buffers hold.
         let added = host.add(grid(300));
         let code = vk::Result::ERROR_OUT_OF_DEVICE_MEMORY;
         let faults = vec![Fault { call: CREATE, fails: number..usize::MAX, code }];
-        Machine { faults, ..Machine::default() }.install();
+        FaultInjection { faults, ..FaultInjection::default() }.install();
         let uploaded = host.upload_alone(&camera(0.0, 0.0));
         let made = calls(CREATE);
-        Machine::default().install();
+        FaultInjection::default().install();
         let is_done = uploaded.is_ok();
         if let Err(error) = uploaded {
             let error = error.to_string();

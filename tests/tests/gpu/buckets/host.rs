@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use cull::{Aabb, Camera, CullConfig, DrawPhases, LeafIndex, ObjectId, Strategy, View};
+use cull::{Aabb, Camera, CullConfig, CullView, DrawPhases, LeafIndex, ObjectId, Strategy};
 use glam::{Mat4, Vec3};
-use gpu::{Buffer, Device, FrameRing, MemoryKind, Predication, Readback, vk};
+use gpu::{Buffer, Device, FrameRing, MemoryKind, PredicationMode, Readback, vk};
 use occlusion::{
-    BucketDraw, BucketTableInfo, Error, HostObject, HostScene, LeafCount, OcclusionPasses,
-    ProxyBox, ShaderSet, TransparentList, Trust, VisibilityState, execute, list_draws,
+    BucketDraw, BucketTableInfo, DriverQuirks, Error, HostObject, HostScene, LeafCount,
+    OcclusionPasses, OcclusionState, ProxyBox, ShaderSet, TransparentList, execute, list_draws,
 };
 
 use super::boxes::{
@@ -50,7 +50,7 @@ pub struct Host {
     frames: FrameRing,
     scene: HostScene,
     shaders: ShaderSet,
-    state: VisibilityState,
+    state: OcclusionState,
     culled: Boxes,
     all: Boxes,
     /// The boxes of all draws, by the number of the instance.
@@ -74,19 +74,19 @@ impl Host {
     pub fn new(
         device: &Device,
         bucket_count: u32,
-        predication: Predication,
+        predication: PredicationMode,
         recorder: Recorder,
     ) -> Self {
-        Self::with_trust(device, bucket_count, predication, recorder, Trust::default())
+        Self::with_quirks(device, bucket_count, predication, recorder, DriverQuirks::default())
     }
 
     /// Creates the same on a driver that is trusted with this.
-    pub fn with_trust(
+    pub fn with_quirks(
         device: &Device,
         bucket_count: u32,
-        predication: Predication,
+        predication: PredicationMode,
         recorder: Recorder,
-        trust: Trust,
+        quirks: DriverQuirks,
     ) -> Self {
         let shaders = ShaderSet::embedded().unwrap();
         let shading = match recorder {
@@ -96,7 +96,7 @@ impl Host {
         let [culled, all] =
             [shading, Shading::AtOnce].map(|shading| Boxes::new(device, &shaders, shading));
         let attachments = culled.target.attachments();
-        let passes = OcclusionPasses::with_trust(device, &shaders, attachments, trust).unwrap();
+        let passes = OcclusionPasses::with_quirks(device, &shaders, attachments, quirks).unwrap();
         let info = BucketTableInfo {
             bucket_count,
             draw_capacity: 16,
@@ -193,7 +193,8 @@ impl Host {
 
     /// Draws a frame by our answers, and all draws to another image. Nothing waits in between.
     pub fn draw(&mut self, strategy: Strategy, camera: &Camera) {
-        let view = View::new(camera, SIZE, self.device.adapter().limits.sub_pixel_precision_bits);
+        let view =
+            CullView::new(camera, SIZE, self.device.adapter().limits.sub_pixel_precision_bits);
         let mut frame = self.frames.begin().unwrap();
         let boxes = frame.uploads().push(&self.boxes).unwrap();
         (self.culled.boxes, self.all.boxes) = (Some(boxes), Some(boxes));
@@ -260,7 +261,7 @@ impl Host {
     /// Records a frame in which the host is mistaken, and gives it up. Returns the error.
     pub fn refused(&mut self, camera: &Camera, mistake: Mistake, other: &HostScene) -> Error {
         let bits = self.device.adapter().limits.sub_pixel_precision_bits;
-        let view = View::new(camera, SIZE, bits);
+        let view = CullView::new(camera, SIZE, bits);
         let mut frame = self.frames.begin().unwrap();
         if mistake == Mistake::SceneChangedBehindThePlan {
             let hierarchy = self.scene.hierarchy();
@@ -279,8 +280,8 @@ impl Host {
             Mistake::OtherLeaves => (other.hierarchy(), &other.executor().leaves),
             _ => (hierarchy, &executor.leaves),
         };
-        let large = View::new(camera, SIZE.map(|pixels| pixels + 1), bits);
-        let side = View { view_proj: Mat4::IDENTITY, ..view };
+        let large = CullView::new(camera, SIZE.map(|pixels| pixels + 1), bits);
+        let side = CullView { view_proj: Mat4::IDENTITY, ..view };
         let planned = if mistake == Mistake::LargeView { large } else { view };
         if ![Mistake::NoPlan, Mistake::SceneChangedBehindThePlan].contains(&mistake) {
             state.plan_frame(hierarchy, leaves, Strategy::ANTUMBRA, &planned, 4096);
@@ -301,14 +302,15 @@ impl Host {
     /// Submits a frame that uploads nothing of the scene, and says that it did.
     pub fn forget_to_upload(&mut self) {
         let tick = self.frames.begin().unwrap().submit(None).unwrap();
-        self.device.drain().unwrap();
+        self.device.wait_idle().unwrap();
         self.scene.submitted(tick);
     }
 
     /// Uploads in a frame; returns the error if that fails, and then checks that nothing of the
     /// scene is drawn in this frame, which is submitted all the same.
     pub fn upload_alone(&mut self, camera: &Camera) -> Result<(), Error> {
-        let view = View::new(camera, SIZE, self.device.adapter().limits.sub_pixel_precision_bits);
+        let view =
+            CullView::new(camera, SIZE, self.device.adapter().limits.sub_pixel_precision_bits);
         let mut frame = self.frames.begin().unwrap();
         let uploaded = self.scene.upload(&mut frame);
         if uploaded.is_err() {
@@ -341,6 +343,6 @@ impl Host {
         let there: u64 = leaves.map(count).map(|count: LeafCount| count.draws).sum();
         let all: usize = self.parts.values().map(|(_, parts)| parts.len()).sum();
         assert_eq!(there, all as u64);
-        (self.state.take_outcomes().map(|outcome| outcome.draws).min().unwrap(), there)
+        (self.state.drain_stats().map(|outcome| outcome.draws).min().unwrap(), there)
     }
 }

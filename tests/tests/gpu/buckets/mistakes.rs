@@ -1,7 +1,7 @@
 //! Plans and scenes that cannot be: each is refused by its name, and the frames after it are right.
 
 use cull::{Aabb, HierarchyError, Strategy};
-use gpu::{Attachments, Predication, vk};
+use gpu::{Attachments, PredicationMode, vk};
 use occlusion::{
     BucketError, BucketTableInfo, Error, HostObject, HostScene, OcclusionPasses, PlanError,
     ShaderSet, TargetError,
@@ -15,7 +15,7 @@ use super::{camera, wall};
 const INFO: BucketTableInfo = BucketTableInfo {
     bucket_count: 3,
     draw_capacity: 16,
-    predication: Some(Predication::Instances),
+    predication: Some(PredicationMode::Instances),
     frames_in_flight: 2,
 };
 
@@ -28,7 +28,7 @@ fn scene(device: &gpu::Device, objects: usize, info: BucketTableInfo) -> Result<
 #[test]
 fn a_plan_is_executed_once_for_its_scene_and_its_views() {
     run_on_all(|device| {
-        let mut host = Host::new(device, 3, Predication::Instances, Recorder::Engine);
+        let mut host = Host::new(device, 3, PredicationMode::Instances, Recorder::Engine);
         host.wall = host.add(vec![wall(3)])[0];
         host.add(grid(100));
         // As large as the host's own.

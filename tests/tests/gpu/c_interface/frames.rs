@@ -7,13 +7,13 @@ mod pipeline;
 
 use ash::vk;
 use capi::executor::lists::{ANTUMBRA_DRAWS_BY_CALLBACK, ANTUMBRA_DRAWS_BY_LISTS};
+use capi::executor::quirks::{
+    ANTUMBRA_ASSUMPTION_CONDITIONAL_RENDERING, ANTUMBRA_ASSUMPTION_DRAW_COUNTS,
+    ANTUMBRA_ASSUMPTION_INSTANCE_COUNTS, ANTUMBRA_ASSUMPTION_QUERY_COUNTS,
+};
 use capi::executor::scene::{
     ANTUMBRA_PREDICATION_BEST, ANTUMBRA_PREDICATION_COUNTS, ANTUMBRA_PREDICATION_INSTANCES,
     ANTUMBRA_RESUBMISSION_ALLOWED, ANTUMBRA_RESUBMISSION_NEVER,
-};
-use capi::executor::trust::{
-    ANTUMBRA_ASSUMPTION_CONDITIONAL_RENDERING, ANTUMBRA_ASSUMPTION_DRAW_COUNTS,
-    ANTUMBRA_ASSUMPTION_INSTANCE_COUNTS, ANTUMBRA_ASSUMPTION_QUERY_COUNTS,
 };
 use gpu::Purpose;
 use tests::Driver;
@@ -36,13 +36,13 @@ struct FrameOptions {
     query_budget: usize,
     draws: u32,
     resubmission: u32,
-    distrusted: u32,
-    prices: Prices,
+    disabled: u32,
+    costs: Costs,
 }
 
-/// The prices that decide in a scene.
+/// The costs that decide in a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Prices {
+enum Costs {
     /// None.
     None,
     /// Those that are measured before, on the device with its queue.
@@ -59,8 +59,8 @@ impl Default for FrameOptions {
             query_budget: 0,
             draws: ANTUMBRA_DRAWS_BY_CALLBACK,
             resubmission: ANTUMBRA_RESUBMISSION_ALLOWED,
-            distrusted: 0,
-            prices: Prices::None,
+            disabled: 0,
+            costs: Costs::None,
         }
     }
 }
@@ -159,8 +159,8 @@ fn draws_that_a_host_records_from_lists_are_exact_in_c() {
 fn what_is_distrusted_is_not_used_in_c() {
     for driver in Driver::ALL {
         let host = Host::new(driver, Purpose::Executor);
-        let of = |distrusted| {
-            let options = FrameOptions { distrusted, ..FrameOptions::default() };
+        let of = |disabled| {
+            let options = FrameOptions { disabled, ..FrameOptions::default() };
             let mut drawing = DrawingHost::new(&host, &options);
             (0..FRAMES).for_each(|frame| drawing.draw(frame));
             let stats = drawing.stats();
@@ -170,7 +170,7 @@ fn what_is_distrusted_is_not_used_in_c() {
         let skips = ANTUMBRA_ASSUMPTION_CONDITIONAL_RENDERING | ANTUMBRA_ASSUMPTION_DRAW_COUNTS;
         let stats = of(skips);
         assert_eq!(stats.predication, ANTUMBRA_PREDICATION_INSTANCES, "{driver:?}");
-        assert!(stats.tests > 0 && stats.is_priced == 0, "{stats:?}");
+        assert!(stats.tests > 0 && stats.has_cost == 0, "{stats:?}");
         let stats = of(ANTUMBRA_ASSUMPTION_QUERY_COUNTS);
         assert!(stats.tests > 0 && stats.queries == 0, "{stats:?}");
         let stats = of(skips | ANTUMBRA_ASSUMPTION_INSTANCE_COUNTS);
@@ -180,15 +180,15 @@ fn what_is_distrusted_is_not_used_in_c() {
 }
 
 #[test]
-fn scenes_by_measured_prices_are_exact_in_c() {
+fn scenes_by_measured_costs_are_exact_in_c() {
     for driver in Driver::ALL {
         for draws in [ANTUMBRA_DRAWS_BY_CALLBACK, ANTUMBRA_DRAWS_BY_LISTS] {
-            let prices = Prices::Measured;
+            let costs = Costs::Measured;
             let host = Host::new(driver, Purpose::Renderer);
-            let options = FrameOptions { prices, draws, ..FrameOptions::default() };
+            let options = FrameOptions { costs, draws, ..FrameOptions::default() };
             let mut drawing = DrawingHost::new(&host, &options);
             (0..FRAMES).for_each(|frame| drawing.draw(frame));
-            assert_eq!(drawing.stats().is_priced, 1);
+            assert_eq!(drawing.stats().has_cost, 1);
             drawing.finish(&format!("{driver:?}, {options:?}"));
             host.finish();
         }

@@ -10,8 +10,8 @@ use capi::executor::target::AntumbraTargetDesc;
 use capi::layout::Versioned;
 use gpu::{Features, Purpose};
 use tests::Driver;
+use tests::fault_injection::{Fault, FaultInjection, calls};
 use tests::host_device::Host;
-use tests::machine::{Fault, Machine, calls};
 
 use super::{CHost, camera, expect, text};
 
@@ -26,7 +26,7 @@ fn view<'a>(
 #[test]
 fn a_lost_device_is_told_and_another_one_draws() {
     for driver in Driver::ALL {
-        let entry = Machine::default().entry();
+        let entry = FaultInjection::default().entry();
         let host = Host::through(entry, driver, Purpose::Executor, &[], Features::default());
         let mut lost = CHost::new(&host, null());
         let camera = camera();
@@ -36,7 +36,7 @@ fn a_lost_device_is_told_and_another_one_draws() {
         let call = c"vkCreateBuffer";
         let code = vk::Result::ERROR_DEVICE_LOST;
         let faults = vec![Fault { call, fails: 0..usize::MAX, code }];
-        Machine { faults, ..Machine::default() }.install();
+        FaultInjection { faults, ..FaultInjection::default() }.install();
         for _ in 0..3 {
             let recorded = lost.record(&[&lost_view], |_| {});
             expect(recorded, DeviceLost, "vkCreateBuffer", &lost.error);
@@ -45,7 +45,7 @@ fn a_lost_device_is_told_and_another_one_draws() {
         // All goes without a wait for the GPU, which will never be idle.
         lost.finish();
         assert_eq!(calls(c"vkDeviceWaitIdle"), 0);
-        Machine::default().install();
+        FaultInjection::default().install();
         host.finish();
 
         let host = Host::new(driver, Purpose::Executor);

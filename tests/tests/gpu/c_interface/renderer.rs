@@ -18,12 +18,12 @@ use capi::error::AntumbraError;
 use capi::error::AntumbraResult::{self, BadArgument, Busy, Ok, UnknownHandle};
 use capi::executor::device::AntumbraDevice;
 use capi::executor::queue::AntumbraQueueDesc;
+use capi::executor::quirks::*;
 use capi::executor::scene::{ANTUMBRA_PREDICATION_BEST, ANTUMBRA_PREDICATION_INSTANCES};
-use capi::executor::trust::*;
 use capi::layout::Versioned;
 use capi::renderer::description::*;
 use capi::renderer::frame::*;
-use capi::renderer::trust::AntumbraSelfTest;
+use capi::renderer::self_test::AntumbraSelfTest;
 use cull::{ClipY, DepthConvention, Strategy, ViewProjection};
 use glam::{Affine3A, Mat4, Vec3};
 use gpu::{FeatureStructures, FinishedImage, ImageState, Purpose, Tick};
@@ -250,7 +250,7 @@ fn image_in_rust(host: &Host, mesh: &Mesh, objects: &[AntumbraMeshObject]) -> Ve
         ViewProjection { matrix: matrix(), depth: DepthConvention::Reversed, y: ClipY::Down };
     renderer.render(&mut view, &FrameRequest::new(Strategy::FRUSTUM, viewpoint)).unwrap();
     let image = host.copy(&*lock, &renderer.finished_image().unwrap());
-    renderer.drain(&mut view).unwrap();
+    renderer.wait_idle(&mut view).unwrap();
     image
 }
 
@@ -271,7 +271,7 @@ fn images_in_c_are_those_in_rust_and_those_with_all_drawn() {
             mesh_count: 1,
             objects: objects.as_ptr(),
             object_count: objects.len(),
-            costs: ANTUMBRA_COSTS_IGNORED,
+            cost_model: ANTUMBRA_COST_MODEL_OFF,
             spare_objects: 2,
             spare_meshes: 1,
             spare_vertices: 36,
@@ -396,11 +396,11 @@ fn a_driver_is_tested_in_c_and_what_is_distrusted_is_not_used() {
             mesh_count: 1,
             objects: objects.as_ptr(),
             object_count: objects.len(),
-            costs: ANTUMBRA_COSTS_IGNORED,
-            distrusted: ANTUMBRA_ASSUMPTION_CONDITIONAL_RENDERING | ANTUMBRA_ASSUMPTION_DRAW_COUNTS,
+            cost_model: ANTUMBRA_COST_MODEL_OFF,
+            disabled: ANTUMBRA_ASSUMPTION_CONDITIONAL_RENDERING | ANTUMBRA_ASSUMPTION_DRAW_COUNTS,
             ..Versioned::INIT
         };
-        let unknown = AntumbraRendererDesc { distrusted: 1 << 20, ..desc };
+        let unknown = AntumbraRendererDesc { disabled: 1 << 20, ..desc };
         expect(c.create(&unknown).0, BadArgument, "0x100000", &c.error);
         let (created, renderer) = c.create(&desc);
         assert_eq!(created, Ok, "{}", text(&c.error));
@@ -429,7 +429,7 @@ fn frames_in_flight_outlive_their_renderer_and_the_lock_is_held_for_submits() {
             mesh_count: 1,
             objects: objects.as_ptr(),
             object_count: objects.len(),
-            costs: ANTUMBRA_COSTS_IGNORED,
+            cost_model: ANTUMBRA_COST_MODEL_OFF,
             ..Versioned::INIT
         };
         let (created, renderer) = c.create(&desc);

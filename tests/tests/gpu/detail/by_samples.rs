@@ -4,7 +4,7 @@
 use cull::{Camera, DetailBySamples, DetailPolicy, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use gpu::Device;
-use render::{Error, Renderer, ViewState};
+use render::{Error, RenderView, Renderer};
 use scene::{MeshId, Object, ObjectChange, Scene};
 use tests::run_on_all;
 use tests::shapes::{coloured_cubes, square_camera};
@@ -58,7 +58,7 @@ fn scene() -> Scene {
 /// A renderer, its view and its strategy.
 struct Side {
     renderer: Renderer,
-    view: ViewState,
+    view: RenderView,
     strategy: Strategy,
 }
 
@@ -84,12 +84,12 @@ impl Side {
 /// Draws frames with each strategy, each with counts of its own, and checks that all agree. Returns
 /// the triangles of the hero in each frame.
 fn film(device: &Device, frames: &[(Camera, f32)]) -> Vec<u64> {
-    let strategies = [Strategy::FRUSTUM, Strategy::ANTUMBRA, methods::PYRAMID];
+    let strategies = [Strategy::FRUSTUM, Strategy::ANTUMBRA, methods::HZB];
     let mut sides = strategies.map(|strategy| Side::new(device, strategy));
     let films = sides.each_mut().map(|side| {
         let frames = frames.iter().map(|(camera, columns)| side.frame(*camera, *columns));
         let frames: Vec<_> = frames.collect();
-        side.renderer.drain(&mut side.view).unwrap();
+        side.renderer.wait_idle(&mut side.view).unwrap();
         frames
     });
     let [plain, others @ ..] = &films;
@@ -167,7 +167,7 @@ fn without_counts_the_distance_decides() {
         // A view that forgets its past knows nothing for as long as results take.
         side.view.reset();
         assert_eq!(side.frame(square_camera(), 1.0).1[0], FINE);
-        side.renderer.drain(&mut side.view).unwrap();
+        side.renderer.wait_idle(&mut side.view).unwrap();
         let other = Renderer::new(device, &scene(), &options()).unwrap().new_view().unwrap();
         let error = side.renderer.choose_detail_seen(&[(square_camera(), &other)], &POLICY);
         assert!(matches!(error, Err(Error::ForeignRenderer { .. })), "{error:?}");

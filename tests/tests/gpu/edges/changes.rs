@@ -3,7 +3,7 @@
 use cull::{ObjectId, Strategy};
 use glam::{Affine3A, Vec3, vec3};
 use gpu::SampleCount;
-use render::{Costs, EdgeMode, FrameRequest, Renderer, RendererOptions, SpareRoom};
+use render::{CostModel, EdgeMode, FrameRequest, Renderer, RendererOptions, SpareCapacity};
 use scene::{MeshId, Object, ObjectChange, PreparedMesh};
 use tests::run_on_all;
 use tests::shapes::{box_at, box_scene};
@@ -30,7 +30,7 @@ fn edges_follow_poses_under_every_strategy() {
         let expected = film(Strategy::FRUSTUM);
         assert!(pixels_that_differ(&expected[0].0, &expected[5].0) > 300, "the slabs bend");
         assert!(expected.iter().all(|image| image.count(BLACK) > 100 && image.count(RED) > 20));
-        for strategy in [Strategy::ANTUMBRA, methods::PYRAMID, methods::COHERENT] {
+        for strategy in [Strategy::ANTUMBRA, methods::HZB, methods::CHC] {
             for (frame, (a, b)) in expected.iter().zip(film(strategy)).enumerate() {
                 assert_eq!(pixels_that_differ(&a.0, &b.0), 0, "{strategy}, frame {frame}");
             }
@@ -50,10 +50,11 @@ fn meshes_that_come_later_have_their_edges() {
         let mut expected = renderer_of(device, &whole, SampleCount::One);
         expected.set_edges(options(EdgeMode::HiddenDashed)).unwrap();
         let expected = settled(&mut expected, Strategy::FRUSTUM, straight());
-        let spare = SpareRoom { meshes: 2, vertices: 2000, indices: 2000, ..Default::default() };
+        let spare =
+            SpareCapacity { meshes: 2, vertices: 2000, indices: 2000, ..Default::default() };
         let room = RendererOptions {
             size: SIZE,
-            costs: Costs::Ignored,
+            cost_model: CostModel::Off,
             spare_objects: 4,
             spare,
             upload_bytes_per_frame: 1000,

@@ -2,7 +2,7 @@
 
 use cull::{ObjectId, Strategy};
 use glam::vec3;
-use gpu::{Optional, SampleCount};
+use gpu::{OptionalFeature, SampleCount};
 use render::{EdgeMode, ObjectOutline};
 use tests::run_on_all;
 use tests::shapes::{box_at, box_scene};
@@ -58,7 +58,7 @@ fn an_outline_goes_around_all_pixels_of_what_is_selected() {
 fn outlines_lie_over_edges_and_have_samples() {
     let hidden = box_at(vec3(0.0, 0.0, -20.0), vec3(1.0, 1.0, 1.0));
     run_on_all(|device| {
-        if !device.capabilities().has(Optional::SampleDepths) {
+        if !device.capabilities().has(OptionalFeature::SampleDepths) {
             return;
         }
         let mut renderer = renderer_of(device, &box_scene(&[hidden]), SampleCount::Four);

@@ -8,7 +8,7 @@ use scene::{
     SurfaceMesh, Surfaces,
 };
 use tests::run_on_all;
-use tests::studio::{quad, scene};
+use tests::surface_fixture::{quad, scene};
 
 use super::{SIDE, STRATEGIES, lamp, moved, settled};
 
@@ -22,7 +22,7 @@ fn samples(renderer: &mut Renderer) -> FlareSamples {
     let found = STRATEGIES.map(|strategy| {
         let mut view = renderer.new_view().unwrap();
         let found = settled(renderer, &mut view, strategy);
-        renderer.drain(&mut view).unwrap();
+        renderer.wait_idle(&mut view).unwrap();
         found
     });
     let [plain, ..] = found;
@@ -161,7 +161,7 @@ fn transparent_objects_take_their_alpha() {
 }
 
 #[test]
-fn veils_are_known_to_a_32nd() {
+fn transmittances_are_known_to_a_32nd() {
     run_on_all(|device| {
         for alpha in [0.03, 0.1, 0.33, 0.61, 0.97] {
             let pane = columns(0, SIDE, 5.0, 1);
@@ -172,7 +172,7 @@ fn veils_are_known_to_a_32nd() {
             let found = settled(&mut renderer, &mut view, Strategy::ANTUMBRA);
             let error = (found.let_through - (1.0 - alpha)).abs();
             assert!(error <= 0.5 / 32.0 + 1.0e-4, "{alpha}: {found:?}");
-            renderer.drain(&mut view).unwrap();
+            renderer.wait_idle(&mut view).unwrap();
         }
     });
 }

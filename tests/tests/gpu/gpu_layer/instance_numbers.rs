@@ -43,7 +43,7 @@ fn numbers_come_while_fewer_are_in_use() {
             queries.read_back(commands);
             queries.submitted(frame.submit(None).unwrap());
         }
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         queries.collect(device.completed().unwrap(), |last, count| found.push((last, count)));
         assert_eq!(found.len(), 12);
         for (last, count) in found {

@@ -24,7 +24,7 @@ fn what_is_dropped_lives_until_its_tick() {
         let from = device.upload("from", &[5u32; 1024], usage).unwrap();
         let to = Buffer::new(device, "to", 4096, usage, MemoryKind::ReadBack).unwrap();
         // The upload's staging memory has retired, too.
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         let (_, in_use) = device.memory_bytes();
         let frame = ring.begin().unwrap();
         frame.commands().copy_buffer(from.whole(), to.whole());
@@ -33,7 +33,7 @@ fn what_is_dropped_lives_until_its_tick() {
         ring.begin().unwrap().submit(None).unwrap();
         assert_eq!((device.retired(), device.memory_bytes().1), (1, in_use));
         gate.signal(Tick(1)).unwrap();
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         assert_eq!(to.read::<u32>(0..1024), [5; 1024]);
         assert_eq!(device.retired(), 0);
         assert!(device.memory_bytes().1 < in_use);
@@ -47,7 +47,7 @@ fn what_is_dropped_outlives_the_commands_being_recorded() {
         let mut other_ring = FrameRing::new(device, 1).unwrap();
         let from = sevens(device);
         let to = readback(device);
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         assert_eq!(device.retired(), 0);
         let frame = ring.begin().unwrap();
         frame.commands().copy_buffer(from.whole(), to.whole());
@@ -55,10 +55,10 @@ fn what_is_dropped_outlives_the_commands_being_recorded() {
         // Other submits, and what they free, do not matter to this frame.
         drop(device.upload("another", &[1u32; 1024], BOTH_WAYS).unwrap());
         other_ring.begin().unwrap().submit(None).unwrap();
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         assert!(device.retired() > 0, "freed under a recording");
         frame.submit(None).unwrap();
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         assert_eq!(to.read::<u32>(0..1024), [7; 1024]);
         assert_eq!(device.retired(), 0);
     });
@@ -80,7 +80,7 @@ fn all_pieces_of_a_frame_keep_alive_what_is_dropped() {
         device.run_once("another submit", |_| {}).unwrap();
         frame.commands().copy_buffer(slice, second.whole());
         frame.submit(None).unwrap();
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         for readback in [&first, &second] {
             assert_eq!(readback.read::<u32>(0..1024), [7; 1024]);
         }
@@ -95,7 +95,7 @@ fn a_frame_that_is_given_up_keeps_nothing_alive() {
         let frame = ring.begin().unwrap();
         drop(sevens(device));
         drop(frame);
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         assert_eq!(device.retired(), 0);
     });
 }
@@ -104,7 +104,7 @@ fn a_frame_that_is_given_up_keeps_nothing_alive() {
 fn what_is_dropped_after_the_last_submit_needs_no_further_one() {
     run_on_all(|device| {
         drop(sevens(device));
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         assert_eq!(device.retired(), 0);
     });
 }

@@ -170,7 +170,7 @@ fn a_query_is_recorded_once_and_its_result_only_wanted_then() {
         queries.resolve(frame.commands(), 0..2);
         frame.submit(None).unwrap();
         assert!(drawn);
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
     });
 }
 

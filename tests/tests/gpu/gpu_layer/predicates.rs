@@ -4,7 +4,7 @@
 use glam::Vec3;
 use gpu::{
     Access, Buffer, Device, DrawRange, FlagRing, FrameRing, IndirectDraw, MemoryBarrier,
-    MemoryKind, PredicatedRange, Predicates, Predication, QueryIndex, QueryRing, ResultSource,
+    MemoryKind, PredicatedRange, Predicates, PredicationMode, QueryIndex, QueryRing, ResultSource,
     Reveal, Target, vk,
 };
 use occlusion::{ProxyBox, ProxyIo};
@@ -13,14 +13,14 @@ use tests::shapes::{box_at, proxy_pass, square_view};
 
 const SOURCE: ResultSource = ResultSource::Fragments;
 
-fn executors(device: &Device) -> Vec<Predication> {
-    let all = Predication::ALL;
+fn executors(device: &Device) -> Vec<PredicationMode> {
+    let all = PredicationMode::ALL;
     all.into_iter().filter(|p| Predicates::new(device, Some(*p), &[], 1).is_ok()).collect()
 }
 
 /// Returns the results of two decisions per frame, one as a whole and one box by box: true if the
 /// frame has predicates (which hide all), true if it is by boxes, and true if something is drawn.
-fn drawn(device: &Device, predication: Predication) -> Vec<(bool, bool, bool)> {
+fn drawn(device: &Device, predication: PredicationMode) -> Vec<(bool, bool, bool)> {
     let proxies = proxy_pass(device);
     let view = square_view(device, 64);
     let mut target = Target::new(device, [64, 64], "target").unwrap();
@@ -75,7 +75,7 @@ fn drawn(device: &Device, predication: Predication) -> Vec<(bool, bool, bool)> {
         queries.resolve(commands, 0..2);
         queries.read_back(commands);
         queries.submitted(frame.submit(None).unwrap());
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         queries.collect(device.completed().unwrap(), |(has_results, is_boxes), samples| {
             drawn.push((has_results, is_boxes, samples > 0));
         });
@@ -107,7 +107,7 @@ fn a_threshold_is_refused_where_the_results_are_not_compared() {
             predicates.resolve(frame.commands(), &[], 3);
             let refused = frame.submit(None).err().map(|error| error.to_string());
             let says = refused.as_ref().is_some_and(|text| text.contains("cannot compare"));
-            let compares = predication != Predication::Conditional;
+            let compares = predication != PredicationMode::Conditional;
             assert_eq!((refused.is_none(), says), (compares, !compares), "{refused:?}");
         }
     });
@@ -122,7 +122,7 @@ fn more_decisions_than_a_dispatch_has_workgroups() {
         let mut ring = FrameRing::new(device, 1).unwrap();
         let draws = vec![IndirectDraw { instance_count: 7, ..Default::default() }; COUNT as usize];
         let mut predicates =
-            Predicates::new(device, Some(Predication::Instances), &draws, 1).unwrap();
+            Predicates::new(device, Some(PredicationMode::Instances), &draws, 1).unwrap();
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let results: Vec<u32> = (0..COUNT).map(|result| result % 3).collect();
         let results = device.upload("results", &results, usage).unwrap();
@@ -144,7 +144,7 @@ fn more_decisions_than_a_dispatch_has_workgroups() {
         commands.copy_buffer(predicates.draws(), readback.whole());
         commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]));
         frame.submit(None).unwrap();
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         let found = readback.read::<IndirectDraw>(0..COUNT as usize);
         assert_eq!(found.len(), COUNT as usize);
         for (number, draw) in (0..).zip(found) {

@@ -3,7 +3,7 @@
 use std::ffi::CString;
 use std::sync::{Arc, Mutex};
 
-use gpu::{Capabilities, Features, HostDevice, Optional, Purpose, Required, vk};
+use gpu::{Capabilities, Features, HostDevice, OptionalFeature, Purpose, RequiredFeature, vk};
 use tests::host_device::Host;
 use tests::{Driver, open};
 
@@ -23,16 +23,17 @@ fn what_is_required_and_not_on_is_refused_by_its_name() {
         };
         assert_eq!(refusal(&|_| {}), None);
         let mut named = 0;
-        for required in Required::ALL {
+        for required in RequiredFeature::ALL {
             let said = refusal(&|description| match required {
-                Required::Vulkan13 => description.api_version = vk::API_VERSION_1_2,
-                Required::GraphicsQueue => description.queue_family = u32::MAX,
+                RequiredFeature::Vulkan13 => description.api_version = vk::API_VERSION_1_2,
+                RequiredFeature::GraphicsQueue => description.queue_family = u32::MAX,
                 feature => {
                     description.features = description.features.without(feature.features());
                 }
             });
             // Those of the physical device, which a host cannot leave out.
-            let is_chosen = !matches!(required, Required::Depth32 | Required::StorageBuffers);
+            let is_chosen =
+                !matches!(required, RequiredFeature::Depth32 | RequiredFeature::StorageBuffers);
             let expected = required.is_for(purpose) && is_chosen;
             assert_eq!(said.is_some(), expected, "{required:?} for {purpose:?}: {said:?}");
             if let Some(said) = said {
@@ -49,9 +50,9 @@ fn what_is_required_and_not_on_is_refused_by_its_name() {
 fn what_is_optional_and_not_on_is_done_without() {
     for driver in Driver::ALL {
         let expected = images(&open(driver).1).unwrap();
-        let all = Optional::ALL.map(Optional::features);
+        let all = OptionalFeature::ALL.map(OptionalFeature::features);
         let features = all.into_iter().fold(Features::default(), Features::union);
-        let names: Vec<_> = Optional::ALL.map(Optional::extensions).concat().concat();
+        let names: Vec<_> = OptionalFeature::ALL.map(OptionalFeature::extensions).concat().concat();
         let host = Host::without(driver, Purpose::Renderer, &names, features);
         let queue = Some(host.share_queue(Arc::new(Mutex::new(()))));
         let features = host.needs.features().without(features);
@@ -60,9 +61,9 @@ fn what_is_optional_and_not_on_is_done_without() {
         let device = host.try_adopt(description).unwrap();
         let mut optional = device.capabilities().optional.clone();
         // Nothing to turn on.
-        let is_found = [Optional::SampleDepths, Optional::SectionBuffers];
+        let is_found = [OptionalFeature::SampleDepths, OptionalFeature::SectionBuffers];
         optional.retain(|optional| !is_found.contains(optional));
-        assert_eq!(optional, [Optional::Timestamps]);
+        assert_eq!(optional, [OptionalFeature::Timestamps]);
         assert!(images(&device).unwrap() == expected, "other images on {driver:?}");
         drop(device);
         host.finish();

@@ -2,7 +2,7 @@
 #![allow(unsafe_code, reason = "a host calls Vulkan itself")]
 
 use ash::vk;
-use cull::View;
+use cull::CullView;
 use gpu::{
     Attachments, Commands, Device, HostImage, HostImages, ImageState, NearDepth, RenderTarget,
     Target,
@@ -27,11 +27,16 @@ impl ObjectRenderer for Boxes {
         &mut self.target
     }
 
-    fn rendering(&self, _view: &View, rendering: Rendering) -> RenderTarget {
+    fn rendering(&self, _view: &CullView, rendering: Rendering) -> RenderTarget {
         self.target.render_target((rendering == Rendering::First).then_some([0.0, 0.0, 0.0, 1.0]))
     }
 
-    fn begin_rendering(&mut self, commands: &Commands, view: &View, rendering: Rendering) -> bool {
+    fn begin_rendering(
+        &mut self,
+        commands: &Commands,
+        view: &CullView,
+        rendering: Rendering,
+    ) -> bool {
         let Some(passes) = &self.passes else {
             return commands.begin_rendering(self.rendering(view, rendering));
         };
@@ -47,7 +52,7 @@ impl ObjectRenderer for Boxes {
         }
     }
 
-    fn bind(&self, commands: &Commands, view: &View, _bucket: BucketId, _pass: ObjectPass) {
+    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId, _pass: ObjectPass) {
         self.boxes.bind(commands, view);
     }
 }

@@ -3,9 +3,9 @@
 use ash::vk;
 use cull::{ClipY, DepthConvention, Projection, Strategy};
 use glam::Vec2;
-use gpu::Predication;
+use gpu::PredicationMode;
 use tests::Driver;
-use tests::lens::Lens;
+use tests::projections::Lens;
 
 use super::host::{HostOptions, Passes, Submits, compare};
 
@@ -85,14 +85,14 @@ fn every_projection_and_direction_of_depth_is_exact() {
 
 /// Returns every tester that can be with depth of this format, each with another way to skip draws
 /// where the driver has several.
-fn ways(driver: Driver, depth: vk::Format) -> Vec<(Strategy, Option<Predication>)> {
+fn ways(driver: Driver, depth: vk::Format) -> Vec<(Strategy, Option<PredicationMode>)> {
     let counts = match driver {
-        Driver::Lavapipe => Predication::Counts,
-        Driver::SwiftShader => Predication::Instances,
+        Driver::Lavapipe => PredicationMode::Counts,
+        Driver::SwiftShader => PredicationMode::Instances,
     };
     let mut ways = vec![
         (Strategy::ANTUMBRA_FLAGS, None),
-        (Strategy::ANTUMBRA_QUERIES, Some(Predication::Instances)),
+        (Strategy::ANTUMBRA_QUERIES, Some(PredicationMode::Instances)),
     ];
     if depth == vk::Format::D32_SFLOAT {
         ways.push((Strategy::ANTUMBRA_COMPUTE, Some(counts)));

@@ -10,20 +10,20 @@ use cull::{
 };
 use glam::Vec3;
 use gpu::{
-    Attachments, Device, FrameNumbers, FrameRing, IndirectDraw, NearDepth, Predication, Purpose,
-    Resubmission, Tick,
+    Attachments, Device, FrameNumbers, FrameRing, IndirectDraw, NearDepth, PredicationMode,
+    Purpose, Resubmission, Tick,
 };
 use occlusion::{
-    LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, OcclusionPasses, PlanExecutor, ShaderSet,
-    VisibilityState, execute,
+    LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, OcclusionPasses, OcclusionState, PlanExecutor,
+    ShaderSet, execute,
 };
 use tests::Driver;
 use tests::host_device::Host;
 use tests::host_images::{OwnBuffer, OwnImage};
 use tests::host_passes::OwnPasses;
 use tests::host_walk::{boxes, camera};
-use tests::lens::Lens;
 use tests::numbered_boxes::BOX_INDICES;
+use tests::projections::Lens;
 use tests::walk::pixels_that_differ;
 
 use super::boxes::{Boxes, boxes_of};
@@ -43,7 +43,7 @@ pub struct HostOptions {
     pub projection: Projection,
     pub strategy: Strategy,
     /// The way that hidden draws are skipped; `None` takes the device's best.
-    pub predication: Option<Predication>,
+    pub predication: Option<PredicationMode>,
     /// The number of the first frame.
     pub first: u64,
     pub resubmission: Resubmission,
@@ -103,7 +103,7 @@ pub struct HostLoop<'a> {
     pub hierarchy: Hierarchy,
     pub executor: PlanExecutor,
     objects: Boxes,
-    pub state: VisibilityState,
+    pub state: OcclusionState,
     shaders: ShaderSet,
     colour: OwnImage,
     depth: OwnImage,
@@ -186,7 +186,7 @@ impl<'a> HostLoop<'a> {
         let culler = Culler::with_testers(CullConfig::default(), testers);
         let slots = IN_FLIGHT as usize;
         let state =
-            VisibilityState::new(&device, &hierarchy, &executor.leaves, slots, culler).unwrap();
+            OcclusionState::new(&device, &hierarchy, &executor.leaves, slots, culler).unwrap();
         let pool = vk::CommandPoolCreateInfo::default()
             .queue_family_index(host.needs.queue_family.unwrap());
         // SAFETY: the family of the host's queue.
@@ -344,7 +344,7 @@ impl<'a> HostLoop<'a> {
         self.host.say_all_is_over(&self.device);
         let completed = self.device.completed().unwrap();
         self.state.collect(completed, &self.hierarchy, &self.executor.leaves);
-        self.state.take_outcomes().next_back().map_or(0, |outcome| outcome.draws)
+        self.state.drain_stats().next_back().map_or(0, |outcome| outcome.draws)
     }
 
     /// Returns the image of a frame, counted from 0. All frames are over.

@@ -37,13 +37,13 @@ fn an_update_costs_what_changed_and_not_what_there_is() {
                     assert_eq!(report.dirty_leaves, moved);
                     assert!(report.refitted_nodes <= moved as u64 * levels, "{report:?}");
                     assert_eq!(report.rebuilt_leaves, 0);
-                    assert!(report.added.is_empty() && !report.is_worn);
+                    assert!(report.added.is_empty() && !report.is_degraded);
                     render(&mut renderer, &mut view, Strategy::ANTUMBRA, camera, &image);
                 }
             }
             // Nothing changed, nothing is uploaded.
             assert_eq!(renderer.update(&[]).unwrap().dirty_leaves, 0);
-            device.drain().unwrap();
+            device.wait_idle().unwrap();
         }
     });
 }
@@ -63,7 +63,7 @@ fn memory_does_not_grow_while_objects_come_and_go() {
             render(&mut renderer, &mut view, Strategy::ANTUMBRA, camera, &image);
             bytes.push(device.memory_bytes().1);
         }
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         assert_eq!(bytes[30], bytes[89], "{bytes:?}");
     });
 }

@@ -93,6 +93,6 @@ fn changes_are_made_all_or_none_and_the_first_that_cannot_be_is_named() {
         let mut view = renderer.new_view().unwrap();
         let image = Readback::new(device, SIZE).unwrap();
         render(&mut renderer, &mut view, Strategy::ANTUMBRA, square_camera(), &image);
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
     });
 }

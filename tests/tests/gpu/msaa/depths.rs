@@ -1,7 +1,7 @@
 //! The depth that is copied of a pixel with several samples: the farthest of all, where any is
 //! behind an edge.
 
-use cull::{Camera, View};
+use cull::{Camera, CullView};
 use glam::{Vec2, Vec3, vec2, vec3};
 use gpu::{Access, Buffer, Device, FrameRing, MemoryBarrier, MemoryKind, SampleCount, Target, vk};
 use occlusion::ProxyBox;
@@ -15,7 +15,7 @@ const PLACES: [[f32; 2]; 4] = [[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [
 
 /// Copies the depth of a wall ten metres away that fills the left of the image of a rolled camera,
 /// from `origin` on.
-fn copied(device: &Device, view: &View, origin: [u32; 2], size: [u32; 2]) -> Vec<f32> {
+fn copied(device: &Device, view: &CullView, origin: [u32; 2], size: [u32; 2]) -> Vec<f32> {
     let samples = SampleCount::Four;
     let mut target = Target::multisampled(device, [SIDE; 2], samples, "samples").unwrap();
     assert!(target.can_copy_depth() && target.needs_resolve());
@@ -41,7 +41,7 @@ fn copied(device: &Device, view: &View, origin: [u32; 2], size: [u32; 2]) -> Vec
     commands.copy_buffer(depths.whole(), readback.whole());
     commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]));
     frame.submit(None).unwrap();
-    device.drain().unwrap();
+    device.wait_idle().unwrap();
     readback.read::<f32>(0..(size[0] * size[1]) as usize).to_vec()
 }
 
@@ -51,7 +51,7 @@ fn a_pixel_is_as_far_as_its_farthest_sample() {
         assert_eq!(device.adapter().limits.standard_sample_locations, vk::TRUE);
         let camera = Camera { up: Vec3::new(0.37, 1.0, 0.0), ..square_camera() };
         let bits = device.adapter().limits.sub_pixel_precision_bits;
-        let view = View::new(&camera, [SIDE; 2], bits);
+        let view = CullView::new(&camera, [SIDE; 2], bits);
         let across = view.view_proj * vec3(1.0, 0.0, -10.0).extend(1.0);
         let out = vec2(across.x, across.y).normalize();
         let middle = Vec2::splat(SIDE as f32 * 0.5);

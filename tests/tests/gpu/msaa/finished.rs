@@ -44,8 +44,8 @@ fn lavapipe_hosts_read_averages_of_four_samples() {
         };
         let images = (0..6).map(&mut frame).collect();
         let [culled, plain] = &mut views;
-        renderer.drain(culled).unwrap();
-        renderer.drain(plain).unwrap();
+        renderer.wait_idle(culled).unwrap();
+        renderer.wait_idle(plain).unwrap();
         images
     };
     let [one, four] = [SampleCount::One, SampleCount::Four].map(film);

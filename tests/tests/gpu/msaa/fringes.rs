@@ -7,7 +7,7 @@ use gpu::{Device, SampleCount};
 use import::LoadOptions;
 use scene::{Alpha, Image, Object, Scene};
 use tests::run_on_all;
-use tests::still::first_image;
+use tests::single_frame::first_image;
 
 use super::{check_exact, options};
 

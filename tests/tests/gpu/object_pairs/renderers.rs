@@ -2,14 +2,14 @@
 
 use cull::Strategy;
 use gpu::Tick;
-use render::{Error, FrameRequest, Rect, ViewTarget, ViewsRequest};
+use render::{Error, FrameRequest, Rect, ViewRequest, ViewsRequest};
 
 use super::Row;
 use super::side::{SIZE, Side};
 
 const IMAGE: &str = "an image (`Readback`)";
 const TIMELINE: &str = "a timeline (`Timeline`)";
-const VIEW: &str = "a view (`ViewState`)";
+const VIEW: &str = "a view (`RenderView`)";
 const MOMENT: &str = "a snapshot (`VisibilitySnapshot`)";
 const VISIBLE_SET: &str = "a visible set (`VisibleSet`)";
 
@@ -32,7 +32,7 @@ fn views_rendered(ours: &mut Side, theirs: &mut Side, what: &'static str) -> Str
     let area = Rect::whole(SIZE);
     let history = if what == VIEW { &mut theirs.view } else { &mut ours.view };
     let visible = (what == VISIBLE_SET).then_some(&theirs.visible);
-    let eye = ViewTarget { state: history, viewpoint: camera.into(), visible, rect: area };
+    let eye = ViewRequest { state: history, viewpoint: camera.into(), visible, rect: area };
     let request = ViewsRequest {
         strategy: methods::IDEAL,
         image: (what == IMAGE).then_some(&theirs.image),
@@ -90,8 +90,8 @@ type MakeRow = fn(&'static str, &'static str, &'static str, Mistake) -> Row;
 
 fn histories(row: MakeRow) -> Vec<Row> {
     vec![
-        row("Renderer::drain", VIEW, "Renderer", |ours, theirs| {
-            text(ours.renderer.drain(&mut theirs.view))
+        row("Renderer::wait_idle", VIEW, "Renderer", |ours, theirs| {
+            text(ours.renderer.wait_idle(&mut theirs.view))
         }),
         row("Renderer::snapshot", VIEW, "Renderer", |ours, theirs| {
             let view = ours.renderer.view_of(&ours.camera);

@@ -6,18 +6,18 @@ use gpu::{
     BlockingQueryPool, Buffer, BufferSlice, CapturePipeline, CapturePipelineInfo, Commands,
     ComputePipeline, Counting, Device, DrawRange, DynamicTexture, FlagRing, Frame, FrameRing,
     GraphicsPipeline, GraphicsPipelineInfo, IndirectDraw, LeafDrawRing, LeafDraws, MemoryKind,
-    MipMaking, PredicatedRange, Predicates, QueryIndex, QueryRing, Readback, ResultSource, Reveal,
-    Spirv, StorageLayout, Swapchain, Target, TextureArray, TextureArrayInfo, TextureUploads,
-    Timeline, vk,
+    MipGeneration, PredicatedRange, Predicates, QueryIndex, QueryRing, Readback, ResultSource,
+    Reveal, Spirv, StorageLayout, Swapchain, Target, TextureArray, TextureArrayInfo,
+    TextureUploads, Timeline, vk,
 };
 use render::{
-    FrameRequest, Rect, Renderer, RendererOptions, ViewState, VisibilitySnapshot, VisibleSet,
+    FrameRequest, Rect, RenderView, Renderer, RendererOptions, VisibilitySnapshot, VisibleSet,
 };
 use scenes::{CameraPath, GeneratedScene, PathKind};
 use shaders::Shader;
 use tests::Driver;
-use tests::stage::WindowStage;
 use tests::walk::SceneKind;
+use tests::window_fixture::WindowStage;
 use tests::x11_window::{Library, X11Window};
 use tests::xvfb::Xvfb;
 
@@ -27,7 +27,7 @@ pub const SOURCE: ResultSource = ResultSource::Queries;
 /// Objects of one device. They are dropped before the stage.
 pub struct Side {
     pub renderer: Renderer,
-    pub view: ViewState,
+    pub view: RenderView,
     pub snapshot: VisibilitySnapshot,
     pub visible: VisibleSet,
     pub camera: Camera,
@@ -111,7 +111,7 @@ const ARRAY: TextureArrayInfo<'_> = TextureArrayInfo {
     minified: vk::Filter::LINEAR,
     between_levels: None,
     anisotropy: 1.0,
-    mip_making: MipMaking::Cpu,
+    mip_making: MipGeneration::Cpu,
 };
 
 impl Side {
@@ -206,7 +206,7 @@ impl Side {
         };
         self.renderer.render(&mut self.view, &request).unwrap();
         self.renderer.present(&mut self.swapchain, SIZE).unwrap();
-        self.renderer.drain(&mut self.view).unwrap();
+        self.renderer.wait_idle(&mut self.view).unwrap();
         assert!(self.image.rgba8().unwrap().chunks(4).any(|pixel| pixel[0] > 0));
     }
 

@@ -7,7 +7,7 @@ use std::path::Path;
 use cull::Strategy;
 use gpu::Device;
 use render::{Renderer, RendererOptions, ShaderSet};
-use tests::reported::Reported;
+use tests::regressions::Reported;
 use tests::walk::frame_loop;
 use tests::{Driver, run};
 
@@ -77,15 +77,15 @@ const FAULTS: [Fault; 7] = [
     // A box that holds the eye is compared as any other.
     Fault {
         kind: Reported::Inside,
-        strategy: methods::PYRAMID,
+        strategy: methods::HZB,
         file: "pyramid_second.comp",
         changes: &[["(covers.too_near || !is_hidden(covers))", "!is_hidden(covers)"]],
     },
     // Levels of a pyramid of an odd size leave out the last row and column.
     Fault {
         kind: Reported::Sky,
-        strategy: methods::PYRAMID,
-        file: "pyramid_levels.glsl",
+        strategy: methods::HZB,
+        file: "hzb_levels.glsl",
         changes: &[["return (size + 1) / 2;", "return max(size / 2, uvec2(1));"]],
     },
 ];

@@ -1,7 +1,7 @@
 //! Planes that are dragged through a scene: every strategy draws the bits of frustum culling.
 
 use cull::{SectionMode, SectionPlane, SectionPlanes, Strategy};
-use gpu::{Device, Optional, SampleCount};
+use gpu::{Device, OptionalFeature, SampleCount};
 use render::{DebugOverlay, Rect, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind, city, field};
 use tests::run_on_all;
@@ -56,7 +56,7 @@ fn drag(device: &Device, generated: &GeneratedScene, options: RendererOptions, f
             }
             let view = shown.renderer.view_of(&camera);
             culled += shown.renderer.hierarchy().objects_in_frustum(&view);
-            let view = cull::View { section: SectionPlanes::default(), ..view };
+            let view = cull::CullView { section: SectionPlanes::default(), ..view };
             whole += shown.renderer.hierarchy().objects_in_frustum(&view);
         }
     }
@@ -66,7 +66,7 @@ fn drag(device: &Device, generated: &GeneratedScene, options: RendererOptions, f
 
 /// Draws wires, boxes and the view from above, all cut, which only the validation layer judges.
 fn explain(shown: &mut CutScene, camera: cull::Camera) {
-    let has_wireframe = shown.renderer.device().capabilities().has(Optional::Wireframe);
+    let has_wireframe = shown.renderer.device().capabilities().has(OptionalFeature::Wireframe);
     let top_down = Some(Rect { origin: [80, 45], size: [80, 45] });
     let overlay =
         DebugOverlay { has_wireframe, has_boxes: true, has_depth_complexity: true, top_down };

@@ -7,7 +7,7 @@ use render::RendererOptions;
 use shadows::{ShadowMethod, ShadowOptions};
 use tests::section::{CutScene, plane, planes};
 use tests::shapes::box_at;
-use tests::{run_on_all, yard};
+use tests::{run_on_all, shadow_scene};
 
 const SIZE: [u32; 2] = [160, 120];
 const GROUND: ObjectId = ObjectId(0);
@@ -35,7 +35,11 @@ fn boxes(blocks: usize) -> Vec<cull::Aabb> {
 
 fn camera(away: Vec3) -> Camera {
     let eye = vec3(1.0, 6.0, 11.0);
-    Camera { eye: eye + away, forward: (vec3(0.0, 0.0, -1.5) - eye).normalize(), ..yard::camera() }
+    Camera {
+        eye: eye + away,
+        forward: (vec3(0.0, 0.0, -1.5) - eye).normalize(),
+        ..shadow_scene::camera()
+    }
 }
 
 /// Returns the pixels whose red differs much.
@@ -46,9 +50,9 @@ fn apart(a: &[[u8; 3]], b: &[[u8; 3]]) -> usize {
 #[test]
 fn what_is_cut_away_casts_no_shadow_by_maps() {
     run_on_all(|device| {
-        let [sun, ..] = yard::lights();
+        let [sun, ..] = shadow_scene::lights();
         let shown = |blocks: usize, section: SectionPlanes| {
-            let scene = yard::scene(&boxes(blocks), &[sun]);
+            let scene = shadow_scene::scene(&boxes(blocks), &[sun]);
             let mut shown = CutScene::new(device, &scene, options(ShadowMethod::Maps));
             shown.renderer.set_section_member(GROUND, SectionMember::Whole);
             // Before there are planes, so that a kept map must be drawn again.
@@ -63,7 +67,7 @@ fn what_is_cut_away_casts_no_shadow_by_maps() {
         assert!(apart(&one, &both) > 300, "the block and its shadow are small");
         assert!(apart(&one, &shown(2, left)) < 10);
         let lost = {
-            let scene = yard::scene(&boxes(2), &[sun]);
+            let scene = shadow_scene::scene(&boxes(2), &[sun]);
             let mut shown = CutScene::new(device, &scene, options(ShadowMethod::Volumes));
             shown.renderer.set_section(left).unwrap();
             shown.renderer.degradations()
@@ -76,7 +80,7 @@ fn what_is_cut_away_casts_no_shadow_by_maps() {
 fn images(device: &Device, away: Vec3) -> Vec<Vec<[u8; 3]>> {
     let moved = |bounds: cull::Aabb| cull::Aabb::new(bounds.min + away, bounds.max + away);
     let boxes: Vec<cull::Aabb> = boxes(2).into_iter().map(moved).collect();
-    let lights = yard::lights().map(|mut light| {
+    let lights = shadow_scene::lights().map(|mut light| {
         light.position = light.position.round() + away;
         light
     });
@@ -84,7 +88,7 @@ fn images(device: &Device, away: Vec3) -> Vec<Vec<[u8; 3]>> {
     let offset_m = 1.2 - normal.dot(away.as_dvec3());
     let section = planes(&[plane(normal.to_array(), offset_m)]);
     // The texels of a sun's maps lie elsewhere.
-    let scene = yard::scene(&boxes, &lights[1..]);
+    let scene = shadow_scene::scene(&boxes, &lights[1..]);
     let mut images = Vec::new();
     for method in [ShadowMethod::Off, ShadowMethod::Maps, ShadowMethod::Volumes] {
         let mut shown = CutScene::new(device, &scene, options(method));

@@ -5,17 +5,17 @@ use glam::Vec3;
 use render::{Error, LightShadow, Renderer, RendererOptions};
 use scene::{LightId, LightKind, PunctualLight, Scene};
 use shadows::{ShadowFilter, ShadowOptions};
-use tests::{run_on_all, shapes, yard};
+use tests::{run_on_all, shadow_scene, shapes};
 
 use super::{image, renderer, shadows};
 
 #[test]
 fn impossible_options_are_refused_and_change_nothing() {
     run_on_all(|device| {
-        let scene = yard::scene(&yard::boxes(), &yard::lights());
+        let scene = shadow_scene::scene(&shadow_scene::boxes(), &shadow_scene::lights());
         let mut renderer = renderer(device, &scene, shadows());
         let mut view = renderer.new_view().unwrap();
-        let before = image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera());
+        let before = image(&mut renderer, &mut view, Strategy::ANTUMBRA, shadow_scene::camera());
         let largest = device.adapter().limits.max_image_dimension2_d;
         for bad in [
             ShadowOptions { cascades: 0, ..shadows() },
@@ -37,7 +37,7 @@ fn impossible_options_are_refused_and_change_nothing() {
         assert!(renderer.set_light_shadow(LightId(0), width(-1.0)).is_err());
         assert!(renderer.set_light_shadow(LightId(0), width(1.0e30)).is_err());
         assert_eq!(*renderer.shadows(), shadows());
-        let after = image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera());
+        let after = image(&mut renderer, &mut view, Strategy::ANTUMBRA, shadow_scene::camera());
         assert!(before == after, "a refused option changed the image");
     });
 }
@@ -45,7 +45,7 @@ fn impossible_options_are_refused_and_change_nothing() {
 #[test]
 fn scenes_without_surfaces_have_no_shadows_and_say_so() {
     run_on_all(|device| {
-        let scene = shapes::box_scene(&yard::boxes());
+        let scene = shapes::box_scene(&shadow_scene::boxes());
         let options = RendererOptions { shadows: shadows(), ..RendererOptions::default() };
         let made = Renderer::new(device, &scene, &options).map(drop);
         assert!(matches!(made, Err(Error::NoSurfacesForShadows)));
@@ -56,7 +56,7 @@ fn scenes_without_surfaces_have_no_shadows_and_say_so() {
 
 /// Returns the yard under lights that are none, and under many.
 pub fn badly_lit(count: usize) -> Scene {
-    let [sun, spot, point] = yard::lights();
+    let [sun, spot, point] = shadow_scene::lights();
     let mut lights = vec![
         PunctualLight { range_m: Some(0.0), ..point },
         PunctualLight { range_m: Some(f32::NAN), ..point },
@@ -68,11 +68,11 @@ pub fn badly_lit(count: usize) -> Scene {
     ];
     lights.resize_with(count.max(lights.len()), || PunctualLight {
         intensity: 0.01,
-        position: yard::GROUND.max,
+        position: shadow_scene::GROUND.max,
         range_m: Some(2.0),
         ..point
     });
-    yard::scene(&yard::boxes(), &lights)
+    shadow_scene::scene(&shadow_scene::boxes(), &lights)
 }
 
 #[test]
@@ -83,16 +83,16 @@ fn impossible_lights_and_ten_thousand_of_them_do_no_harm() {
             let mut renderer = renderer(device, &scene, shadows());
             let mut view = renderer.new_view().unwrap();
             for _ in 0..2 {
-                image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera());
+                image(&mut renderer, &mut view, Strategy::ANTUMBRA, shadow_scene::camera());
             }
             // Of the seven one is a spot without a width, which is dark and no mistake.
             let degraded = renderer.degradations();
             assert_eq!(degraded.broken_lights, 6);
             assert!(degraded.texts().iter().any(|text| text.starts_with("6 lights have")));
-            let broken = PunctualLight { range_m: Some(f32::NAN), ..yard::lights()[2] };
+            let broken = PunctualLight { range_m: Some(f32::NAN), ..shadow_scene::lights()[2] };
             renderer.set_light(LightId(0), broken).unwrap();
             assert_eq!(renderer.degradations().broken_lights, 6, "another number, as broken");
-            renderer.set_light(LightId(0), yard::lights()[2]).unwrap();
+            renderer.set_light(LightId(0), shadow_scene::lights()[2]).unwrap();
             assert_eq!(renderer.degradations().broken_lights, 5);
         }
     });
@@ -101,11 +101,11 @@ fn impossible_lights_and_ten_thousand_of_them_do_no_harm() {
 #[test]
 fn lights_without_a_shadow_shine_through() {
     run_on_all(|device| {
-        let scene = yard::scene(&yard::boxes(), &yard::lights());
+        let scene = shadow_scene::scene(&shadow_scene::boxes(), &shadow_scene::lights());
         let single = ShadowOptions { filter: ShadowFilter::Single, ..shadows() };
         let mut renderer = renderer(device, &scene, single);
         let mut view = renderer.new_view().unwrap();
-        let shadowed = image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera());
+        let shadowed = image(&mut renderer, &mut view, Strategy::ANTUMBRA, shadow_scene::camera());
         let none = Some(LightShadow { is_cast: false, penumbra_m: 0.0 });
         for light in 0..3 {
             renderer.set_light_shadow(LightId(light), none).unwrap();
@@ -113,7 +113,7 @@ fn lights_without_a_shadow_shine_through() {
         // Each slot held other shadows before.
         let mut lit = Vec::new();
         for _ in 0..2 * renderer.frames_in_flight() {
-            lit = image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera());
+            lit = image(&mut renderer, &mut view, Strategy::ANTUMBRA, shadow_scene::camera());
             // A sum of a light and a share of it may be rounded differently in its last place.
             let is_darker =
                 |(lit, shadowed): &(&u8, &u8)| u16::from(**lit) + 1 < u16::from(**shadowed);
@@ -121,13 +121,13 @@ fn lights_without_a_shadow_shine_through() {
             assert_eq!(darker, 0, "without shadows nothing is darker");
         }
         renderer.set_shadows(ShadowOptions::default()).unwrap();
-        let off = image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera());
+        let off = image(&mut renderer, &mut view, Strategy::ANTUMBRA, shadow_scene::camera());
         assert!(lit == off && lit != shadowed, "without shadows all is as if there were no maps");
         renderer.set_shadows(single).unwrap();
         for light in 0..3 {
             renderer.set_light_shadow(LightId(light), None).unwrap();
         }
-        let again = image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera());
+        let again = image(&mut renderer, &mut view, Strategy::ANTUMBRA, shadow_scene::camera());
         assert!(again == shadowed, "shadows came back");
     });
 }

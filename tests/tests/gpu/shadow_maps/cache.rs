@@ -3,13 +3,13 @@
 
 use cull::{Aabb, ObjectId, Strategy};
 use glam::{Affine3A, Vec3, vec3};
-use render::{Renderer, ViewState};
+use render::{RenderView, Renderer};
 use scene::{
     LightId, MaterialId, MeshId, MorphTarget, Object, ObjectChange, PoseUpdate, PunctualLight,
     Scene, SceneUpdate, SkinWeights, SkinnedMesh, SkinnedMeshId,
 };
 use shadows::{ShadowBias, ShadowCaching, ShadowOptions, ShadowStats};
-use tests::{Driver, run, shapes, yard};
+use tests::{Driver, run, shadow_scene, shapes};
 
 use super::{image, renderer, shadows};
 
@@ -29,7 +29,7 @@ impl Random {
     fn place(&mut self) -> Affine3A {
         let low = vec3(self.unit() * 12.0 - 6.0, self.unit() * 2.0, self.unit() * 12.0 - 8.0);
         let size = 0.3 + Vec3::ONE * self.unit();
-        yard::transform_of(&Aabb::new(low, low + size))
+        shadow_scene::transform_of(&Aabb::new(low, low + size))
     }
 }
 
@@ -38,7 +38,7 @@ pub const FIGURE: ObjectId = ObjectId(1);
 
 /// Returns the yard with a figure: a cube with two joints that grows a bump.
 pub fn scene() -> Scene {
-    let mut scene = yard::scene(&yard::boxes(), &yard::lights());
+    let mut scene = shadow_scene::scene(&shadow_scene::boxes(), &shadow_scene::lights());
     let mesh = shapes::cube(u32::MAX, 3);
     let surfaces = scene.surfaces.as_mut().unwrap();
     surfaces.meshes.push(shapes::surface_of(&mesh, MaterialId(0)));
@@ -96,13 +96,13 @@ fn changes(frame: u32, random: &mut Random, added: &mut Vec<ObjectId>) -> SceneU
 
 /// Returns a light of the yard as it is in a frame: one moves at times.
 fn moved_light(frame: u32) -> PunctualLight {
-    let [.., point] = yard::lights();
+    let [.., point] = shadow_scene::lights();
     let away = (frame / 40) as f32 * 0.3;
     PunctualLight { position: point.position + vec3(-away, 0.0, away), ..point }
 }
 
 /// A renderer, its view, and the ids of the objects that were added to it.
-struct Side(Renderer, ViewState);
+struct Side(Renderer, RenderView);
 
 impl Side {
     fn new(device: &gpu::Device, caching: ShadowCaching, bias: ShadowBias) -> Self {
@@ -115,7 +115,7 @@ impl Side {
         let has_room = update.objects.len() <= 3 || self.0.hierarchy().free_leaves() > 0;
         let added = if has_room { self.0.apply(update).unwrap().added } else { Vec::new() };
         self.0.set_light(LightId(2), moved_light(frame)).unwrap();
-        let mut camera = yard::camera();
+        let mut camera = shadow_scene::camera();
         camera.eye += vec3(0.01, 0.0, -0.005) * frame as f32;
         (image(&mut self.0, &mut self.1, Strategy::ANTUMBRA, camera), added)
     }

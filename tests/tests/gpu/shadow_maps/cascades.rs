@@ -6,18 +6,18 @@ use glam::{Affine3A, Vec3, vec3};
 use gpu::Device;
 use scene::Scene;
 use shadows::{ShadowFilter, ShadowOptions};
-use tests::{run_on_all, yard};
+use tests::{run_on_all, shadow_scene};
 
 use super::{SIZE, image, renderer, shadows};
 
 /// Returns posts all over the ground, whose shadows coarse maps do not keep apart.
 fn posts() -> Scene {
-    let mut boxes = vec![yard::GROUND];
+    let mut boxes = vec![shadow_scene::GROUND];
     for post in 0..400 {
         let [x, z] = [post % 20, post / 20].map(|place| place as f32 * 1.1 - 10.5);
         boxes.push(Aabb::new(vec3(x, 0.0, z), vec3(x + 0.3, 1.6, z + 0.3)));
     }
-    yard::scene(&boxes, &yard::lights()[..1])
+    shadow_scene::scene(&boxes, &shadow_scene::lights()[..1])
 }
 
 /// Returns the light of each pixel's red, 0 to 255.
@@ -25,7 +25,7 @@ fn light(device: &Device, scene: &Scene, shadows: ShadowOptions) -> Vec<f32> {
     let mut renderer = renderer(device, scene, shadows);
     let mut view = renderer.new_view().unwrap();
     let linear = |code: u8| (f32::from(code) / 255.0).powf(2.2) * 255.0;
-    let pixels = image(&mut renderer, &mut view, Strategy::FRUSTUM, yard::camera());
+    let pixels = image(&mut renderer, &mut view, Strategy::FRUSTUM, shadow_scene::camera());
     pixels.chunks_exact(4).map(|pixel| linear(pixel[0])).collect()
 }
 
@@ -58,7 +58,7 @@ fn a_scene_in_units_of_ten_kilometres_has_the_shadows_of_one_in_metres() {
             object.transform = Affine3A::from_scale(Vec3::splat(unit_m)) * object.transform;
         }
         let dark = |scene: &Scene, unit_m: f32| {
-            let camera = yard::camera();
+            let camera = shadow_scene::camera();
             let camera = Camera { eye: camera.eye * unit_m, near: 0.1 * unit_m, ..camera };
             let draw = |options| {
                 let mut renderer = renderer(device, scene, options);

@@ -2,16 +2,16 @@
 
 use cull::{Aabb, Camera, Strategy};
 use glam::vec3;
-use render::{Rect, ViewTarget, ViewsRequest};
+use render::{Rect, ViewRequest, ViewsRequest};
 use scene::{Alpha, Material};
 use shadows::{ShadowBias, ShadowFilter, ShadowOptions};
-use tests::{run_on_all, yard};
+use tests::{run_on_all, shadow_scene};
 
 use super::{SIZE, image, renderer, shadows};
 
 /// Returns a camera that walks along the yard and turns.
 pub fn walking(frame: u32) -> Camera {
-    let camera = yard::camera();
+    let camera = shadow_scene::camera();
     let (sine, cosine) = (frame as f32 * 0.15).sin_cos();
     let eye = vec3(6.0 * sine, 1.2 + 0.05 * frame as f32, 7.0 + 2.0 * cosine);
     Camera { eye, forward: (vec3(sine, 0.8, -2.0) - eye).normalize(), ..camera }
@@ -20,15 +20,15 @@ pub fn walking(frame: u32) -> Camera {
 #[test]
 fn every_exact_strategy_has_the_same_shadows() {
     run_on_all(|device| {
-        let scene = yard::scene(&yard::boxes(), &yard::lights());
+        let scene = shadow_scene::scene(&shadow_scene::boxes(), &shadow_scene::lights());
         for filter in [ShadowFilter::Adaptive, ShadowFilter::Pcss12] {
             let mut renderer = renderer(device, &scene, ShadowOptions { filter, ..shadows() });
             let strategies = [
                 Strategy::ANTUMBRA_QUERIES,
                 Strategy::ANTUMBRA_FLAGS,
                 Strategy::ANTUMBRA_COMPUTE,
-                methods::COHERENT,
-                methods::PYRAMID,
+                methods::CHC,
+                methods::HZB,
             ];
             let supported =
                 strategies.into_iter().filter(|strategy| renderer.supports(*strategy).is_ok());
@@ -52,17 +52,20 @@ fn every_exact_strategy_has_the_same_shadows() {
 #[test]
 fn each_of_two_views_has_the_cascades_of_its_own_eye() {
     run_on_all(|device| {
-        let scene = yard::scene(&yard::boxes(), &yard::lights());
+        let scene = shadow_scene::scene(&shadow_scene::boxes(), &shadow_scene::lights());
         let halves =
             [0, SIZE[0] / 2].map(|x| Rect { origin: [x, 0], size: [SIZE[0] / 2, SIZE[1]] });
-        let far =
-            Camera { eye: vec3(-9.0, 3.0, -12.0), forward: vec3(0.5, -0.2, 0.8), ..yard::camera() };
-        let cameras = [yard::camera(), far];
+        let far = Camera {
+            eye: vec3(-9.0, 3.0, -12.0),
+            forward: vec3(0.5, -0.2, 0.8),
+            ..shadow_scene::camera()
+        };
+        let cameras = [shadow_scene::camera(), far];
         let draw = |shown: &[usize]| {
             let mut renderer = renderer(device, &scene, shadows());
             let mut views: Vec<_> = shown.iter().map(|_| renderer.new_view().unwrap()).collect();
             let image = gpu::Readback::new(device, SIZE).unwrap();
-            let target = |(state, view): (_, &usize)| ViewTarget {
+            let target = |(state, view): (_, &usize)| ViewRequest {
                 state,
                 viewpoint: cameras[*view].into(),
                 visible: None,
@@ -76,7 +79,7 @@ fn each_of_two_views_has_the_cascades_of_its_own_eye() {
                 after: None,
             };
             renderer.render_views(&mut targets, &request).unwrap();
-            device.drain().unwrap();
+            device.wait_idle().unwrap();
             image.rgba8().unwrap().to_vec()
         };
         let both = draw(&[0, 1]);
@@ -95,12 +98,15 @@ fn each_of_two_views_has_the_cascades_of_its_own_eye() {
 fn what_no_view_shows_casts_its_shadow() {
     run_on_all(|device| {
         // A plate high above, behind the eye, between the sun and the ground ahead.
-        let [sun, ..] = yard::lights();
+        let [sun, ..] = shadow_scene::lights();
         let plate = Aabb::new(vec3(-2.0, 14.0, 3.0), vec3(6.0, 14.2, 12.0));
-        let lit = yard::scene(&[yard::GROUND], &[sun]);
-        let shadowed = yard::scene(&[yard::GROUND, plate], &[sun]);
-        let camera =
-            Camera { eye: vec3(0.0, 4.0, 6.0), forward: vec3(-0.4, -0.9, -0.6), ..yard::camera() };
+        let lit = shadow_scene::scene(&[shadow_scene::GROUND], &[sun]);
+        let shadowed = shadow_scene::scene(&[shadow_scene::GROUND, plate], &[sun]);
+        let camera = Camera {
+            eye: vec3(0.0, 4.0, 6.0),
+            forward: vec3(-0.4, -0.9, -0.6),
+            ..shadow_scene::camera()
+        };
         let [lit, shadowed] = [lit, shadowed].map(|scene| {
             let mut renderer = renderer(device, &scene, shadows());
             let mut view = renderer.new_view().unwrap();
@@ -114,11 +120,11 @@ fn what_no_view_shows_casts_its_shadow() {
 #[test]
 fn light_falls_through_the_holes_of_masked_materials() {
     run_on_all(|device| {
-        let [sun, ..] = yard::lights();
+        let [sun, ..] = shadow_scene::lights();
         let plate = Aabb::new(vec3(-3.0, 3.0, -3.0), vec3(3.0, 3.1, 3.0));
         let draw = |alpha: f32, is_there: bool| {
-            let boxes = [yard::GROUND, plate];
-            let mut scene = yard::scene(&boxes[..1 + usize::from(is_there)], &[sun]);
+            let boxes = [shadow_scene::GROUND, plate];
+            let mut scene = shadow_scene::scene(&boxes[..1 + usize::from(is_there)], &[sun]);
             let mut leaf = scene.meshes[0].clone();
             leaf.name = "leaf".to_owned();
             scene.meshes.push(leaf);
@@ -140,7 +146,7 @@ fn light_falls_through_the_holes_of_masked_materials() {
             let camera = Camera {
                 eye: vec3(0.0, 2.0, 9.0),
                 forward: vec3(0.0, -0.3, -1.0),
-                ..yard::camera()
+                ..shadow_scene::camera()
             };
             image(&mut renderer, &mut view, Strategy::ANTUMBRA, camera)
         };
@@ -153,11 +159,11 @@ fn light_falls_through_the_holes_of_masked_materials() {
 #[test]
 fn every_bias_darkens_the_same_places() {
     run_on_all(|device| {
-        let scene = yard::scene(&yard::boxes(), &yard::lights());
+        let scene = shadow_scene::scene(&shadow_scene::boxes(), &shadow_scene::lights());
         let draw = |options| {
             let mut renderer = renderer(device, &scene, options);
             let mut view = renderer.new_view().unwrap();
-            image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera())
+            image(&mut renderer, &mut view, Strategy::ANTUMBRA, shadow_scene::camera())
         };
         let lit = draw(ShadowOptions::default());
         let planes = draw(shadows());

@@ -5,10 +5,10 @@ use std::f32::consts::TAU;
 
 use cull::{Aabb, Camera, Projection, Strategy};
 use glam::{Quat, Vec3, vec3};
-use render::{DebugOverlay, Renderer, ViewState};
+use render::{DebugOverlay, RenderView, Renderer};
 use scene::{LightId, PunctualLight, Scene};
 use shadows::{CasterCulling, ShadowCaching, ShadowFilter, ShadowOptions, ShadowStats};
-use tests::{Driver, run, run_on_all, yard};
+use tests::{Driver, run, run_on_all, shadow_scene};
 
 use super::{image, renderer, shadows};
 
@@ -33,7 +33,7 @@ fn boxes() -> Vec<Aabb> {
 
 /// Returns a low sun, a spot light and lamps, one of them where no path sees its light.
 fn lights(frame: u32) -> Vec<PunctualLight> {
-    let [sun, spot, point] = yard::lights();
+    let [sun, spot, point] = shadow_scene::lights();
     let angle = frame as f32 * 0.02;
     let sway = vec3(angle.sin(), 0.0, angle.cos());
     let turned = Quat::from_rotation_y(angle * 0.1);
@@ -47,7 +47,7 @@ fn lights(frame: u32) -> Vec<PunctualLight> {
 
 /// Returns the town.
 pub fn scene() -> Scene {
-    yard::scene(&boxes(), &lights(0))
+    shadow_scene::scene(&boxes(), &lights(0))
 }
 
 /// Returns the camera at street level, which walks and looks around; at last it stands.
@@ -64,7 +64,7 @@ fn camera(frame: u32) -> Camera {
 }
 
 /// A renderer and its view of the town.
-pub struct Side(Renderer, ViewState);
+pub struct Side(Renderer, RenderView);
 
 impl Side {
     /// Creates a renderer of the town with these shadows.
@@ -159,8 +159,8 @@ fn every_strategy_draws_with_the_same_casters() {
             Strategy::FRUSTUM,
             Strategy::ANTUMBRA_QUERIES,
             Strategy::ANTUMBRA_COMPUTE,
-            methods::COHERENT,
-            methods::PYRAMID,
+            methods::CHC,
+            methods::HZB,
         ];
         for strategy in strategies {
             let culled = options(ShadowCaching::Uncached, CasterCulling::Culled);
@@ -192,7 +192,7 @@ fn what_looks_from_elsewhere_sees_all_casters() {
 fn a_light_that_shines_on_nothing_visible_costs_one_test_and_no_triangle() {
     run_on_all(|device| {
         let [.., hidden] = lights(0)[..] else { panic!("no light") };
-        let scene = yard::scene(&boxes(), &[hidden]);
+        let scene = shadow_scene::scene(&boxes(), &[hidden]);
         let culled = options(ShadowCaching::Uncached, CasterCulling::Culled);
         let mut renderer = renderer(device, &scene, culled);
         let mut view = renderer.new_view().unwrap();

@@ -10,7 +10,7 @@ use scene::{
     Mesh, MeshId, Object, PunctualLight, Scene, Vertex, bounds_of_vertices, pack_normal, pack_unorm,
 };
 use shadows::{ShadowBias, ShadowCaching, ShadowFilter, ShadowOptions};
-use tests::{run_on_all, shapes, yard};
+use tests::{run_on_all, shadow_scene, shapes};
 
 use super::{image, renderer, shadows};
 
@@ -86,7 +86,7 @@ fn sheet(height: impl Fn(f32, f32) -> f32, thickness_m: Option<f32>) -> Mesh {
 
 /// Returns a scene of a sheet at a height, and boxes.
 fn scene(mesh: Mesh, height_m: f32, boxes: &[Aabb], lights: &[PunctualLight]) -> Scene {
-    let mut scene = yard::scene(boxes, lights);
+    let mut scene = shadow_scene::scene(boxes, lights);
     let surfaces = scene.surfaces.as_mut().unwrap();
     surfaces.meshes.push(shapes::surface_of(&mesh, surfaces.meshes[0].material));
     scene.meshes.push(mesh);
@@ -97,7 +97,7 @@ fn scene(mesh: Mesh, height_m: f32, boxes: &[Aabb], lights: &[PunctualLight]) ->
 
 /// Returns lights of each kind that leave nothing of the waves dark.
 fn lights_above() -> [PunctualLight; 3] {
-    let [sun, spot, point] = yard::lights();
+    let [sun, spot, point] = shadow_scene::lights();
     [
         PunctualLight { direction: vec3(0.05, -1.0, 0.03).normalize(), ..sun },
         PunctualLight { position: vec3(0.2, 6.0, 0.1), direction: Vec3::NEG_Y, ..spot },
@@ -162,7 +162,7 @@ fn open_meshes_do_not_shadow_themselves_and_keep_their_shadow() {
         let flat = || sheet(|_, _| 0.0, None);
         let finer = ShadowOptions { sun_side: 1024, spot_side: 512, point_side: 512, ..shadows() };
         let camera = looking(vec3(-3.5, 2.6, 4.4), vec3(-1.0, 0.0, 0.3));
-        for light in yard::lights() {
+        for light in shadow_scene::lights() {
             let alone = scene(flat(), 0.0, &[], &[light]);
             let all = ShadowFilter::ALL.map(|filter| ShadowOptions {
                 bias: ShadowBias::Midpoint,
@@ -181,7 +181,7 @@ fn open_meshes_do_not_shadow_themselves_and_keep_their_shadow() {
         let mut roof = flat();
         roof.vertices.iter_mut().for_each(|vertex| vertex.position[0] *= 0.4);
         roof.bounds = bounds_of_vertices(&roof.vertices);
-        let roofed = scene(roof, 1.4, &[yard::GROUND], &[sun]);
+        let roofed = scene(roof, 1.4, &[shadow_scene::GROUND], &[sun]);
         let single = ShadowOptions { filter: ShadowFilter::Single, ..finer };
         let options = [
             ShadowOptions::default(),
@@ -200,12 +200,12 @@ fn open_meshes_do_not_shadow_themselves_and_keep_their_shadow() {
 #[test]
 fn midpoints_are_made_of_all_casters() {
     run_on_all(|device| {
-        let scene = yard::scene(&yard::boxes(), &yard::lights());
+        let scene = shadow_scene::scene(&shadow_scene::boxes(), &shadow_scene::lights());
         let uncached = ShadowOptions { caching: ShadowCaching::Uncached, ..shadows() };
         let [planes, midpoints] = [ShadowBias::Plane, ShadowBias::Midpoint].map(|bias| {
             let mut renderer = renderer(device, &scene, ShadowOptions { bias, ..uncached });
             let mut view = renderer.new_view().unwrap();
-            image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera());
+            image(&mut renderer, &mut view, Strategy::ANTUMBRA, shadow_scene::camera());
             renderer.shadow_stats()
         });
         assert_eq!(planes.culled_faces, planes.faces);

@@ -5,7 +5,7 @@ use glam::{Vec3, vec3};
 use scene::PunctualLight;
 use shadows::{ShadowBias, ShadowFilter, ShadowOptions};
 use tests::box_rays::{is_blocked, shown_at, towards};
-use tests::{run_on_all, yard};
+use tests::{run_on_all, shadow_scene};
 
 use super::{SIZE, image, renderer, shadows};
 
@@ -82,12 +82,13 @@ pub fn judge(
 #[test]
 fn maps_agree_with_ray_casting_away_from_edges() {
     run_on_all(|device| {
-        let boxes = yard::boxes();
-        let camera = yard::camera();
+        let boxes = shadow_scene::boxes();
+        let camera = shadow_scene::camera();
         let both = [ShadowBias::Plane, ShadowBias::Midpoint];
-        let cases = yard::lights().into_iter().flat_map(|light| both.map(|bias| (light, bias)));
+        let cases =
+            shadow_scene::lights().into_iter().flat_map(|light| both.map(|bias| (light, bias)));
         for (light, bias) in cases {
-            let scene = yard::scene(&boxes, &[light]);
+            let scene = shadow_scene::scene(&boxes, &[light]);
             let options = ShadowOptions {
                 bias,
                 filter: ShadowFilter::Single,
@@ -112,7 +113,7 @@ fn maps_agree_with_ray_casting_away_from_edges() {
 #[test]
 fn nothing_shadows_itself() {
     run_on_all(|device| {
-        let [sun, spot, point] = yard::lights();
+        let [sun, spot, point] = shadow_scene::lights();
         let along = |direction: Vec3| PunctualLight { direction: direction.normalize(), ..sun };
         let lights = [
             along(vec3(-0.5, -0.8, -0.3)),
@@ -122,11 +123,15 @@ fn nothing_shadows_itself() {
             point,
         ];
         for light in lights {
-            let mut renderer = renderer(device, &yard::scene(&[yard::GROUND], &[light]), shadows());
+            let mut renderer = renderer(
+                device,
+                &shadow_scene::scene(&[shadow_scene::GROUND], &[light]),
+                shadows(),
+            );
             let mut view = renderer.new_view().unwrap();
             let mut draw = |options| {
                 renderer.set_shadows(options).unwrap();
-                image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera())
+                image(&mut renderer, &mut view, Strategy::ANTUMBRA, shadow_scene::camera())
             };
             let lit = draw(ShadowOptions::default());
             let both = [ShadowBias::Plane, ShadowBias::Midpoint];

@@ -5,7 +5,7 @@ use cull::{Aabb, Camera, Projection, Strategy};
 use glam::{Vec3, vec3};
 use scene::{LightKind, PunctualLight};
 use shadows::{CasterCulling, ShadowCaching, ShadowFilter, ShadowMethod, ShadowOptions};
-use tests::{Driver, run, yard};
+use tests::{Driver, run, shadow_scene};
 
 use super::{image, renderer, shadows};
 
@@ -18,7 +18,7 @@ fn compare(
     exposure: f32,
 ) {
     run(Driver::Lavapipe, |device| {
-        let scene = yard::scene(boxes, &[light]);
+        let scene = shadow_scene::scene(boxes, &[light]);
         let [all, culled] = [CasterCulling::Unculled, CasterCulling::Culled].map(|culling| {
             let options = ShadowOptions { culling, caching: ShadowCaching::Uncached, ..options };
             let mut renderer = renderer(device, &scene, options);
@@ -41,7 +41,7 @@ fn lamp() -> PunctualLight {
         range_m: Some(15.0),
         position: vec3(0.0, 2.0, 0.0),
         direction: Vec3::NEG_Y,
-        picture: None,
+        cookie: None,
     }
 }
 

@@ -1,6 +1,6 @@
 //! Rays: which pixels are in shadow, and which are too near to an edge to say.
 
-use cull::View;
+use cull::CullView;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::world::World;
@@ -35,7 +35,7 @@ fn hit(from: DVec3, along: DVec3, corners: &[Vec3; 3]) -> Option<(f64, f64)> {
 }
 
 /// Returns what is seen through the middle of a pixel.
-fn look(world: &World, view: &View, light: Vec4, pixel: [u32; 2]) -> Seen {
+fn look(world: &World, view: &CullView, light: Vec4, pixel: [u32; 2]) -> Seen {
     let ndc = |side: usize| (2.0 * pixel[side] as f32 + 1.0) / view.size[side] as f32 - 1.0;
     let place = Vec2::new(ndc(0), ndc(1));
     let near = view.rays.point(place, view.rays.near).as_dvec3();
@@ -71,7 +71,7 @@ fn look(world: &World, view: &View, light: Vec4, pixel: [u32; 2]) -> Seen {
 
 /// Compares the masks of lights with rays at each pixel farther than one pixel from an edge, of a
 /// shadow or of a triangle; returns how many pixels were lit and shaded.
-pub fn judge(world: &World, view: &View, lights: &[Vec4], mask: &[u32]) -> [u32; 2] {
+pub fn judge(world: &World, view: &CullView, lights: &[Vec4], mask: &[u32]) -> [u32; 2] {
     let [width, height] = view.size;
     let mut judged = [0; 2];
     for (bit, light) in lights.iter().enumerate() {

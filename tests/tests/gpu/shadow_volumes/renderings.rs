@@ -1,6 +1,6 @@
 //! The depth of a world and the mask of its shadows, drawn by the engine's passes.
 
-use cull::{Aabb, Camera, View};
+use cull::{Aabb, Camera, CullView};
 use glam::Vec4;
 use gpu::{Access, Attachments, Buffer, Device, FrameRing, MemoryBarrier, MemoryKind, Target, vk};
 use occlusion::ShaderSet;
@@ -69,8 +69,8 @@ impl Renderings {
         }
     }
 
-    pub fn view(&self, device: &Device, camera: &Camera) -> View {
-        View::new(camera, self.size, device.adapter().limits.sub_pixel_precision_bits)
+    pub fn view(&self, device: &Device, camera: &Camera) -> CullView {
+        CullView::new(camera, self.size, device.adapter().limits.sub_pixel_precision_bits)
     }
 
     /// Returns the mask: one bit per light for each pixel.
@@ -140,7 +140,7 @@ impl Renderings {
         let to_host = MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]);
         commands.barrier(to_host);
         frame.submit(None).unwrap();
-        device.drain().unwrap();
+        device.wait_idle().unwrap();
         let pixels = (self.size[0] * self.size[1]) as usize;
         let values = self.readback.read::<u32>(0..pixels * LAYERS as usize);
         let (first, second) = values.split_at(pixels);

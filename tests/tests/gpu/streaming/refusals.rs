@@ -1,13 +1,13 @@
 //! Meshes and materials that there is no room for, or that a scene cannot show.
 
 use glam::{Affine2, Vec2, Vec3};
-use render::{Renderer, SpareRoom, TextureRoom};
+use render::{Renderer, SpareCapacity, TextureCapacity};
 use scene::{
     Alpha, Encoding, Image, Material, MaterialId, MeshId, Object, ObjectChange, PreparedMesh,
     PreparedTexture, Sampler, TextureId, TextureUse,
 };
 use tests::run_on_all;
-use tests::stage::Random;
+use tests::window_fixture::Random;
 
 use super::scenes::{
     Kind, SPARE, first_scene, object, options, rooms, some_mesh, spare, surface_of,
@@ -17,7 +17,7 @@ use super::scenes::{
 fn a_mesh_that_does_not_fit_is_refused_by_name_and_changes_nothing() {
     run_on_all(|device| {
         let mut random = Random::new(5);
-        let spare = SpareRoom { meshes: 1, ..SPARE };
+        let spare = SpareCapacity { meshes: 1, ..SPARE };
         let [plain, surfaces] = [Kind::Plain, Kind::Surfaces].map(first_scene);
         let mut plain = Renderer::new(device, &plain, &options(spare.clone())).unwrap();
         let mut lit = Renderer::new(device, &surfaces, &options(spare)).unwrap();
@@ -44,12 +44,12 @@ fn a_mesh_that_does_not_fit_is_refused_by_name_and_changes_nothing() {
         assert!(unknown.contains("no such mesh"), "{unknown}");
         let scene = first_scene(Kind::Surfaces);
         for (spare, reason) in [
-            (SpareRoom { meshes: u32::MAX, ..SPARE }, "no memory for meshes"),
-            (SpareRoom { levels: u32::MAX, ..SPARE }, "no memory for meshes"),
-            (SpareRoom { vertices: u32::MAX, ..SPARE }, "vertices, with room"),
-            (SpareRoom { indices: u32::MAX, ..SPARE }, "indices, with room"),
-            (SpareRoom { lights: u32::MAX, ..SPARE }, "lights"),
-            (SpareRoom { materials: u32::MAX, ..SPARE }, "materials, with room"),
+            (SpareCapacity { meshes: u32::MAX, ..SPARE }, "no memory for meshes"),
+            (SpareCapacity { levels: u32::MAX, ..SPARE }, "no memory for meshes"),
+            (SpareCapacity { vertices: u32::MAX, ..SPARE }, "vertices, with room"),
+            (SpareCapacity { indices: u32::MAX, ..SPARE }, "indices, with room"),
+            (SpareCapacity { lights: u32::MAX, ..SPARE }, "lights"),
+            (SpareCapacity { materials: u32::MAX, ..SPARE }, "materials, with room"),
         ] {
             let error = Renderer::new(device, &scene, &options(spare)).err().unwrap().to_string();
             assert!(error.contains(reason), "{error}");
@@ -126,7 +126,7 @@ fn a_texture_that_there_is_no_room_for_is_refused_by_name_and_changes_nothing() 
             let error = renderer.add_textures(vec![good.clone(), other.unwrap()]).unwrap_err();
             let error = error.to_string();
             assert!(
-                error.contains("texture 1") && error.contains("SpareRoom::textures"),
+                error.contains("texture 1") && error.contains("SpareCapacity::textures"),
                 "{error}"
             );
         }
@@ -150,14 +150,14 @@ fn a_texture_that_there_is_no_room_for_is_refused_by_name_and_changes_nothing() 
         let material = Material { base_colour_texture: Some(gone), ..Material::default() };
         let error = renderer.add_materials(&[material]).unwrap_err().to_string();
         assert!(error.contains("not on the GPU"), "{error}");
-        let room = |size, layers| TextureRoom { size, layers, ..rooms()[0] };
+        let room = |size, layers| TextureCapacity { size, layers, ..rooms()[0] };
         for (textures, reason) in [
             (vec![room([4, 4], 1); 12], "kinds of textures that may come"),
             (vec![room([4, 4], u32::MAX)], "textures of one kind"),
             (vec![room([0, 4], 1)], "the width of the texture"),
             (vec![room([4, 4], 0)], "the number of layers"),
         ] {
-            let spare = SpareRoom { textures, ..SPARE };
+            let spare = SpareCapacity { textures, ..SPARE };
             let error = Renderer::new(device, &scene, &options(spare)).err().unwrap().to_string();
             assert!(error.contains(reason), "{error}");
         }

@@ -3,17 +3,17 @@
 use cull::DetailPolicy;
 use glam::{Affine2, Affine3A, Vec2, Vec3, vec2, vec3};
 use render::surfaces::TextureStorage;
-use render::{Costs, RendererOptions, SpareRoom, TextureRoom};
+use render::{CostModel, RendererOptions, SpareCapacity, TextureCapacity};
 use scene::{
     Alpha, Encoding, Image, ImageId, LodLevel, Material, MaterialId, Mesh, MeshId, Object,
     PreparedMesh, PreparedTexture, Sampler, Scene, SurfaceMesh, SurfaceVertex, Surfaces, Texture,
     TextureId, TextureUse,
 };
-use tests::stage::Random;
-use tests::studio::snorm16;
+use tests::surface_fixture::snorm16;
+use tests::window_fixture::Random;
 
 pub(super) const SIZE: [u32; 2] = [96, 64];
-pub(super) const SPARE: SpareRoom = SpareRoom {
+pub(super) const SPARE: SpareCapacity = SpareCapacity {
     lights: 0,
     directional_lights: 0,
     meshes: 9,
@@ -67,8 +67,8 @@ pub(super) fn some_mesh(random: &mut Random, kind: Kind, material: MaterialId) -
 }
 
 /// Returns room for textures of three kinds: large ones take several frames each.
-pub(super) fn rooms() -> Vec<TextureRoom> {
-    let room = |(size, encoding, layers)| TextureRoom {
+pub(super) fn rooms() -> Vec<TextureCapacity> {
+    let room = |(size, encoding, layers)| TextureCapacity {
         size,
         encoding,
         sampler: Sampler::default(),
@@ -82,7 +82,7 @@ pub(super) fn rooms() -> Vec<TextureRoom> {
 /// Returns a texture of any kind that there is room for.
 pub(super) fn some_texture(random: &mut Random) -> PreparedTexture {
     let rooms = rooms();
-    let TextureRoom { size, encoding, sampler, .. } =
+    let TextureCapacity { size, encoding, sampler, .. } =
         rooms[random.below(rooms.len() as u32) as usize];
     let bytes = size[0] * size[1] * 4;
     let alpha = |at: u32, byte: u8| if at % 4 == 3 { byte | 0x80 } else { byte };
@@ -178,11 +178,11 @@ pub(super) fn object(mesh: u32, at: Vec3) -> Object {
 }
 
 /// Returns options with textures on pages.
-pub(super) fn options(spare: SpareRoom) -> RendererOptions {
+pub(super) fn options(spare: SpareCapacity) -> RendererOptions {
     RendererOptions {
-        textures: Some(TextureStorage::Pages),
+        textures: Some(TextureStorage::ArrayPacked),
         size: SIZE,
-        costs: Costs::Ignored,
+        cost_model: CostModel::Off,
         spare_objects: 40,
         spare,
         // Several frames for most meshes.
@@ -192,18 +192,18 @@ pub(super) fn options(spare: SpareRoom) -> RendererOptions {
 }
 
 /// Returns options for a scene of a kind.
-pub(super) fn options_of(kind: Kind, spare: SpareRoom) -> RendererOptions {
+pub(super) fn options_of(kind: Kind, spare: SpareCapacity) -> RendererOptions {
     let textures = match kind {
-        Kind::Plain | Kind::Surfaces => TextureStorage::Pages,
-        Kind::Images => TextureStorage::Images,
+        Kind::Plain | Kind::Surfaces => TextureStorage::ArrayPacked,
+        Kind::Images => TextureStorage::Bindless,
     };
     RendererOptions { textures: Some(textures), ..options(spare) }
 }
 
 /// Returns room for what comes to a scene of a kind.
-pub(super) fn spare(kind: Kind) -> SpareRoom {
+pub(super) fn spare(kind: Kind) -> SpareCapacity {
     let textures = if kind == Kind::Surfaces { rooms() } else { Vec::new() };
-    SpareRoom { textures, ..SPARE }
+    SpareCapacity { textures, ..SPARE }
 }
 
 pub(super) fn uses(material: &Material) -> Vec<TextureId> {

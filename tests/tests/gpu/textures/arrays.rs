@@ -1,7 +1,7 @@
 //! Arrays and their mip maps: made by the device and by the CPU, filled in pieces and on another
 //! thread.
 
-use gpu::{Error, FrameRing, MipMaking, TextureArray, TextureArrayInfo, TextureUploads, vk};
+use gpu::{Error, FrameRing, MipGeneration, TextureArray, TextureArrayInfo, TextureUploads, vk};
 use render::surfaces::SurfaceOptions;
 use scene::{Encoding, Filter, Sampler};
 use tests::run_on_all;
@@ -18,7 +18,7 @@ const INFO: TextureArrayInfo<'_> = TextureArrayInfo {
     minified: vk::Filter::LINEAR,
     between_levels: Some(vk::SamplerMipmapMode::LINEAR),
     anisotropy: 1.0,
-    mip_making: MipMaking::Blits,
+    mip_making: MipGeneration::Blits,
 };
 
 #[test]
@@ -30,7 +30,7 @@ fn what_is_made_smaller_is_the_mean_of_its_light() {
         let spots =
             |x: u32, y: u32| [if x % 2 + y % 2 == 0 { 255 } else { 0 }; 4].map(|part| part.max(1));
         for (encoding, mean) in [(Encoding::Srgb, 137.0), (Encoding::Linear, 137.0)] {
-            for mip_making in [MipMaking::Blits, MipMaking::Cpu] {
+            for mip_making in [MipGeneration::Blits, MipGeneration::Cpu] {
                 for anisotropy in [None, Some(8.0)] {
                     let surfaces =
                         one(image([64, 64], spots), texture(0, encoding, sampler), unlit());
@@ -55,7 +55,7 @@ fn both_ways_make_the_same_levels_of_odd_sizes() {
         let sampler =
             Sampler { minified: Filter::Linear, between_levels: Some(Filter::Linear), ..SHARP };
         let soft = |x: u32, y: u32| [(x * 3) as u8, (y * 4) as u8, 128, 255];
-        let drawn = [MipMaking::Blits, MipMaking::Cpu].map(|mip_making| {
+        let drawn = [MipGeneration::Blits, MipGeneration::Cpu].map(|mip_making| {
             let surfaces =
                 one(image([80, 48], soft), texture(0, Encoding::Linear, sampler), unlit());
             let options = SurfaceOptions { mip_making, ..Default::default() };
@@ -75,7 +75,7 @@ fn both_ways_make_the_same_levels_of_odd_sizes() {
 #[test]
 fn layers_come_in_pieces_and_what_is_no_piece_is_refused() {
     run_on_all(|device| {
-        for mip_making in [MipMaking::Blits, MipMaking::Cpu] {
+        for mip_making in [MipGeneration::Blits, MipGeneration::Cpu] {
             let info = TextureArrayInfo { mip_making, ..INFO };
             let mut array = TextureArray::new(device, &info).unwrap();
             let mut uploads = TextureUploads::new(device).unwrap();

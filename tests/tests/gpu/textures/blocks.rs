@@ -2,12 +2,15 @@
 //! elsewhere, with the same texels.
 
 use glam::Vec3;
-use gpu::{Device, Error, MipMaking, Optional, TextureArray, TextureArrayInfo, TextureUploads, vk};
+use gpu::{
+    Device, Error, MipGeneration, OptionalFeature, TextureArray, TextureArrayInfo, TextureUploads,
+    vk,
+};
 use scene::{
     Alpha, AstcBlock, BlockFormat, Encoding, Filter, Image, LightKind, Material, PunctualLight,
     Sampler, Surfaces, Texels,
 };
-use tests::studio::snorm16;
+use tests::surface_fixture::snorm16;
 use tests::{Driver, run, run_on_all};
 
 use super::{SHARP, SIDE, at, draw, one, scene_of, texel_at, texture, unlit, using, whole};
@@ -126,7 +129,7 @@ fn lit(device: &Device, image: Image, change: impl FnOnce(&mut Material)) -> Vec
         range_m: None,
         position: Vec3::ZERO,
         direction: Vec3::new(-0.6, -0.48, -0.64),
-        picture: None,
+        cookie: None,
     }];
     let square = whole(ONCE, |vertex| vertex.tangent = snorm16(Vec3::X, 1));
     let mut scene = scene_of(vec![square], surfaces);
@@ -171,7 +174,7 @@ fn red_alone_is_enough_for_occlusion() {
 /// Returns true if the device samples blocks of BC as they are.
 fn samples_bc(device: &Device) -> bool {
     let has = |optional| device.capabilities().has(optional);
-    has(Optional::IndexedTextures) && has(Optional::BcTextures)
+    has(OptionalFeature::DescriptorIndexing) && has(OptionalFeature::BcTextures)
 }
 
 /// Returns an image whose mip maps have a colour each.
@@ -226,7 +229,7 @@ const INFO: TextureArrayInfo<'_> = TextureArrayInfo {
     minified: vk::Filter::LINEAR,
     between_levels: Some(vk::SamplerMipmapMode::LINEAR),
     anisotropy: 1.0,
-    mip_making: MipMaking::Given(3),
+    mip_making: MipGeneration::Given(3),
 };
 
 /// Creates an array and writes its layers.
@@ -248,10 +251,10 @@ fn arrays_take_the_blocks_that_the_device_has() {
     run_on_all(|device| {
         let has = |optional| device.capabilities().has(optional);
         for (format, block, needed) in [
-            (vk::Format::BC1_RGB_SRGB_BLOCK, BlockFormat::Bc1, Optional::BcTextures),
-            (vk::Format::BC5_UNORM_BLOCK, BlockFormat::Bc5, Optional::BcTextures),
-            (vk::Format::BC7_SRGB_BLOCK, BlockFormat::Bc7, Optional::BcTextures),
-            (vk::Format::ASTC_6X5_UNORM_BLOCK, astc(), Optional::AstcTextures),
+            (vk::Format::BC1_RGB_SRGB_BLOCK, BlockFormat::Bc1, OptionalFeature::BcTextures),
+            (vk::Format::BC5_UNORM_BLOCK, BlockFormat::Bc5, OptionalFeature::BcTextures),
+            (vk::Format::BC7_SRGB_BLOCK, BlockFormat::Bc7, OptionalFeature::BcTextures),
+            (vk::Format::ASTC_6X5_UNORM_BLOCK, astc(), OptionalFeature::AstcTextures),
         ] {
             let levels: Vec<Vec<u8>> = [[13, 9], [6, 4], [3, 2]]
                 .map(|size| vec![0x55; block.bytes(size).unwrap() as usize])
@@ -270,12 +273,12 @@ fn arrays_take_the_blocks_that_the_device_has() {
             };
             wrong(info, &levels[..2]);
             wrong(info, &[levels[0].clone(), levels[0].clone(), levels[2].clone()]);
-            wrong(TextureArrayInfo { mip_making: MipMaking::Blits, ..info }, &levels);
-            wrong(TextureArrayInfo { mip_making: MipMaking::Cpu, ..info }, &levels);
+            wrong(TextureArrayInfo { mip_making: MipGeneration::Blits, ..info }, &levels);
+            wrong(TextureArrayInfo { mip_making: MipGeneration::Cpu, ..info }, &levels);
             let mut array = TextureArray::new(device, &info).unwrap();
             let rows = TextureUploads::new(device).unwrap().write_rows(&mut array, 0, &levels[0]);
             assert!(matches!(rows, Err(Error::WrongCommands(_))), "its mip maps are lost");
-            let one_level = TextureArrayInfo { mip_making: MipMaking::Given(1), ..info };
+            let one_level = TextureArrayInfo { mip_making: MipGeneration::Given(1), ..info };
             assert!(written(device, &one_level, &levels[..1]).unwrap());
         }
         let other = TextureArrayInfo { format: vk::Format::BC6H_UFLOAT_BLOCK, ..INFO };
@@ -296,7 +299,7 @@ fn all_blocks_of_astc_have_the_size_that_images_say() {
             let info = TextureArrayInfo {
                 size,
                 format: vk::Format::from_raw(format),
-                mip_making: MipMaking::Given(1),
+                mip_making: MipGeneration::Given(1),
                 ..INFO
             };
             let level = vec![0x55; block.bytes(size).unwrap() as usize];

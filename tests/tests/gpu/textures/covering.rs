@@ -4,7 +4,7 @@ use glam::{Affine3A, DVec3, EulerRot, Quat, Vec3};
 use scene::{
     Alpha, Encoding, Material, MaterialId, MeshId, Object, SurfaceMesh, SurfaceVertex, Surfaces,
 };
-use tests::{run_on_all, studio};
+use tests::{run_on_all, surface_fixture};
 
 use super::{
     SHARP, SIDE, assert_close, draw, image, one, reference, scene_of, texture, unlit, using, whole,
@@ -32,7 +32,7 @@ fn masks_cut_holes_where_alpha_is_below_the_cutoff() {
             surfaces.materials.push(behind);
             let meshes = vec![
                 whole(ONCE, |_| {}),
-                studio::quad(SIDE, [0, 0], [SIDE, SIDE / 2], 5.0, ONCE, 1, |_| {}),
+                surface_fixture::quad(SIDE, [0, 0], [SIDE, SIDE / 2], 5.0, ONCE, 1, |_| {}),
             ];
             let mut scene = scene_of(meshes, surfaces);
             scene.light.sky = [1.0, 1.0, 0.0];
@@ -60,8 +60,9 @@ fn ties_do_not_depend_on_the_order_of_draws() {
         let draw_in = |order: [usize; 3]| {
             let materials = order.map(|place| material(colours[place])).to_vec();
             let surfaces = Surfaces { materials, ..Surfaces::default() };
-            let square =
-                |material| studio::quad(SIDE, [0, 0], [SIDE, SIDE], 4.0, ONCE, material, |_| {});
+            let square = |material| {
+                surface_fixture::quad(SIDE, [0, 0], [SIDE, SIDE], 4.0, ONCE, material, |_| {})
+            };
             draw(device, &scene_of((0..3).map(square).collect(), surfaces))
         };
         let first = draw_in([0, 1, 2]);
@@ -80,7 +81,7 @@ fn the_sky_is_where_nothing_is_and_black_surfaces_stay_black() {
             Material { base_colour: [0.0, 0.0, 0.0, 1.0], is_unlit: true, ..Material::default() };
         let surfaces = Surfaces { materials: vec![black], ..Surfaces::default() };
         // Far away, where depth is nearly that of nothing.
-        let half = studio::quad(SIDE, [0, 0], [SIDE / 2, SIDE], 1.0e6, ONCE, 0, |_| {});
+        let half = surface_fixture::quad(SIDE, [0, 0], [SIDE / 2, SIDE], 1.0e6, ONCE, 0, |_| {});
         let mut scene = scene_of(vec![half], surfaces);
         scene.light.sky = [0.0, 1.0, 0.0];
         for (pixel, found) in draw(device, &scene).into_iter().enumerate() {
@@ -106,10 +107,10 @@ fn blended_surfaces_mix_and_are_hidden_but_hide_nothing() {
         ];
         let surfaces = Surfaces { materials, ..Surfaces::default() };
         let meshes = vec![
-            studio::quad(SIDE, [0, 0], [SIDE, SIDE], 4.0, ONCE, 0, |_| {}),
-            studio::quad(SIDE, [0, 0], [SIDE, SIDE], 3.0, ONCE, 1, |_| {}),
-            studio::quad(SIDE, [0, 0], [SIDE, SIDE], 2.0, ONCE, 2, |_| {}),
-            studio::quad(SIDE, [0, 0], [SIDE, SIDE], 5.0, ONCE, 2, |_| {}),
+            surface_fixture::quad(SIDE, [0, 0], [SIDE, SIDE], 4.0, ONCE, 0, |_| {}),
+            surface_fixture::quad(SIDE, [0, 0], [SIDE, SIDE], 3.0, ONCE, 1, |_| {}),
+            surface_fixture::quad(SIDE, [0, 0], [SIDE, SIDE], 2.0, ONCE, 2, |_| {}),
+            surface_fixture::quad(SIDE, [0, 0], [SIDE, SIDE], 5.0, ONCE, 2, |_| {}),
         ];
         let mut scene = scene_of(meshes, surfaces);
         let transparent: Vec<Object> = scene.objects.drain(1..).collect();
@@ -148,7 +149,7 @@ fn numbers_out_of_range_leave_images_whole() {
             range_m: None,
             position: glam::Vec3::new(0.0, 0.0, -4.0),
             direction: glam::Vec3::ZERO,
-            picture: None,
+            cookie: None,
         };
         surfaces.lights = vec![
             bulb,

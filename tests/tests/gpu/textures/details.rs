@@ -4,7 +4,7 @@ use glam::{Affine3A, DVec3, Vec3, dvec3};
 use gpu::Device;
 use scene::{Encoding, LightKind, Material, PunctualLight, Surfaces};
 use tests::run_on_all;
-use tests::studio::snorm16;
+use tests::surface_fixture::snorm16;
 
 use super::{
     SHARP, SIDE, assert_close, draw, image, one, reference, scene_of, texture, using, whole,
@@ -20,7 +20,7 @@ fn sun() -> PunctualLight {
         range_m: None,
         position: Vec3::ZERO,
         direction: Vec3::new(-0.6, -0.48, -0.64),
-        picture: None,
+        cookie: None,
     }
 }
 
@@ -210,7 +210,7 @@ fn textures_of_many_kinds_share_pages_and_each_is_found() {
         let column = |number: u32| {
             let from = [number * 4, 0];
             let to = [number * 4 + 4, SIDE];
-            tests::studio::quad(SIDE, from, to, 4.0, ONCE, number, |_| {})
+            tests::surface_fixture::quad(SIDE, from, to, 4.0, ONCE, number, |_| {})
         };
         let found = draw(device, &scene_of((0..count).map(column).collect(), surfaces));
         for (pixel, found) in found.into_iter().enumerate() {

@@ -3,14 +3,14 @@
 use cull::{Aabb, Camera, ObjectId, Strategy};
 use glam::{Affine3A, Vec3, vec3};
 use gpu::Device;
-use render::{Costs, Renderer, RendererOptions, SpareRoom};
+use render::{CostModel, Renderer, RendererOptions, SpareCapacity};
 use scene::{
     Alpha, LodLevel, Material, MaterialId, MeshId, Object, ObjectChange, PoseUpdate, PreparedMesh,
     Scene, SceneUpdate, SkinnedMeshId, SurfaceMesh,
 };
 use shadows::{ShadowMethod, ShadowOptions};
 use tests::walk::pixels_that_differ;
-use tests::{run_on_all, shapes, yard};
+use tests::{run_on_all, shadow_scene, shapes};
 
 use super::{SIZE, fresh, image, renderer, volumes};
 use crate::shadow_maps::cache::{FIGURE, scene as scene_with_figure};
@@ -21,8 +21,8 @@ fn methods_are_switched_and_each_is_as_if_it_had_always_been() {
     run_on_all(|device| {
         let scene = scene_with_figure();
         let options = |method| ShadowOptions { method, ..maps() };
-        let expected =
-            ShadowMethod::ALL.map(|method| fresh(device, &scene, options(method), yard::camera()));
+        let expected = ShadowMethod::ALL
+            .map(|method| fresh(device, &scene, options(method), shadow_scene::camera()));
         for (number, image) in expected.iter().enumerate() {
             assert!(!expected[..number].contains(image), "the methods look different");
         }
@@ -31,7 +31,8 @@ fn methods_are_switched_and_each_is_as_if_it_had_always_been() {
         for number in [2, 1, 2, 0, 2, 0, 1] {
             renderer.set_shadows(options(ShadowMethod::ALL[number])).unwrap();
             for _ in 0..2 {
-                let found = image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera());
+                let found =
+                    image(&mut renderer, &mut view, Strategy::ANTUMBRA, shadow_scene::camera());
                 assert_eq!(pixels_that_differ(&expected[number], &found), 0, "method {number}");
             }
         }
@@ -41,31 +42,37 @@ fn methods_are_switched_and_each_is_as_if_it_had_always_been() {
 #[test]
 fn movers_and_objects_that_come_and_go_have_their_volumes() {
     run_on_all(|device| {
-        let boxes = yard::boxes();
-        let mut renderer = renderer(device, &yard::scene(&boxes, &yard::lights()), volumes());
+        let boxes = shadow_scene::boxes();
+        let mut renderer =
+            renderer(device, &shadow_scene::scene(&boxes, &shadow_scene::lights()), volumes());
         let mut view = renderer.new_view().unwrap();
         for frame in 0..6 {
             let away = vec3(0.4, 0.1, 0.2) * frame as f32;
             let mut now = boxes.clone();
             now[3] = Aabb::new(now[3].min + away, now[3].max + away);
             let new = Aabb::new(vec3(-4.0, 1.0, 3.0) + away, vec3(-3.0, 1.5, 4.0) + away);
-            let moved =
-                ObjectChange::Move { object: ObjectId(3), transform: yard::transform_of(&now[3]) };
-            let object =
-                Object { mesh: MeshId(0), transform: yard::transform_of(&new), tint: u32::MAX };
+            let moved = ObjectChange::Move {
+                object: ObjectId(3),
+                transform: shadow_scene::transform_of(&now[3]),
+            };
+            let object = Object {
+                mesh: MeshId(0),
+                transform: shadow_scene::transform_of(&new),
+                tint: u32::MAX,
+            };
             let added = renderer.update(&[moved, ObjectChange::Add { object }]).unwrap().added;
             now.push(new);
-            let found = image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera());
-            let scene = yard::scene(&now, &yard::lights());
-            let expected = fresh(device, &scene, volumes(), yard::camera());
+            let found = image(&mut renderer, &mut view, Strategy::ANTUMBRA, shadow_scene::camera());
+            let scene = shadow_scene::scene(&now, &shadow_scene::lights());
+            let expected = fresh(device, &scene, volumes(), shadow_scene::camera());
             assert_eq!(pixels_that_differ(&expected, &found), 0, "frame {frame}");
             renderer.update(&[ObjectChange::Remove { object: added[0] }]).unwrap();
         }
-        let back = yard::transform_of(&boxes[3]);
+        let back = shadow_scene::transform_of(&boxes[3]);
         renderer.update(&[ObjectChange::Move { object: ObjectId(3), transform: back }]).unwrap();
-        let found = image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera());
-        let first = yard::scene(&boxes, &yard::lights());
-        assert!(found == fresh(device, &first, volumes(), yard::camera()));
+        let found = image(&mut renderer, &mut view, Strategy::ANTUMBRA, shadow_scene::camera());
+        let first = shadow_scene::scene(&boxes, &shadow_scene::lights());
+        assert!(found == fresh(device, &first, volumes(), shadow_scene::camera()));
     });
 }
 
@@ -86,7 +93,7 @@ fn figures_cast_the_volumes_of_their_poses_also_if_no_view_shows_them() {
     run_on_all(|device| {
         let mut scene = scene_with_figure();
         let figure = scene.objects[FIGURE.0 as usize];
-        let [sun, ..] = yard::lights();
+        let [sun, ..] = shadow_scene::lights();
         scene.surfaces.as_mut().unwrap().lights = vec![sun];
         // High above the ground ahead, behind and above the eye: only its shadow is seen.
         let high = Affine3A::from_translation(vec3(1.5, 7.5, 3.0)) * figure.transform;
@@ -94,7 +101,7 @@ fn figures_cast_the_volumes_of_their_poses_also_if_no_view_shows_them() {
         let camera = Camera {
             eye: vec3(-2.0, 4.0, 2.0),
             forward: vec3(-0.1, -0.9, -0.3).normalize(),
-            ..yard::camera()
+            ..shadow_scene::camera()
         };
         let mut moving = renderer(device, &scene, volumes());
         let mut view = moving.new_view().unwrap();
@@ -138,11 +145,16 @@ fn posed_as_a_mesh(scene: &Scene, update: &SceneUpdate) -> Scene {
 
 /// Returns the yard without its small boxes, and the camera over it.
 fn streamed(device: &Device, scene: &Scene, shadows: ShadowOptions) -> Renderer {
-    let spare =
-        SpareRoom { meshes: 1, vertices: 300, indices: 1200, levels: 1, ..SpareRoom::default() };
+    let spare = SpareCapacity {
+        meshes: 1,
+        vertices: 300,
+        indices: 1200,
+        levels: 1,
+        ..SpareCapacity::default()
+    };
     let options = RendererOptions {
         size: SIZE,
-        costs: Costs::Ignored,
+        cost_model: CostModel::Off,
         spare_objects: 2,
         spare,
         upload_bytes_per_frame: 1500,
@@ -156,11 +168,14 @@ fn streamed(device: &Device, scene: &Scene, shadows: ShadowOptions) -> Renderer 
 #[test]
 fn meshes_that_come_later_cast_volumes_when_they_are_there() {
     run_on_all(|device| {
-        let first = yard::scene(&yard::boxes(), &yard::lights());
+        let first = shadow_scene::scene(&shadow_scene::boxes(), &shadow_scene::lights());
         let mesh = shapes::cube(u32::MAX, 4);
         let object = Object {
             mesh: MeshId(1),
-            transform: yard::transform_of(&Aabb::new(vec3(-5.0, 1.0, 3.0), vec3(-3.0, 2.0, 5.0))),
+            transform: shadow_scene::transform_of(&Aabb::new(
+                vec3(-5.0, 1.0, 3.0),
+                vec3(-3.0, 2.0, 5.0),
+            )),
             tint: u32::MAX,
         };
         let mut whole = first.clone();
@@ -168,8 +183,8 @@ fn meshes_that_come_later_cast_volumes_when_they_are_there() {
         whole.meshes.push(mesh.clone());
         whole.surfaces.as_mut().unwrap().meshes.push(surface.clone());
         whole.objects.push(object);
-        let expected = fresh(device, &whole, volumes(), yard::camera());
-        let without = fresh(device, &first, volumes(), yard::camera());
+        let expected = fresh(device, &whole, volumes(), shadow_scene::camera());
+        let without = fresh(device, &first, volumes(), shadow_scene::camera());
         // Volumes from the start, and switched on, off and on again while the mesh is on its way.
         for switches in [&[][..], &[1], &[1, 2, 3], &[3, 4, 5]] {
             let begins = if switches.is_empty() { volumes() } else { ShadowOptions::default() };
@@ -189,7 +204,8 @@ fn meshes_that_come_later_cast_volumes_when_they_are_there() {
                 }
                 let is_on = renderer.shadows().method == ShadowMethod::Volumes;
                 let is_there = renderer.is_resident(ids[0]);
-                let found = image(&mut renderer, &mut view, Strategy::ANTUMBRA, yard::camera());
+                let found =
+                    image(&mut renderer, &mut view, Strategy::ANTUMBRA, shadow_scene::camera());
                 let wanted = if is_there { &expected } else { &without };
                 if is_on {
                     assert_eq!(
@@ -210,7 +226,7 @@ fn meshes_that_come_later_cast_volumes_when_they_are_there() {
 #[test]
 fn masked_and_coarse_objects_shade_nothing_that_they_should_not() {
     run_on_all(|device| {
-        let mut scene = yard::scene(&yard::boxes(), &yard::lights());
+        let mut scene = shadow_scene::scene(&shadow_scene::boxes(), &shadow_scene::lights());
         let surfaces = scene.surfaces.as_mut().unwrap();
         // A level that is as coarse as can be: another shape that is drawn, and extruded, instead.
         let a = 0;
@@ -220,12 +236,12 @@ fn masked_and_coarse_objects_shade_nothing_that_they_should_not() {
         let level = LodLevel { indices: vec![a, b, c, a, c, d], error_m: 0.5 };
         let finest = scene.meshes[0].indices.clone();
         surfaces.levels = vec![vec![LodLevel { indices: finest, ..level }]];
-        let plain = fresh(device, &scene, volumes(), yard::camera());
+        let plain = fresh(device, &scene, volumes(), shadow_scene::camera());
         let mut coarse = renderer(device, &scene, volumes());
         let policy = cull::DetailPolicy { error_pixels: 1.0e6, hysteresis: 0.0, by_samples: None };
-        assert!(coarse.choose_detail(&[yard::camera()], &policy) > 0);
+        assert!(coarse.choose_detail(&[shadow_scene::camera()], &policy) > 0);
         let mut view = coarse.new_view().unwrap();
-        let found = image(&mut coarse, &mut view, Strategy::ANTUMBRA, yard::camera());
+        let found = image(&mut coarse, &mut view, Strategy::ANTUMBRA, shadow_scene::camera());
         assert!(found == plain, "a level of the same triangles casts the same shadows");
         let surfaces = scene.surfaces.as_mut().unwrap();
         surfaces.levels.clear();
@@ -234,8 +250,8 @@ fn masked_and_coarse_objects_shade_nothing_that_they_should_not() {
         surfaces.materials[0] = material;
         let mut masked = renderer(device, &scene, volumes());
         let mut view = masked.new_view().unwrap();
-        let found = image(&mut masked, &mut view, Strategy::ANTUMBRA, yard::camera());
-        let lit = fresh(device, &scene, ShadowOptions::default(), yard::camera());
+        let found = image(&mut masked, &mut view, Strategy::ANTUMBRA, shadow_scene::camera());
+        let lit = fresh(device, &scene, ShadowOptions::default(), shadow_scene::camera());
         let differ = found.iter().zip(&lit).filter(|(a, b)| a.abs_diff(**b) > 1).count();
         assert_eq!((differ, masked.shadow_stats().casters), (0, 0), "holes cast no volumes");
     });
@@ -244,7 +260,7 @@ fn masked_and_coarse_objects_shade_nothing_that_they_should_not() {
 #[test]
 fn what_is_transparent_or_drawn_from_elsewhere_has_no_volumes() {
     run_on_all(|device| {
-        let mut scene = yard::scene(&yard::boxes(), &yard::lights());
+        let mut scene = shadow_scene::scene(&shadow_scene::boxes(), &shadow_scene::lights());
         let mut glass = scene.meshes[0].clone();
         glass.name = "glass".to_owned();
         scene.meshes.push(glass);
@@ -256,25 +272,26 @@ fn what_is_transparent_or_drawn_from_elsewhere_has_no_volumes() {
         surfaces.materials.push(glass);
         // Under the roof, and over the ground before it.
         let pane = Aabb::new(vec3(5.5, 0.2, 1.0), vec3(8.5, 2.2, 1.2));
-        let transform = yard::transform_of(&pane);
+        let transform = shadow_scene::transform_of(&pane);
         surfaces.transparent = vec![Object { mesh: MeshId(1), transform, tint: u32::MAX }];
         let [mut lit, mut shadowed] = [ShadowOptions::default(), volumes()].map(|options| {
             let renderer = renderer(device, &scene, options);
             let view = renderer.new_view().unwrap();
             (renderer, view)
         });
-        let looks = [Strategy::FRUSTUM, Strategy::ANTUMBRA]
-            .map(|strategy| image(&mut shadowed.0, &mut shadowed.1, strategy, yard::camera()));
+        let looks = [Strategy::FRUSTUM, Strategy::ANTUMBRA].map(|strategy| {
+            image(&mut shadowed.0, &mut shadowed.1, strategy, shadow_scene::camera())
+        });
         assert_eq!(pixels_that_differ(&looks[0], &looks[1]), 0);
-        let before = image(&mut lit.0, &mut lit.1, Strategy::ANTUMBRA, yard::camera());
+        let before = image(&mut lit.0, &mut lit.1, Strategy::ANTUMBRA, shadow_scene::camera());
         assert!(pixels_that_differ(&before, &looks[0]) > 500, "there are shadows");
         let [a, b] = [lit, shadowed].map(|(mut renderer, mut view)| {
-            let seen = renderer.view_of(&yard::camera());
+            let seen = renderer.view_of(&shadow_scene::camera());
             let moment = renderer.snapshot(&mut view, seen).unwrap();
             let image = gpu::Readback::new(device, SIZE).unwrap();
-            let camera = Camera { eye: vec3(0.0, 14.0, 9.0), ..yard::camera() };
+            let camera = Camera { eye: vec3(0.0, 14.0, 9.0), ..shadow_scene::camera() };
             renderer.render_snapshot(&moment, camera, Some(&image), None).unwrap();
-            device.drain().unwrap();
+            device.wait_idle().unwrap();
             image.rgba8().unwrap().to_vec()
         });
         // The two passes are compiled apart: a last place may be rounded differently.

@@ -2,7 +2,7 @@
 //! while eye and lights move through a town, and most volumes are left out.
 
 use cull::Strategy;
-use gpu::Predication;
+use gpu::PredicationMode;
 use shadows::{CasterCulling, ShadowCaching, ShadowMethod, ShadowOptions};
 use tests::walk::pixels_that_differ;
 use tests::{Driver, run, run_on_all};
@@ -55,12 +55,12 @@ fn draws_of_casters_take_no_count_of_the_objects_before() {
         for culled in [options(CasterCulling::Culled), maps] {
             let all = ShadowOptions { culling: CasterCulling::Unculled, ..culled };
             let mut all = Side::new(device, &scene, all);
-            let ways = Predication::ALL;
+            let ways = PredicationMode::ALL;
             let mut sides =
                 ways.map(|way| Side::of(renderer_that_skips(device, &scene, culled, Some(way))));
             for frame in 0..40 {
                 let expected = all.draw(frame, Strategy::ANTUMBRA);
-                for strategy in [Strategy::ANTUMBRA, methods::PYRAMID] {
+                for strategy in [Strategy::ANTUMBRA, methods::HZB] {
                     for (side, way) in sides.iter_mut().zip(ways) {
                         let found = side.draw(frame, strategy);
                         let wrong = pixels_that_differ(&expected, &found);
@@ -78,7 +78,7 @@ fn every_strategy_counts_the_same_volumes() {
         let scene = scene();
         let mut all = Side::new(device, &scene, options(CasterCulling::Unculled));
         let expected: Vec<_> = (0..3).map(|index| all.draw(index, Strategy::FRUSTUM)).collect();
-        for strategy in [Strategy::FRUSTUM, Strategy::ANTUMBRA_QUERIES, methods::COHERENT] {
+        for strategy in [Strategy::FRUSTUM, Strategy::ANTUMBRA_QUERIES, methods::CHC] {
             let mut side = Side::new(device, &scene, options(CasterCulling::Culled));
             for (frame, expected) in (0..).zip(&expected) {
                 let found = side.draw(frame, strategy);

@@ -5,7 +5,7 @@ use glam::{Vec3, vec3};
 use scene::{LightKind, PunctualLight};
 use shadows::ShadowOptions;
 use tests::walk::pixels_that_differ;
-use tests::{run_on_all, yard};
+use tests::{run_on_all, shadow_scene};
 
 use super::{image, renderer, volumes};
 
@@ -31,7 +31,7 @@ fn lamps() -> Vec<PunctualLight> {
         range_m: Some(2.6),
         position: vec3((number % SIDE) as f32 * 3.0 + 1.0, 1.0, (number / SIDE) as f32 * 3.0 + 1.0),
         direction: Vec3::NEG_Y,
-        picture: None,
+        cookie: None,
     };
     (0..SIDE * SIDE).map(lamp).collect()
 }
@@ -51,7 +51,7 @@ fn above() -> Camera {
 fn more_lights_than_bits_take_another_layer_and_beyond_the_last_shine_through() {
     run_on_all(|device| {
         let draw = |lamps: &[PunctualLight], options: ShadowOptions| {
-            let mut renderer = renderer(device, &yard::scene(&field(), lamps), options);
+            let mut renderer = renderer(device, &shadow_scene::scene(&field(), lamps), options);
             let mut view = renderer.new_view().unwrap();
             let image = image(&mut renderer, &mut view, Strategy::ANTUMBRA, above());
             (image, renderer.shadow_stats())

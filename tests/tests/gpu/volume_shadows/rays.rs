@@ -6,7 +6,7 @@ use glam::{Vec3, vec3};
 use scene::PunctualLight;
 use shadows::ShadowOptions;
 use tests::box_rays::{is_blocked, shown_at, towards};
-use tests::{run_on_all, yard};
+use tests::{run_on_all, shadow_scene};
 
 use super::{SIZE, image, renderer, volumes};
 
@@ -42,10 +42,10 @@ fn cameras() -> [Camera; 5] {
         eye,
         forward: (at - eye).normalize(),
         near,
-        ..yard::camera()
+        ..shadow_scene::camera()
     };
     [
-        yard::camera(),
+        shadow_scene::camera(),
         look(vec3(6.5, 1.2, 0.6), vec3(0.0, 0.6, -4.0), 0.1),
         look(vec3(-6.0, 0.4, -6.6), vec3(-3.0, 0.1, -12.0), 0.05),
         look(vec3(0.3, 1.5, 3.4), vec3(1.0, 0.3, -3.0), 1.0),
@@ -56,10 +56,10 @@ fn cameras() -> [Camera; 5] {
 #[test]
 fn volumes_agree_with_ray_casting_one_pixel_from_edges() {
     run_on_all(|device| {
-        let boxes = yard::boxes();
+        let boxes = shadow_scene::boxes();
         let mut by_light = Vec::new();
-        for light in yard::lights() {
-            let scene = yard::scene(&boxes, &[light]);
+        for light in shadow_scene::lights() {
+            let scene = shadow_scene::scene(&boxes, &[light]);
             let mut renderer = renderer(device, &scene, volumes());
             let mut view = renderer.new_view().unwrap();
             let mut draw = |options| {

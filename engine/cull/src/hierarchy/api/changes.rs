@@ -6,7 +6,9 @@ use super::super::journal::{Change, FREE_LEAF, Journal, NEW_LEAF, Restructured};
 use super::super::refit::{Nodes, refit};
 use super::super::topology::Topology;
 use super::super::wear::{LEAVES_OF_WHOLE, LEAVES_PER_UPDATE};
-use super::super::{Hierarchy, HierarchyError, MAX_OBJECTS, build, error, occupancy, restructure};
+use super::super::{
+    Hierarchy, HierarchyError, MAX_OBJECTS, build, error, occupancy, rebuild_subtrees,
+};
 use crate::geom::bounds::Aabb;
 use crate::ids::{Generation, LeafRange, NodeId, ObjectId};
 
@@ -136,7 +138,7 @@ impl Hierarchy {
         build::check_count(wanted)?;
         let spare = (before / 16).max(SPARE_MIN).min(MAX_OBJECTS - wanted);
         let new = boxes.len() + spare;
-        let root = restructure::last_subtree(&self.topology, LEAVES_PER_UPDATE);
+        let root = rebuild_subtrees::last_subtree(&self.topology, LEAVES_PER_UPDATE);
         // What grows is reserved beside the memory that building the subtree takes.
         self.reserve_leaves(new)?;
         build::check_memory(self.leaves(NodeId(root)).count as usize + new)?;
@@ -196,8 +198,8 @@ impl Hierarchy {
     /// order now to `reordered`.
     ///
     /// Objects keep their ids, and cullers keep their history.
-    pub fn restructure(&mut self, reordered: &mut Vec<LeafRange>) {
-        if self.is_worn() && self.topology.leaf_objects.len() <= LEAVES_OF_WHOLE as usize {
+    pub fn rebuild_subtrees(&mut self, reordered: &mut Vec<LeafRange>) {
+        if self.is_degraded() && self.topology.leaf_objects.len() <= LEAVES_OF_WHOLE as usize {
             // Without memory for it everything stays as it is, here and below.
             let _ = self.rebuild_below(0, &[], reordered);
             return;
@@ -214,10 +216,10 @@ impl Hierarchy {
     }
 
     /// Returns true if the hierarchy as a whole is worn, so that a [rebuild](Hierarchy::rebuild) is
-    /// worth its time. Up to some ten thousand objects [`Hierarchy::restructure`] does that by
+    /// worth its time. Up to some ten thousand objects [`Hierarchy::rebuild_subtrees`] does that by
     /// itself.
     #[must_use]
-    pub fn is_worn(&self) -> bool {
+    pub fn is_degraded(&self) -> bool {
         let root = self.nodes.bounds.first();
         root.is_some_and(|bounds| self.nodes.wear.excess(0, bounds).is_some())
     }
@@ -258,7 +260,7 @@ impl Hierarchy {
         self.nodes = Nodes::new(&topology, boxes);
         self.topology = topology;
         self.boxes.clear();
-        self.worn = restructure::Worn::default();
+        self.worn = rebuild_subtrees::Worn::default();
         self.refit_scratch = super::super::refit::Scratch::default();
         self.work.rebuilt_leaves += boxes.len() as u64;
         let generation = self.begin_generation();
@@ -331,7 +333,7 @@ impl Hierarchy {
         reordered: &mut Vec<LeafRange>,
     ) -> Result<(), HierarchyError> {
         let Self { topology, nodes, .. } = self;
-        let change = restructure::rebuild_subtree(topology, nodes, root, more)?;
+        let change = rebuild_subtrees::rebuild_subtree(topology, nodes, root, more)?;
         let leaves = self.leaves(NodeId(root));
         self.work.rebuilt_leaves += u64::from(leaves.count);
         let generation = self.begin_generation();

@@ -3,7 +3,7 @@
 
 use super::super::Hierarchy;
 use crate::geom::frustum::{Containment, Frustum, PlaneMask};
-use crate::geom::view::View;
+use crate::geom::view::CullView;
 use crate::ids::{LeafIndex, LeafRange, NodeId};
 
 impl Hierarchy {
@@ -15,7 +15,7 @@ impl Hierarchy {
 
     /// Returns true if the section planes of a view leave nothing of what is under a node.
     #[must_use]
-    pub fn is_cut_away(&self, node: NodeId, view: &View) -> bool {
+    pub fn is_cut_away(&self, node: NodeId, view: &CullView) -> bool {
         view.cuts_away(&self.bounds(node)) && !self.has_whole(node)
     }
 
@@ -26,7 +26,7 @@ impl Hierarchy {
     /// frustum's surface and not with its contents or its surroundings; with section planes it
     /// grows with the contents. Allocates nothing.
     #[must_use]
-    pub fn objects_in_frustum(&self, view: &View) -> u32 {
+    pub fn objects_in_frustum(&self, view: &CullView) -> u32 {
         let mut count = 0;
         self.visit_in(&view.frustum, view, |node, leaves| {
             count += leaves.count - self.free_below(node);
@@ -37,7 +37,7 @@ impl Hierarchy {
     /// Adds the leaves whose box meets a frustum and what the section planes of a view keep to
     /// `found`, in ascending ranges that do not touch; free leaves may be among them. The cost
     /// grows as in [`Hierarchy::objects_in_frustum`].
-    pub fn leaves_in(&self, frustum: &Frustum, view: &View, found: &mut Vec<LeafRange>) {
+    pub fn leaves_in(&self, frustum: &Frustum, view: &CullView, found: &mut Vec<LeafRange>) {
         let first = found.len();
         self.visit_in(frustum, view, |_, leaves| {
             match found.get_mut(first..).and_then(<[_]>::last_mut) {
@@ -51,7 +51,7 @@ impl Hierarchy {
 
     /// Calls `visit` with the topmost nodes that meet a frustum wholly and are not cut, or are
     /// leaves.
-    fn visit_in(&self, frustum: &Frustum, view: &View, mut visit: impl FnMut(u32, LeafRange)) {
+    fn visit_in(&self, frustum: &Frustum, view: &CullView, mut visit: impl FnMut(u32, LeafRange)) {
         let is_cut = !view.section.is_empty();
         let mut node = 0;
         // In pre-order the node after a subtree is the next that is not below it.

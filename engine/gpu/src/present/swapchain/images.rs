@@ -6,7 +6,7 @@ use ash::{khr, vk};
 
 use super::outcome::PresentId;
 use super::plan;
-use crate::core::capabilities::Optional;
+use crate::core::capabilities::OptionalFeature;
 use crate::core::deletion::RetiredObject;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
@@ -123,7 +123,7 @@ impl SwapchainImages {
                 is_fence_pending: false,
                 was_presented: false,
             });
-            if device.capabilities().has(Optional::PresentFences) {
+            if device.capabilities().has(OptionalFeature::PresentFences) {
                 // SAFETY: a plain fence.
                 let fence =
                     unsafe { device.raw().create_fence(&vk::FenceCreateInfo::default(), None) };
@@ -259,7 +259,7 @@ impl RetiredImages {
     /// Returns true if the presentation engine no longer uses the chain; `None` without present
     /// fences.
     pub(super) fn is_presented(&self, device: &Device) -> Result<Option<bool>, Error> {
-        if !device.capabilities().has(Optional::PresentFences) {
+        if !device.capabilities().has(OptionalFeature::PresentFences) {
             return Ok(None);
         }
         for image in self.chain.images.iter().filter(|image| image.is_fence_pending) {

@@ -9,7 +9,7 @@ use super::plan;
 use super::presenter::Presenter;
 use super::retired::RetiredSwapchains;
 use super::teardown::{AcquiredImage, Teardown};
-use crate::core::capabilities::Optional;
+use crate::core::capabilities::OptionalFeature;
 use crate::core::deletion::Retired;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
@@ -72,7 +72,7 @@ impl SwapchainState {
             let name = &device.adapter().name;
             Error::CannotPresent(format!(
                 "{name} was opened without {}",
-                Optional::Swapchain.name()
+                OptionalFeature::Swapchain.name()
             ))
         };
         let functions = device.extensions().swapchain.clone().ok_or_else(lacking)?;

@@ -1,7 +1,7 @@
 //! Predicated ranges: the source of a result, the draws that it decides, and the executors that
 //! skip them.
 
-use crate::core::capabilities::{Capabilities, Optional};
+use crate::core::capabilities::{Capabilities, OptionalFeature};
 use crate::core::device::Device;
 use crate::core::error::Error;
 use crate::memory::buffer::BufferSlice;
@@ -78,7 +78,7 @@ pub struct Predicate {
 
 /// The executor that keeps the GPU from drawing hidden objects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Predication {
+pub enum PredicationMode {
     /// `VK_EXT_conditional_rendering`: the device skips the draws by itself, without a compute
     /// pass.
     Conditional,
@@ -86,44 +86,44 @@ pub enum Predication {
     Counts,
     /// Instance counts written by a compute pass; every device.
     Instances,
-    /// As [`Predication::Counts`]; besides, the executor of plans copies what a round reveals into
-    /// a list per pipeline, in its order, which one call draws. Needs `drawIndirectCount`.
+    /// As [`PredicationMode::Counts`]; besides, the executor of plans copies what a round reveals
+    /// into a list per pipeline, in its order, which one call draws. Needs `drawIndirectCount`.
     Compacted,
 }
 
-impl Predication {
+impl PredicationMode {
     /// All executors.
-    pub const ALL: [Predication; 4] = [
-        Predication::Conditional,
-        Predication::Counts,
-        Predication::Instances,
-        Predication::Compacted,
+    pub const ALL: [PredicationMode; 4] = [
+        PredicationMode::Conditional,
+        PredicationMode::Counts,
+        PredicationMode::Instances,
+        PredicationMode::Compacted,
     ];
 
     /// Returns the best executor for a device.
     pub fn best(capabilities: &Capabilities) -> Self {
-        if capabilities.has(Optional::ConditionalRendering) {
-            Predication::Conditional
-        } else if capabilities.has(Optional::DrawIndirectCount) {
-            Predication::Counts
+        if capabilities.has(OptionalFeature::ConditionalRendering) {
+            PredicationMode::Conditional
+        } else if capabilities.has(OptionalFeature::DrawIndirectCount) {
+            PredicationMode::Counts
         } else {
-            Predication::Instances
+            PredicationMode::Instances
         }
     }
 
     /// Returns its name on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
-            Predication::Conditional => "conditional",
-            Predication::Counts => "counts",
-            Predication::Instances => "instances",
-            Predication::Compacted => "compacted",
+            PredicationMode::Conditional => "conditional",
+            PredicationMode::Counts => "counts",
+            PredicationMode::Instances => "instances",
+            PredicationMode::Compacted => "compacted",
         }
     }
 
     /// Returns true if draws take a count that a compute pass wrote.
     pub(super) fn is_counted(self) -> bool {
-        matches!(self, Predication::Counts | Predication::Compacted)
+        matches!(self, PredicationMode::Counts | PredicationMode::Compacted)
     }
 
     /// Returns the executor for `draws` draws: the one wanted, else the best of the device for so
@@ -137,37 +137,37 @@ impl Predication {
     /// [`Error::CannotCompare`].
     pub fn choose(
         device: &Device,
-        wanted: Option<Predication>,
+        wanted: Option<PredicationMode>,
         draws: u64,
         threshold_samples: u32,
-    ) -> Result<Predication, Error> {
+    ) -> Result<PredicationMode, Error> {
         let capabilities = device.capabilities();
-        let unsupported = |lacking: Optional, wanted| Error::Unsupported {
+        let unsupported = |lacking: OptionalFeature, wanted| Error::Unsupported {
             device: device.adapter().name.clone(),
             missing: lacking.name(),
             wanted,
         };
         let compares = threshold_samples > 0;
-        if compares && wanted == Some(Predication::Conditional) {
+        if compares && wanted == Some(PredicationMode::Conditional) {
             return Err(Error::CannotCompare { threshold_samples });
         }
-        if compares && !capabilities.has(Optional::PreciseQueries) {
-            return Err(unsupported(Optional::PreciseQueries, "a visibility threshold"));
+        if compares && !capabilities.has(OptionalFeature::PreciseQueries) {
+            return Err(unsupported(OptionalFeature::PreciseQueries, "a visibility threshold"));
         }
         let limit = u64::from(device.adapter().limits.max_draw_indirect_count);
-        let is_too_much = |predication: Predication| predication.is_counted() && draws > limit;
+        let is_too_much = |predication: PredicationMode| predication.is_counted() && draws > limit;
         let Some(wanted) = wanted else {
-            let best = match Predication::best(capabilities) {
-                Predication::Conditional if compares => {
-                    if capabilities.has(Optional::DrawIndirectCount) {
-                        Predication::Counts
+            let best = match PredicationMode::best(capabilities) {
+                PredicationMode::Conditional if compares => {
+                    if capabilities.has(OptionalFeature::DrawIndirectCount) {
+                        PredicationMode::Counts
                     } else {
-                        Predication::Instances
+                        PredicationMode::Instances
                     }
                 }
                 best => best,
             };
-            return Ok(if is_too_much(best) { Predication::Instances } else { best });
+            return Ok(if is_too_much(best) { PredicationMode::Instances } else { best });
         };
         if let Some(lacking) = wanted.needs().filter(|optional| !capabilities.has(*optional)) {
             return Err(unsupported(lacking, "this way to skip hidden draws"));
@@ -184,11 +184,13 @@ impl Predication {
         self.needs().is_none_or(|optional| device.capabilities().has(optional))
     }
 
-    fn needs(self) -> Option<Optional> {
+    fn needs(self) -> Option<OptionalFeature> {
         match self {
-            Predication::Conditional => Some(Optional::ConditionalRendering),
-            Predication::Counts | Predication::Compacted => Some(Optional::DrawIndirectCount),
-            Predication::Instances => None,
+            PredicationMode::Conditional => Some(OptionalFeature::ConditionalRendering),
+            PredicationMode::Counts | PredicationMode::Compacted => {
+                Some(OptionalFeature::DrawIndirectCount)
+            }
+            PredicationMode::Instances => None,
         }
     }
 }

@@ -4,11 +4,11 @@
 //! same plan runs on every device, by one of four executors; they differ in their use of the
 //! result:
 //!
-//! - [`Predication::Conditional`]: the result is the predicate of conditional rendering.
-//! - [`Predication::Counts`]: a compute pass turns it into a draw count, 0 or all. So does
-//!   [`Predication::Compacted`], whose user draws lists of the ranges in place of each.
-//! - [`Predication::Instances`]: a compute pass writes it into the instance count of every draw of
-//!   the range. For devices that have neither (SwiftShader); its cost on the GPU grows with the
+//! - [`PredicationMode::Conditional`]: the result is the predicate of conditional rendering.
+//! - [`PredicationMode::Counts`]: a compute pass turns it into a draw count, 0 or all. So does
+//!   [`PredicationMode::Compacted`], whose user draws lists of the ranges in place of each.
+//! - [`PredicationMode::Instances`]: a compute pass writes it into the instance count of every draw
+//!   of the range. For devices that have neither (SwiftShader); its cost on the GPU grows with the
 //!   range, not only with the number of ranges.
 
 mod decisions;
@@ -30,7 +30,7 @@ use crate::record::frames::Frame;
 use crate::record::indirect::{DRAW_BYTES, DrawLink, DrawRange, IndirectDraw};
 use crate::record::pipeline::{ComputePipeline, StorageLayout};
 use crate::record::shader::Spirv;
-pub use decisions::{Predicate, PredicatedRange, Predication, ResultSource, Reveal};
+pub use decisions::{Predicate, PredicatedRange, PredicationMode, ResultSource, Reveal};
 pub use predicate_list::BOX_VERTICES;
 use predicate_list::PredicateList;
 
@@ -48,7 +48,7 @@ pub const LINKED: u32 = 14;
 /// All draws of a scene, in GPU memory, drawn range by range under predicates.
 pub struct Predicates {
     device: Device,
-    predication: Predication,
+    predication: PredicationMode,
     /// True if no other predicates have drawn by counts before, in the same commands.
     is_alone: bool,
     draws: Buffer,
@@ -78,11 +78,11 @@ impl Predicates {
     /// for more draws than it counts; no memory; a failed call.
     pub fn new(
         device: &Device,
-        predication: Option<Predication>,
+        predication: Option<PredicationMode>,
         draws: &[IndirectDraw],
         frames_in_flight: usize,
     ) -> Result<Self, Error> {
-        let predication = Predication::choose(device, predication, draws.len() as u64, 0)?;
+        let predication = PredicationMode::choose(device, predication, draws.len() as u64, 0)?;
         let draws = device.upload("indirect draws", draws, DRAW_USAGE)?;
         Self::over(device, predication, draws, None, frames_in_flight)
     }
@@ -95,11 +95,11 @@ impl Predicates {
     /// As for [`Predicates::new`].
     pub fn linked(
         device: &Device,
-        predication: Option<Predication>,
+        predication: Option<PredicationMode>,
         count: u32,
         frames_in_flight: usize,
     ) -> Result<Self, Error> {
-        let predication = Predication::choose(device, predication, count.into(), 0)?;
+        let predication = PredicationMode::choose(device, predication, count.into(), 0)?;
         let [draws, links] = linked_buffers(device, count)?;
         Self::over(device, predication, draws, Some(links), frames_in_flight)
     }
@@ -111,11 +111,11 @@ impl Predicates {
     /// As for [`Predicates::new`].
     pub fn unlinked(
         device: &Device,
-        predication: Option<Predication>,
+        predication: Option<PredicationMode>,
         count: u32,
         frames_in_flight: usize,
     ) -> Result<Self, Error> {
-        let predication = Predication::choose(device, predication, count.into(), 0)?;
+        let predication = PredicationMode::choose(device, predication, count.into(), 0)?;
         let draw_commands = draw_buffer(device, count)?;
         Ok(Self {
             is_alone: false,
@@ -125,15 +125,15 @@ impl Predicates {
 
     fn over(
         device: &Device,
-        predication: Predication,
+        predication: PredicationMode,
         draws: Buffer,
         links: Option<Buffer>,
         frames_in_flight: usize,
     ) -> Result<Self, Error> {
         check_frames_in_flight(frames_in_flight)?;
         let shader = match predication {
-            Predication::Conditional => None,
-            Predication::Instances => Some(shaders::PREDICATE_INSTANCES),
+            PredicationMode::Conditional => None,
+            PredicationMode::Instances => Some(shaders::PREDICATE_INSTANCES),
             _ => Some(shaders::PREDICATE_COUNTS),
         };
         let buffers = writer_buffers(predication) as u32;
@@ -170,7 +170,7 @@ impl Predicates {
     /// # Errors
     /// [`Error::TooLarge`] for more draws than `predication` counts; no memory; a failed call.
     pub fn grow(&mut self, count: u32) -> Result<(), Error> {
-        Predication::choose(&self.device, Some(self.predication), count.into(), 0)?;
+        PredicationMode::choose(&self.device, Some(self.predication), count.into(), 0)?;
         if self.links.is_some() {
             let [draws, links] = linked_buffers(&self.device, count)?;
             (self.draws, self.links) = (draws, Some(links));
@@ -185,8 +185,8 @@ impl Predicates {
         self.lists = std::array::from_fn(|_| PredicateList::new(frames_in_flight));
     }
 
-    /// Returns all draws in GPU memory, to be changed between frames. [`Predication::Instances`]
-    /// changes their instance counts.
+    /// Returns all draws in GPU memory, to be changed between frames.
+    /// [`PredicationMode::Instances`] changes their instance counts.
     pub fn draws(&self) -> BufferSlice {
         self.draws.whole()
     }
@@ -198,7 +198,7 @@ impl Predicates {
     }
 
     /// Returns the executor in use.
-    pub fn predication(&self) -> Predication {
+    pub fn predication(&self) -> PredicationMode {
         self.predication
     }
 
@@ -214,8 +214,8 @@ impl Predicates {
         results: Option<BufferSlice>,
         decided: impl ExactSizeIterator<Item = PredicatedRange>,
     ) -> Result<(), Error> {
-        frame.commands().admit(self)?;
-        results.map_or(Ok(()), |results| frame.commands().admit(&results))?;
+        frame.commands().check_owner(self)?;
+        results.map_or(Ok(()), |results| frame.commands().check_owner(&results))?;
         let counts = self.predication.is_counted();
         let device = &self.device;
         let Some(list) = self.lists.get_mut(source as usize) else { return Ok(()) };
@@ -236,15 +236,15 @@ impl Predicates {
     /// them.
     ///
     /// Results of queries up to `threshold_samples` count as zero. Above 0 the queries must
-    /// [count](crate::Counting::Samples); the recording fails under [`Predication::Conditional`],
-    /// which cannot compare.
+    /// [count](crate::Counting::Samples); the recording fails under
+    /// [`PredicationMode::Conditional`], which cannot compare.
     pub fn resolve(
         &self,
         commands: &Commands,
         written: &[(ResultSource, Range<u32>)],
         threshold_samples: u32,
     ) {
-        if commands.admit(self).is_err() {
+        if commands.check_owner(self).is_err() {
             return;
         }
         let between = MemoryBarrier::between;
@@ -270,7 +270,7 @@ impl Predicates {
         for (source, range) in written.iter().filter(|(_, range)| !range.is_empty()) {
             let list = self.list(*source);
             let output = match self.predication {
-                Predication::Instances => Some(self.draws.whole()),
+                PredicationMode::Instances => Some(self.draws.whole()),
                 _ => list.counts(),
             };
             let (Some(on_gpu), Some(results), Some(output)) = (list.on_gpu, list.results, output)
@@ -286,8 +286,8 @@ impl Predicates {
             );
             let threshold = self.threshold_of(*source, results, threshold_samples);
             let per_group = match self.predication {
-                Predication::Instances => 1, // a workgroup per decision
-                _ => 64,                     // a thread per decision
+                PredicationMode::Instances => 1, // a workgroup per decision
+                _ => 64,                         // a thread per decision
             };
             let limits = &self.device.adapter().limits;
             let most = limits.max_compute_work_group_count[0].max(1).saturating_mul(per_group);
@@ -338,7 +338,7 @@ impl Predicates {
     /// (Mesa 22.3) lets a plain indirect draw take the count of the counted one before it in the
     /// command buffer.
     pub fn draw_always(&self, commands: &Commands, draws: BufferSlice) {
-        if commands.admit(self).is_err() {
+        if commands.check_owner(self).is_err() {
             return;
         }
         if self.predication.is_counted() {
@@ -359,7 +359,7 @@ impl Predicates {
     /// Draws all of `draws` unconditionally where earlier draws may have taken a count, whatever
     /// the executor.
     pub fn draw_after_counted(&self, commands: &Commands, draws: BufferSlice) {
-        if commands.admit(self).is_err() {
+        if commands.check_owner(self).is_err() {
             return;
         }
         commands.draw_all_indirect(draws, self.all.whole());
@@ -379,7 +379,7 @@ impl Predicates {
         decision: u32,
         draws: BufferSlice,
     ) {
-        if commands.admit(self).is_err() {
+        if commands.check_owner(self).is_err() {
             return;
         }
         let list = self.list(source);
@@ -390,13 +390,13 @@ impl Predicates {
         let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
         let draws = draws.part(bytes(range.first), bytes(range.count));
         match self.predication {
-            Predication::Instances => self.draw_uncounted(commands, draws),
-            Predication::Counts | Predication::Compacted => {
+            PredicationMode::Instances => self.draw_uncounted(commands, draws),
+            PredicationMode::Counts | PredicationMode::Compacted => {
                 if let Some(count) = list.count(decision) {
                     commands.draw_indirect_count(draws, count);
                 }
             }
-            Predication::Conditional => {
+            PredicationMode::Conditional => {
                 self.conditionally(commands, list, result, |commands| {
                     self.draw_uncounted(commands, draws);
                 });
@@ -407,7 +407,7 @@ impl Predicates {
     /// Draws [`BOX_VERTICES`] vertices per leaf in the range of a decision if the result is not
     /// zero; the number of the instance is that of the leaf.
     pub fn draw_boxes(&self, commands: &Commands, source: ResultSource, decision: u32) {
-        if commands.admit(self).is_err() {
+        if commands.check_owner(self).is_err() {
             return;
         }
         let list = self.list(source);
@@ -491,9 +491,9 @@ fn draw_buffer(device: &Device, count: u32) -> Result<Buffer, Error> {
 
 /// Returns the number of storage buffers of the compute shader: results, decisions, counts or
 /// draws, and, where it writes instance counts, box draws and links.
-fn writer_buffers(predication: Predication) -> usize {
+fn writer_buffers(predication: PredicationMode) -> usize {
     match predication {
-        Predication::Instances => 5,
+        PredicationMode::Instances => 5,
         _ => 3,
     }
 }

@@ -3,7 +3,7 @@
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
 
-use super::decisions::{PredicatedRange, Predication};
+use super::decisions::{PredicatedRange, PredicationMode};
 use crate::core::device::Device;
 use crate::core::error::Error;
 use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
@@ -92,7 +92,7 @@ impl PredicateList {
     pub(super) fn upload(
         &mut self,
         frame: &mut Frame<'_>,
-        predication: Predication,
+        predication: PredicationMode,
     ) -> Result<(), Error> {
         let are_counted = predication.is_counted();
         let decided = self.decided.iter().map(|decided| DecidedOnGpu {

@@ -64,7 +64,7 @@ impl Commands {
     /// Binds another pipeline with the buffers, constants and geometry that are bound for one of
     /// the same [layout](crate::StorageLayout), without textures.
     pub fn switch(&self, pipeline: &GraphicsPipeline) {
-        if self.admit(&pipeline.0).is_ok() {
+        if self.check_owner(&pipeline.0).is_ok() {
             // SAFETY: a live pipeline; what is bound stays valid, since pipelines of equal layouts
             // are compatible.
             unsafe {
@@ -109,7 +109,7 @@ impl Commands {
         textures: &[SampledTexture<'_>],
         arrays: SampledArrays<'_>,
     ) {
-        if !self.admit_bindings(pipeline, storage, textures, arrays) {
+        if !self.check_binding_owners(pipeline, storage, textures, arrays) {
             return;
         }
         let raw = self.device().raw();
@@ -170,18 +170,18 @@ impl Commands {
 
     /// Returns true if all of it is of this device, and there is as much of each kind as the
     /// pipeline has bindings. Notes a failure otherwise.
-    fn admit_bindings(
+    fn check_binding_owners(
         &self,
         pipeline: &PipelineKind,
         storage: &[BufferSlice],
         textures: &[SampledTexture<'_>],
         arrays: SampledArrays<'_>,
     ) -> bool {
-        let are_ours = self.admit(pipeline).is_ok()
-            && self.admit_all(storage)
-            && self.admit_all(textures)
-            && self.admit_all(arrays.few().iter().copied())
-            && self.admit_all(arrays.table());
+        let are_ours = self.check_owner(pipeline).is_ok()
+            && self.check_owners(storage)
+            && self.check_owners(textures)
+            && self.check_owners(arrays.few().iter().copied())
+            && self.check_owners(arrays.table());
         if !are_ours {
             return false;
         }
@@ -265,7 +265,7 @@ impl Commands {
 
     fn push_kind<T: Pod>(&self, pipeline: &PipelineKind, constants: &T) {
         let bytes = bytemuck::bytes_of(constants);
-        if self.admit(pipeline).is_err() {
+        if self.check_owner(pipeline).is_err() {
             return;
         }
         if bytes.is_empty() || bytes.len() != pipeline.push_bytes as usize {
@@ -281,7 +281,7 @@ impl Commands {
 
     /// Binds a vertex buffer and, if there is one, a buffer of 32-bit indices.
     pub fn bind_geometry(&self, vertices: BufferSlice, indices: Option<BufferSlice>) {
-        if !self.admit_all([&vertices].into_iter().chain(&indices)) {
+        if !self.check_owners([&vertices].into_iter().chain(&indices)) {
             return;
         }
         let raw = self.device().raw();
@@ -300,7 +300,7 @@ impl Commands {
     /// Binds two vertex buffers, side by side as in
     /// [`VertexLayout::beside`](crate::VertexLayout::beside), and a buffer of 32-bit indices.
     pub fn bind_geometry_beside(&self, vertices: [BufferSlice; 2], indices: BufferSlice) {
-        if !self.admit_all(vertices.iter().chain([&indices])) {
+        if !self.check_owners(vertices.iter().chain([&indices])) {
             return;
         }
         let buffers = vertices.map(|slice| slice.raw);

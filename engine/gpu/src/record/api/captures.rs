@@ -28,7 +28,7 @@ impl Commands {
             self.fail(Failure::Wrong("a captured buffer larger than every device takes"));
             return;
         }
-        if self.admit(&results).is_err() {
+        if self.check_owner(&results).is_err() {
             return;
         }
         let point = vk::PipelineBindPoint::GRAPHICS;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use ash::vk;
 
-use crate::core::capabilities::Optional;
+use crate::core::capabilities::OptionalFeature;
 use crate::memory::buffer::BufferSlice;
 use crate::record::commands::{Commands, Failure};
 use crate::record::indirect::{DRAW_BYTES, IndirectDraw};
@@ -51,7 +51,7 @@ impl Commands {
 
     /// Draws the indexed indirect commands in `draws`, which holds nothing else.
     pub fn draw_indirect(&self, draws: BufferSlice) {
-        if self.admit(&draws).is_err() {
+        if self.check_owner(&draws).is_err() {
             return;
         }
         let stride = size_of::<vk::DrawIndexedIndirectCommand>() as u32;
@@ -78,7 +78,7 @@ impl Commands {
     /// Draws the indirect commands in `draws` (`VkDrawIndirectCommand`), which holds nothing else,
     /// without indices.
     pub fn draw_unindexed_indirect(&self, draws: BufferSlice) {
-        if self.admit(&draws).is_err() {
+        if self.check_owner(&draws).is_err() {
             return;
         }
         for (offset, count) in self.unindexed_pieces(draws) {
@@ -100,7 +100,7 @@ impl Commands {
     /// Draws the first of the commands in `draws` (`VkDrawIndirectCommand`), as many as the value
     /// in `count`, which is no less than `maxDrawIndirectCount` where there are more than that.
     pub(crate) fn draw_unindexed_indirect_count(&self, draws: BufferSlice, count: BufferSlice) {
-        if !self.admit_all([&draws, &count]) {
+        if !self.check_owners([&draws, &count]) {
             return;
         }
         for (offset, most) in self.unindexed_pieces(draws) {
@@ -157,19 +157,19 @@ impl Commands {
     }
 
     /// Draws the first commands in `draws`, as many as the value in `count`. The recording fails
-    /// unless the device has [`Optional::DrawIndirectCount`] and `draws` holds no more commands
-    /// than its `maxDrawIndirectCount`. The value is no larger than that either.
+    /// unless the device has [`OptionalFeature::DrawIndirectCount`] and `draws` holds no more
+    /// commands than its `maxDrawIndirectCount`. The value is no larger than that either.
     pub fn draw_indirect_count(&self, draws: BufferSlice, count: BufferSlice) {
         let stride = size_of::<vk::DrawIndexedIndirectCommand>() as u32;
         let most = u32::try_from(draws.size_bytes / u64::from(stride)).unwrap_or(u32::MAX);
-        if !self.device().capabilities().has(Optional::DrawIndirectCount) {
+        if !self.device().capabilities().has(OptionalFeature::DrawIndirectCount) {
             let lacking = vk::Result::ERROR_FEATURE_NOT_PRESENT;
             self.fail(Failure::Call("vkCmdDrawIndexedIndirectCount", lacking));
         }
         if most > self.device().adapter().limits.max_draw_indirect_count {
             self.fail(Failure::Wrong("more draws under one count than the device takes"));
         }
-        if !self.admit_all([&draws, &count]) || !self.is_sound() {
+        if !self.check_owners([&draws, &count]) || !self.is_sound() {
             return;
         }
         // SAFETY: drawIndirectCount is there; both slices lie in their buffers.

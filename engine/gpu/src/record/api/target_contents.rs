@@ -18,7 +18,7 @@ impl Target {
     /// frame. To continue drawing, prepare the target again. Does nothing where a pixel has one
     /// sample.
     pub fn resolve(&mut self, commands: &Commands) {
-        if self.recording != Some(commands.recording()) || commands.admit(self).is_err() {
+        if self.recording != Some(commands.recording()) || commands.check_owner(self).is_err() {
             return;
         }
         let Some(multisampling) = &mut self.multisampling else { return };
@@ -45,7 +45,7 @@ impl Target {
     /// pixel has one sample.
     #[must_use]
     pub fn resolved_by(&mut self, commands: &Commands, rendering: RenderTarget) -> RenderTarget {
-        if self.recording != Some(commands.recording()) || commands.admit(self).is_err() {
+        if self.recording != Some(commands.recording()) || commands.check_owner(self).is_err() {
             return rendering;
         }
         let Some(multisampling) = &mut self.multisampling else { return rendering };
@@ -64,7 +64,7 @@ impl Target {
     /// [`Error::NoImage`] where these commands drew nothing to the target, or it has no colours;
     /// commands of another device.
     pub fn begin_overlay(&mut self, commands: &Commands) -> Result<OverlayImage, Error> {
-        commands.admit(self)?;
+        commands.check_owner(self)?;
         let format = self.attachments.colours.as_slice().first().copied();
         let colour = match &mut self.multisampling {
             Some(multisampling) => Some(&mut multisampling.average),
@@ -99,7 +99,7 @@ impl Target {
         if !has_room || !self.can_copy_depth {
             return;
         }
-        if commands.admit(self).is_err() || commands.admit(&to).is_err() {
+        if commands.check_owner(self).is_err() || commands.check_owner(&to).is_err() {
             return;
         }
         if let Some(multisampling) = &self.multisampling {
@@ -132,7 +132,7 @@ impl Target {
     /// Copies the colour image to `readback`, its layers one below the other; the recording fails
     /// unless the sizes agree. The last use of the target in a frame.
     pub fn copy_to(&mut self, commands: &Commands, readback: &Readback) {
-        if commands.admit(self).is_err() {
+        if commands.check_owner(self).is_err() {
             return;
         }
         let [width, height] = self.size;

@@ -24,7 +24,7 @@ impl Commands {
     /// [`TextureUploads::reserve`](crate::TextureUploads::reserve) does, without waiting. The array
     /// counts as filled once it was [announced](TextureArray::announce).
     pub fn open_texture(&self, array: &TextureArray) {
-        if self.admit(array).is_err() {
+        if self.check_owner(array).is_err() {
             return;
         }
         for layer in 0..array.layers() {
@@ -44,7 +44,7 @@ impl Commands {
     ///
     /// The frame fails where the rows do not lie in the array or their bytes not in `from`.
     pub fn write_texture(&self, array: &TextureArray, rows: TextureRows, from: BufferSlice) {
-        if self.admit(array).is_err() || !self.admit_all([&from]) {
+        if self.check_owner(array).is_err() || !self.check_owners([&from]) {
             return;
         }
         let TextureRows { layer, level, first, count } = rows;
@@ -79,7 +79,7 @@ impl Commands {
     /// Makes the mip maps of a layer, whose rows were all [copied](Commands::write_texture), if the
     /// device makes them ([`TextureArray::levels_by_cpu`]).
     pub fn make_texture_levels(&self, array: &TextureArray, layer: u32) {
-        if self.admit(array).is_err() {
+        if self.check_owner(array).is_err() {
             return;
         }
         if !array.is_filled() || layer >= array.layers() {

@@ -1,10 +1,10 @@
 //! The batches that are timed: many of one thing and little else.
 
-use cull::{Aabb, Camera, Projection, SkipTimes, View};
+use cull::{Aabb, Camera, CullView, Projection, SkipTimes};
 use glam::Vec3;
 use gpu::{
     Access, Buffer, BufferSlice, Commands, FlagRing, Frame, IndirectDraw, Load, MemoryBarrier,
-    MemoryKind, Predication, QueryIndex, QueryRing, ResultSource, vk,
+    MemoryKind, PredicationMode, QueryIndex, QueryRing, ResultSource, vk,
 };
 
 use super::CalibrationScene;
@@ -43,7 +43,7 @@ enum Thing {
     /// Indirect calls of a draw without instances.
     Calls,
     /// Ranges of so many draws each, all of which an executor skips.
-    Ranges { executor: Predication, width: u32 },
+    Ranges { executor: PredicationMode, width: u32 },
     /// Ends of rendering and begins.
     Breaks,
     /// Preparations of the compute tester.
@@ -81,7 +81,7 @@ impl Batch {
     ];
 
     /// Returns the batches of ranges of an executor: few, many, and few that are wide.
-    pub(super) fn of_ranges(executor: Predication) -> [Self; 3] {
+    pub(super) fn of_ranges(executor: PredicationMode) -> [Self; 3] {
         let few = SkipTimes::RANGES;
         [(few, 1), (2 * few, 1), (few, SkipTimes::WIDE_DRAWS)]
             .map(|(count, width)| Self { thing: Thing::Ranges { executor, width }, count })
@@ -121,7 +121,7 @@ pub(super) struct Bench<'a> {
     results: Buffer,
     queries: QueryRing<()>,
     flags: FlagRing<()>,
-    view: View,
+    view: CullView,
     /// The draws of a single triangle and of a patch.
     draws: [IndirectDraw; 2],
     /// The buffers that the newest frame reads.
@@ -167,7 +167,7 @@ impl<'a> Bench<'a> {
             )?,
             queries: QueryRing::new(device, 2, "calibration queries")?,
             flags: FlagRing::new(device, 2, ResultSource::Fragments, "calibration flags"),
-            view: View::new(&camera, size, device.adapter().limits.sub_pixel_precision_bits),
+            view: CullView::new(&camera, size, device.adapter().limits.sub_pixel_precision_bits),
             draws,
             passes,
             objects,

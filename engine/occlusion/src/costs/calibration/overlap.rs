@@ -49,6 +49,6 @@ fn time_ns(
         frame.commands().pass("calibration", |commands| bench.record_load(commands, load));
         frame.submit(None)?;
     }
-    device.drain()?;
+    device.wait_idle()?;
     Ok(began.elapsed().as_secs_f64() * 1.0e9)
 }

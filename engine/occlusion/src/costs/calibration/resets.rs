@@ -2,9 +2,9 @@
 
 use std::time::Instant;
 
-use gpu::{Device, FrameRing, Optional, QueryRing, Resubmission};
+use gpu::{Device, FrameRing, OptionalFeature, QueryRing, Resubmission};
 
-use crate::costs::device_prices::ResetPrices;
+use crate::costs::device_costs::QueryResetCosts;
 use crate::error::Error;
 
 /// Queries of the shorter measurement; the longer one has twice as many.
@@ -12,16 +12,16 @@ const QUERIES: usize = 256;
 
 const ROUNDS: usize = 3;
 
-/// Measures the price of the reset of a query.
+/// Measures the cost of the reset of a query.
 ///
 /// # Errors
 /// No memory, a failed call.
-pub(super) fn measure(device: &Device) -> Result<ResetPrices, Error> {
+pub(super) fn measure(device: &Device) -> Result<QueryResetCosts, Error> {
     let each_ns = |by| -> Result<f32, Error> {
         let mut shortest_ns = [f64::NAN; 2];
         let mut frames = FrameRing::new(device, 1)?;
         frames.set_resubmission(by);
-        let has_timestamps = device.capabilities().has(Optional::Timestamps);
+        let has_timestamps = device.capabilities().has(OptionalFeature::Timestamps);
         if has_timestamps {
             frames.time_frames()?;
         }
@@ -36,12 +36,12 @@ pub(super) fn measure(device: &Device) -> Result<ResetPrices, Error> {
         let [many, few] = shortest_ns;
         Ok(((many - few) / QUERIES as f64).max(0.0) as f32)
     };
-    let cpu_ns = if device.capabilities().has(Optional::HostQueryReset) {
+    let cpu_ns = if device.capabilities().has(OptionalFeature::HostQueryReset) {
         each_ns(Resubmission::Never)?
     } else {
         f32::NAN
     };
-    Ok(ResetPrices { command_ns: each_ns(Resubmission::Allowed)?, cpu_ns })
+    Ok(QueryResetCosts { command_ns: each_ns(Resubmission::Allowed)?, cpu_ns })
 }
 
 /// Returns the time of a frame that resets so many queries (ns): of the call on the CPU, or of its
@@ -62,7 +62,7 @@ fn time_ns(
     let began = Instant::now();
     let tick = frame.submit(None)?;
     queries.submitted(tick);
-    device.drain()?;
+    device.wait_idle()?;
     let elapsed = began.elapsed();
     if by == Resubmission::Never {
         return Ok(called.as_secs_f64() * 1.0e9);

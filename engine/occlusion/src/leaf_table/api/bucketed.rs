@@ -1,7 +1,7 @@
 //! Tables whose leaves have any number of draws, in buckets.
 
 use cull::{Hierarchy, LeafIndex, LeafRange};
-use gpu::{Buffer, Device, MemoryKind, Predicates, Predication, vk};
+use gpu::{Buffer, Device, MemoryKind, Predicates, PredicationMode, vk};
 
 use super::super::bucket_cells::{BucketCells, BucketDraw, MAX_BUCKETS};
 use super::super::changes::DrawChanges;
@@ -22,7 +22,7 @@ pub struct BucketTableInfo {
     /// buffers that are half as large again.
     pub draw_capacity: u32,
     /// The way that hidden draws are skipped; `None` takes the device's best.
-    pub predication: Option<Predication>,
+    pub predication: Option<PredicationMode>,
     /// Frames that may be in flight at once.
     pub frames_in_flight: usize,
 }

@@ -1,6 +1,6 @@
 //! Section planes in a frame: the inputs of passes that are cut, and the caps of what is cut open.
 
-use cull::{Hierarchy, View};
+use cull::{CullView, Hierarchy};
 use gpu::{BufferSlice, Commands, Frame};
 
 use crate::error::Error;
@@ -28,14 +28,14 @@ impl FramePasses {
         &mut self,
         frame: &mut Frame<'_>,
         hierarchy: &Hierarchy,
-        view: &View,
+        view: &CullView,
     ) -> Result<(), Error> {
         self.section.begin_view(frame, &self.geometry, hierarchy, view)
     }
 
     /// Draws the caps of the view that was begun, if it has any, in a rendering before all others:
     /// they hide what lies behind them from the first test on.
-    pub(crate) fn record_caps(&mut self, commands: &Commands, view: &View) {
+    pub(crate) fn record_caps(&mut self, commands: &Commands, view: &CullView) {
         if self.section.uploaded_caps.is_none() {
             return;
         }
@@ -48,7 +48,7 @@ impl FramePasses {
     }
 
     /// Draws the caps of the view that was begun to the current attachments, before its objects.
-    pub(crate) fn draw_caps(&self, commands: &Commands, view: &View) {
+    pub(crate) fn draw_caps(&self, commands: &Commands, view: &CullView) {
         let kind = match self.pipelines.shading {
             Some(_) => CapKind::Depth,
             None => CapKind::Whole,
@@ -57,12 +57,12 @@ impl FramePasses {
     }
 
     /// Adds the colour to caps of scenes with surfaces, against the finished depth.
-    pub(crate) fn colour_caps(&self, commands: &Commands, view: &View) {
+    pub(crate) fn colour_caps(&self, commands: &Commands, view: &CullView) {
         self.draw_caps_of(commands, view, CapKind::Colour, None);
     }
 
     /// Notes the leaves of caps that own a pixel of the finished depth.
-    pub(crate) fn note_caps(&self, commands: &Commands, view: &View, seen: BufferSlice) {
+    pub(crate) fn note_caps(&self, commands: &Commands, view: &CullView, seen: BufferSlice) {
         self.draw_caps_of(commands, view, CapKind::Seen, Some(seen));
     }
 
@@ -71,7 +71,7 @@ impl FramePasses {
     pub(crate) fn point_at_caps(
         &self,
         commands: &Commands,
-        view: &View,
+        view: &CullView,
         pixel: [u32; 2],
         pointed: BufferSlice,
     ) {
@@ -85,7 +85,7 @@ impl FramePasses {
     fn draw_caps_of(
         &self,
         commands: &Commands,
-        view: &View,
+        view: &CullView,
         kind: CapKind,
         notes: Option<BufferSlice>,
     ) {
@@ -99,7 +99,7 @@ impl FramePasses {
     fn draw_caps_over(
         &self,
         commands: &Commands,
-        view: &View,
+        view: &CullView,
         kind: CapKind,
         notes: Option<BufferSlice>,
     ) {

@@ -1,13 +1,13 @@
 //! Transparent objects whose fragments are sorted.
 
-use cull::View;
+use cull::CullView;
 use gpu::{Access, BufferSlice, Commands, MemoryBarrier};
 use occlusion::PlanExecutor;
 
+use crate::attachment_schedule::AttachmentSchedule;
 use crate::frame_passes::FramePasses;
 use crate::passes::{FragmentIo, SurfaceIo};
 use crate::shading::fragments::Fragments;
-use crate::view_scopes::ViewScope;
 
 impl FramePasses {
     /// Returns the fragments of transparent objects, if any are sorted.
@@ -26,7 +26,7 @@ impl FramePasses {
         &mut self,
         executor: &PlanExecutor,
         commands: &Commands,
-        view: &View,
+        view: &CullView,
         io: &FragmentIo,
     ) {
         if let Some(fragments) = self.fragments() {
@@ -34,7 +34,7 @@ impl FramePasses {
         }
         self.target.prepare_tests(commands);
         let target = self.target_of(view, None);
-        let storing = self.scope_target(commands, ViewScope::Fragments, target);
+        let storing = self.scope_target(commands, AttachmentSchedule::Fragments, target);
         commands.pass("store fragments", |commands| {
             commands.rendering(storing, |commands| {
                 self.store_fragments(executor, commands, view, io.fragments);
@@ -44,7 +44,7 @@ impl FramePasses {
         });
         self.target.prepare(commands);
         let target = self.target_of(view, None);
-        let sorting = self.scope_target(commands, ViewScope::Transparent, target);
+        let sorting = self.scope_target(commands, AttachmentSchedule::Transparent, target);
         commands.pass("draw transparent", |commands| {
             commands.rendering(sorting, |commands| {
                 if let Some(passes) = &self.pipelines.fragments {
@@ -58,7 +58,7 @@ impl FramePasses {
         &self,
         executor: &PlanExecutor,
         commands: &Commands,
-        view: &View,
+        view: &CullView,
         fragments: BufferSlice,
     ) {
         let (Some(transparent), Some(passes), Some(surfaces)) =

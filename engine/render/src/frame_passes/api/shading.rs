@@ -1,13 +1,13 @@
 //! The draws of a scene for their colour: surfaces, the sky, and transparent objects.
 
-use cull::View;
+use cull::CullView;
 use gpu::{BufferSlice, Commands, Viewport};
 use occlusion::PlanExecutor;
 
+use crate::attachment_schedule::AttachmentSchedule;
 use crate::frame_passes::FramePasses;
 use crate::shading::depth_first::{DARK, Shading};
 use crate::shading::fragments::Fragments;
-use crate::view_scopes::ViewScope;
 
 impl FramePasses {
     /// Adds the colour to the draws of the rounds, if they have none yet: `draw` draws all of it
@@ -16,7 +16,7 @@ impl FramePasses {
         &mut self,
         executor: &PlanExecutor,
         commands: &Commands,
-        view: &View,
+        view: &CullView,
         draw: &dyn Fn(&Commands),
     ) {
         if self.pipelines.shading.is_none() {
@@ -30,7 +30,7 @@ impl FramePasses {
         }
         self.target.prepare(commands);
         let target = self.target_of(view, None).cleared_to(DARK);
-        let target = self.scope_target(commands, ViewScope::Shade, target);
+        let target = self.scope_target(commands, AttachmentSchedule::Shade, target);
         commands.pass("shade surfaces", |commands| {
             commands.rendering(target, |commands| {
                 self.draw_colours(executor, commands, view, draw);
@@ -45,7 +45,7 @@ impl FramePasses {
         &self,
         executor: &PlanExecutor,
         commands: &Commands,
-        view: &View,
+        view: &CullView,
         draw: &dyn Fn(&Commands),
     ) {
         // Paper covers all colours.
@@ -59,13 +59,13 @@ impl FramePasses {
     }
 
     /// Draws the shadow maps that waited for the finished depth of the view.
-    fn draw_culled_maps(&mut self, commands: &Commands, view: &View) {
+    fn draw_culled_maps(&mut self, commands: &Commands, view: &CullView) {
         if !self.shadows.has_culled() {
             return;
         }
         self.target.prepare_tests(commands);
         let target = self.target_of(view, None).depth_only();
-        let target = self.scope_target(commands, ViewScope::CasterTests, target);
+        let target = self.scope_target(commands, AttachmentSchedule::CasterTests, target);
         let Self { geometry, pipelines, shadows, .. } = self;
         shadows.record_culled(commands, geometry, pipelines, target, view);
     }
@@ -73,7 +73,7 @@ impl FramePasses {
     fn draw_surfaces(
         &self,
         commands: &Commands,
-        view: &View,
+        view: &CullView,
         backdrop: Option<[f32; 3]>,
         draw: impl FnOnce(&Commands),
     ) {
@@ -99,7 +99,7 @@ impl FramePasses {
         &self,
         executor: &PlanExecutor,
         commands: &Commands,
-        view: &View,
+        view: &CullView,
         draws: Option<BufferSlice>,
         backdrop: Option<[f32; 3]>,
     ) {
@@ -120,7 +120,7 @@ impl FramePasses {
         &mut self,
         executor: &PlanExecutor,
         commands: &Commands,
-        view: &View,
+        view: &CullView,
     ) {
         let Some(transparent) =
             self.transparent.as_ref().filter(|transparent| !transparent.list().is_empty())
@@ -133,14 +133,14 @@ impl FramePasses {
         }
         self.target.prepare(commands);
         let target = self.target_of(view, None);
-        let target = self.scope_target(commands, ViewScope::Transparent, target);
+        let target = self.scope_target(commands, AttachmentSchedule::Transparent, target);
         commands.pass("draw transparent", |commands| {
             commands.rendering(target, |commands| self.draw_transparent(executor, commands, view));
         });
     }
 
     /// Draws the transparent objects of a view to the current attachments.
-    fn draw_transparent(&self, executor: &PlanExecutor, commands: &Commands, view: &View) {
+    fn draw_transparent(&self, executor: &PlanExecutor, commands: &Commands, view: &CullView) {
         let (Some(transparent), Some(pass)) = (&self.transparent, &self.pipelines.transparent)
         else {
             return;

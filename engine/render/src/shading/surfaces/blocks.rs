@@ -1,6 +1,6 @@
 //! Images of compressed blocks: those that a device samples as they are.
 
-use gpu::{Device, Optional, vk};
+use gpu::{Device, OptionalFeature, vk};
 use scene::{BlockFormat, Encoding, Image, Sampler, Texels};
 
 /// The compressed blocks that textures with an image each may have.
@@ -24,7 +24,7 @@ impl SampledBlocks {
     /// Returns those of a device.
     pub(crate) fn of(device: &Device) -> Self {
         let has = |optional| device.capabilities().has(optional);
-        Self { bc: has(Optional::BcTextures), astc: has(Optional::AstcTextures) }
+        Self { bc: has(OptionalFeature::BcTextures), astc: has(OptionalFeature::AstcTextures) }
     }
 
     /// Returns the part of an image that is sampled as it is: from the first mip map on that fits

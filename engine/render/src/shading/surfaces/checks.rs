@@ -7,7 +7,7 @@ use scene::{LightKind, Material, PunctualLight, Scene, Surfaces};
 
 use crate::error::Error;
 use crate::resources::limits;
-use crate::resources::spare_room::SpareRoom;
+use crate::resources::spare_capacity::SpareCapacity;
 use crate::shading::surfaces::light_lists::LIST_VALUES;
 use crate::shading::surfaces::materials::MaterialEntry;
 
@@ -19,7 +19,7 @@ pub(super) fn check_counts(
     device: &Device,
     surfaces: &Surfaces,
     hierarchy: &Hierarchy,
-    spare: &SpareRoom,
+    spare: &SpareCapacity,
 ) -> Result<(), Error> {
     let transparent = surfaces.transparent.len() as u64;
     check_lights(surfaces, spare)?;
@@ -52,7 +52,7 @@ pub(super) fn check_counts(
 }
 
 /// Refuses more lights, with the room for more, than the light table takes.
-fn check_lights(surfaces: &Surfaces, spare: &SpareRoom) -> Result<(), Error> {
+fn check_lights(surfaces: &Surfaces, spare: &SpareCapacity) -> Result<(), Error> {
     let [local, directional] = [spare.lights, spare.directional_lights].map(u64::from);
     let lights = surfaces.lights.len() as u64 + local + directional;
     const LESS: &str = "leave lights out, the weakest first, or keep room for fewer";

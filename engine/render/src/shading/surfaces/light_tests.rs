@@ -7,7 +7,7 @@ use scene::{LightId, LightKind, PunctualLight, Surfaces};
 
 use super::light_lists::LightLists;
 use super::lights::{LightTable, dark_light, reach_m};
-use crate::resources::spare_room::SpareRoom;
+use crate::resources::spare_capacity::SpareCapacity;
 
 fn bulb(position: Vec3, candela: f32, range_m: Option<f32>) -> PunctualLight {
     PunctualLight {
@@ -17,7 +17,7 @@ fn bulb(position: Vec3, candela: f32, range_m: Option<f32>) -> PunctualLight {
         range_m,
         position,
         direction: Vec3::NEG_Z,
-        picture: None,
+        cookie: None,
     }
 }
 
@@ -32,7 +32,7 @@ fn boxes() -> Vec<Aabb> {
 }
 
 fn table(lights: Vec<PunctualLight>) -> LightTable {
-    LightTable::new(&Surfaces { lights, ..Surfaces::default() }, &SpareRoom::default())
+    LightTable::new(&Surfaces { lights, ..Surfaces::default() }, &SpareCapacity::default())
 }
 
 /// Returns the lights that reach a box, found by testing all of them.
@@ -167,7 +167,7 @@ fn the_strongest_suns_come_first_in_the_table() {
     assert_eq!(table.places, places);
     assert_eq!(table.entries(|_| None).len(), 5);
     assert_eq!(
-        LightTable::new(&Surfaces::default(), &SpareRoom::default()).entries(|_| None).len(),
+        LightTable::new(&Surfaces::default(), &SpareCapacity::default()).entries(|_| None).len(),
         1,
         "something can be bound"
     );
@@ -176,7 +176,7 @@ fn the_strongest_suns_come_first_in_the_table() {
 #[test]
 fn room_lies_behind_the_lights_of_the_scene_and_is_used_again() {
     let lights = vec![bulb(Vec3::X, 2.0, None), sun(1.0)];
-    let spare = SpareRoom { lights: 2, directional_lights: 1, ..Default::default() };
+    let spare = SpareCapacity { lights: 2, directional_lights: 1, ..Default::default() };
     let mut table = LightTable::new(&Surfaces { lights, ..Surfaces::default() }, &spare);
     assert_eq!((table.directional, table.dark_suns, table.entries(|_| None).len()), (2, 0, 5));
     assert!(table.get(LightId(1)).is_some() && table.get(LightId(2)).is_none());

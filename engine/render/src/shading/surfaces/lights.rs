@@ -3,9 +3,9 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use scene::limits::MAX_DIRECTIONAL_LIGHTS;
-use scene::{LightId, LightKind, LightPicture, PunctualLight, Surfaces, TextureId};
+use scene::{LightCookie, LightId, LightKind, PunctualLight, Surfaces, TextureId};
 
-use crate::resources::spare_room::SpareRoom;
+use crate::resources::spare_capacity::SpareCapacity;
 use crate::shading::surfaces::materials::{NO_TEXTURE, packed};
 use crate::shading::surfaces::texture_slots::TexturePlace;
 
@@ -63,7 +63,7 @@ impl LightEntry {
         };
         let [red, green, blue] = light.colour.map(|part| part.max(0.0) * light.intensity);
         let direction = light.direction.normalize_or_zero();
-        let picture = light.picture.zip(place);
+        let picture = light.cookie.zip(place);
         Self {
             position: light.position.extend(inverse_range).to_array(),
             intensity: [red, green, blue, scale],
@@ -76,7 +76,7 @@ impl LightEntry {
 
 /// Returns the direction to the right edge of a spot's picture, over the distance of that edge from
 /// the middle where the picture is a metre away.
-fn picture_right(light: &PunctualLight, picture: &LightPicture) -> [f32; 3] {
+fn picture_right(light: &PunctualLight, picture: &LightCookie) -> [f32; 3] {
     let LightKind::Spot { outer_rad, .. } = light.kind else { return [0.0; 3] };
     let direction = light.direction.normalize_or_zero();
     let right = direction.cross(picture.up.normalize_or_zero());
@@ -137,7 +137,7 @@ pub(crate) fn dark_light(kind: LightKind) -> PunctualLight {
         range_m: None,
         position: Vec3::ZERO,
         direction: Vec3::NEG_Z,
-        picture: None,
+        cookie: None,
     }
 }
 
@@ -160,7 +160,7 @@ pub(crate) struct LightTable {
 
 impl LightTable {
     /// Creates the table: the strongest directional lights first, then all others in their order.
-    pub(crate) fn new(surfaces: &Surfaces, spare: &SpareRoom) -> Self {
+    pub(crate) fn new(surfaces: &Surfaces, spare: &SpareCapacity) -> Self {
         let count = surfaces.lights.len();
         let dark = |kind, count| std::iter::repeat_n(dark_light(kind), count as usize);
         let room = dark(LightKind::Directional, spare.directional_lights)
@@ -238,7 +238,7 @@ impl LightTable {
             if let Some(entry) = place.and_then(|place| entries.get_mut(place as usize)) {
                 *entry = LightEntry::of(
                     light,
-                    light.picture.and_then(|picture| place_of(picture.texture)),
+                    light.cookie.and_then(|picture| place_of(picture.texture)),
                 );
             }
         }

@@ -9,7 +9,7 @@ use scene::{LightKind, PunctualLight, Surfaces};
 use super::light_lists::{LEAST_VISITS, LightLists, MOST_VISITS, VISITS_A_FRAME};
 use super::light_tree::{LightTree, Reach};
 use super::lights::{LightTable, is_bright, reach_m, strongest_part};
-use crate::resources::spare_room::SpareRoom;
+use crate::resources::spare_capacity::SpareCapacity;
 
 /// A generator of numbers of `0.0..1.0` from a seed.
 struct Random(u64);
@@ -37,7 +37,7 @@ fn bulb(position: Vec3, candela: f32, range_m: Option<f32>) -> PunctualLight {
         range_m,
         position,
         direction: Vec3::NEG_Z,
-        picture: None,
+        cookie: None,
     }
 }
 
@@ -69,7 +69,7 @@ fn any_box(random: &mut Random) -> Aabb {
 fn table(lights: &[PunctualLight]) -> LightTable {
     LightTable::new(
         &Surfaces { lights: lights.to_vec(), ..Surfaces::default() },
-        &SpareRoom::default(),
+        &SpareCapacity::default(),
     )
 }
 

@@ -5,7 +5,7 @@ use occlusion::{ScatterIo, ScatterPass};
 use scene::{Alpha, Material, MaterialId, PunctualLight, Surfaces, TextureId};
 
 use crate::error::Error;
-use crate::resources::spare_room::{SpareRanges, SpareRoom};
+use crate::resources::spare_capacity::{SpareCapacity, SpareRanges};
 use crate::shading::surfaces::marked::Marked;
 use crate::shading::surfaces::materials::{Features, MaterialEntry, MaterialTable};
 use crate::shading::surfaces::texture_slots::TexturePlace;
@@ -31,7 +31,7 @@ pub(crate) struct MaterialSlots {
 impl MaterialSlots {
     /// Notes the materials of a scene, and the room between them and the one of meshes that name
     /// none.
-    pub(crate) fn new(surfaces: &Surfaces, table: MaterialTable, spare: &SpareRoom) -> Self {
+    pub(crate) fn new(surfaces: &Surfaces, table: MaterialTable, spare: &SpareCapacity) -> Self {
         let slot =
             |material: &Material| MaterialSlot { material: Some(material.clone()), users: 0 };
         let mut slots: Vec<MaterialSlot> = surfaces.materials.iter().map(slot).collect();
@@ -93,7 +93,7 @@ impl MaterialSlots {
     /// Takes a place for a material that was checked. The next frame has it.
     ///
     /// # Errors
-    /// [`Error::NoRoom`].
+    /// [`Error::CapacityExceeded`].
     pub(crate) fn add(&mut self, material: &Material) -> Result<MaterialId, Error> {
         self.table.check_room(material)?;
         let id = self.ids.take(1)?.start;
@@ -116,19 +116,19 @@ impl MaterialSlots {
     }
 
     /// Notes a light that comes or goes, with the picture that it projects.
-    pub(crate) fn count_picture(&mut self, light: &PunctualLight, change: i32) {
-        self.table.count_picture(light, change);
+    pub(crate) fn count_cookie(&mut self, light: &PunctualLight, change: i32) {
+        self.table.count_cookie(light, change);
     }
 
     /// Returns the reason why passes that are compiled for `features` cannot show the picture of a
     /// light.
-    pub(crate) fn check_picture(
+    pub(crate) fn check_cookie(
         &self,
         light: &PunctualLight,
         features: &Features,
     ) -> Result<(), &'static str> {
-        light.check_picture(self.table.texture_count())?;
-        let Some(picture) = light.picture else { return Ok(()) };
+        light.check_cookie(self.table.texture_count())?;
+        let Some(picture) = light.cookie else { return Ok(()) };
         match self.place(picture.texture) {
             None => {
                 Err("the texture of its picture is not on the GPU: it was removed, or nothing \
@@ -185,7 +185,7 @@ impl MaterialSlots {
     /// Replaces a material, after that was checked. The next frame has it.
     ///
     /// # Errors
-    /// [`Error::NoRoom`]; the material stays then.
+    /// [`Error::CapacityExceeded`]; the material stays then.
     pub(crate) fn replace(&mut self, material: MaterialId, to: &Material) -> Result<(), Error> {
         let slot = self.slots.get_mut(material.0 as usize);
         let Some(there) = slot.and_then(|slot| slot.material.as_mut()) else { return Ok(()) };

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::Affine2;
 use scene::{
-    Alpha, Encoding, LightPicture, Material, PunctualLight, Surfaces, TextureId, TextureUse,
+    Alpha, Encoding, LightCookie, Material, PunctualLight, Surfaces, TextureId, TextureUse,
 };
 
 use crate::error::Error;
@@ -80,7 +80,7 @@ impl MaterialTable {
         transforms.keep_room((spare as usize).saturating_mul(TEXTURES))?;
         let mut table = Self { entries, transforms, places, texture_users: Vec::new() };
         surfaces.materials.iter().for_each(|material| table.count_textures(material, 1));
-        surfaces.lights.iter().for_each(|light| table.count_picture(light, 1));
+        surfaces.lights.iter().for_each(|light| table.count_cookie(light, 1));
         Ok(table)
     }
 
@@ -112,7 +112,7 @@ impl MaterialTable {
     /// Refuses a material if there is no room for the transforms of its textures.
     ///
     /// # Errors
-    /// [`Error::NoRoom`].
+    /// [`Error::CapacityExceeded`].
     pub(crate) fn check_room(&self, material: &Material) -> Result<(), Error> {
         let uses = textures_of(material).into_iter().flatten();
         self.transforms.check_room(uses.map(|texture_use| texture_use.transform))
@@ -144,8 +144,8 @@ impl MaterialTable {
     }
 
     /// Notes a light that comes or goes, with the picture that it projects.
-    pub(crate) fn count_picture(&mut self, light: &PunctualLight, change: i32) {
-        if let Some(LightPicture { texture, .. }) = light.picture {
+    pub(crate) fn count_cookie(&mut self, light: &PunctualLight, change: i32) {
+        if let Some(LightCookie { texture, .. }) = light.cookie {
             self.count_texture(texture, change);
         }
     }
@@ -211,13 +211,13 @@ impl Features {
     }
 
     /// Returns the pages that lights may project pictures of: where one does, those of all colours.
-    pub(crate) fn picture_pages(
+    pub(crate) fn cookie_pages(
         surfaces: &Surfaces,
         places: &[Option<TexturePlace>],
         plan: &PagePlan,
     ) -> u32 {
-        let place = |picture: LightPicture| *places.get(picture.texture.0 as usize)?;
-        let places = surfaces.lights.iter().filter_map(|light| place(light.picture?));
+        let place = |picture: LightCookie| *places.get(picture.texture.0 as usize)?;
+        let places = surfaces.lights.iter().filter_map(|light| place(light.cookie?));
         let own = places.fold(0, |bits, place| bits | place.bit);
         if own == 0 { 0 } else { own | plan.bits_of(Encoding::Srgb) }
     }

@@ -1,6 +1,7 @@
 //! Surfaces on the GPU: textures, materials, lights, and the lights that reach each
 //! object.
 
+mod bindless_textures;
 mod blocks;
 mod checks;
 mod light_lists;
@@ -9,7 +10,6 @@ mod lights;
 mod marked;
 mod material_slots;
 mod materials;
-mod own_images;
 mod page_groups;
 mod page_upload;
 mod pages;

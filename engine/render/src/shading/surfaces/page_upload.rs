@@ -1,14 +1,14 @@
 //! Texture pages on the GPU. An image of its own is a page of one layer.
 
 use gpu::{
-    CancellationToken, Device, MipMaking, TextureArray, TextureArrayInfo, TextureUploads, vk,
+    CancellationToken, Device, MipGeneration, TextureArray, TextureArrayInfo, TextureUploads, vk,
 };
 use scene::limits::{MAX_LAYERS, MAX_PAGES};
 use scene::{Encoding, Filter, Image, Sampler, Surfaces, Texels, Wrap};
 
 use crate::error::Error;
 use crate::resources::limits;
-use crate::resources::spare_room::TextureRoom;
+use crate::resources::spare_capacity::TextureCapacity;
 use crate::shading::surfaces::pages::{Page, PagePlan};
 use crate::shading::surfaces::surface_options::SurfaceOptions;
 
@@ -16,7 +16,7 @@ use crate::shading::surfaces::surface_options::SurfaceOptions;
 pub(super) fn plan(
     device: &Device,
     surfaces: &Surfaces,
-    rooms: &[TextureRoom],
+    rooms: &[TextureCapacity],
 ) -> Result<PagePlan, Error> {
     let limits = &device.adapter().limits;
     let max_side = limits.max_image_dimension2_d;
@@ -52,7 +52,7 @@ pub(super) fn plan(
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sampling {
     anisotropy: f32,
-    mip_making: MipMaking,
+    mip_making: MipGeneration,
 }
 
 impl Sampling {
@@ -62,7 +62,7 @@ impl Sampling {
         let anisotropy = options.anisotropy.unwrap_or(if is_cpu { 1.0 } else { 8.0 });
         // The mip maps of scenes are given for blocks alone.
         let mip_making = match options.mip_making {
-            MipMaking::Given(_) => MipMaking::Cpu,
+            MipGeneration::Given(_) => MipGeneration::Cpu,
             made => made,
         };
         Self { anisotropy, mip_making }
@@ -94,7 +94,7 @@ impl Sampling {
             between_levels: page.sampler.between_levels.map(between),
             anisotropy: self.anisotropy,
             mip_making: match page.blocks {
-                Some(blocks) => MipMaking::Given(blocks.levels),
+                Some(blocks) => MipGeneration::Given(blocks.levels),
                 None => self.mip_making,
             },
         }
@@ -176,7 +176,7 @@ pub(super) fn upload_all_pages(
             spare: 1,
             blocks: None,
         };
-        let plain = Sampling { anisotropy: 1.0, mip_making: MipMaking::Blits };
+        let plain = Sampling { anisotropy: 1.0, mip_making: MipGeneration::Blits };
         let mut array = create(&plain.array_info("no texture", &white))?;
         TextureUploads::new(device)?.write(&mut array, 0, &[255; 4])?;
         pages.push(array);

@@ -6,7 +6,7 @@ use std::collections::{HashMap, HashSet};
 use scene::limits::MAX_LAYERS;
 use scene::{Encoding, ImageId, Sampler, Surfaces, Texels, Texture, TextureId};
 
-use crate::resources::spare_room::TextureRoom;
+use crate::resources::spare_capacity::TextureCapacity;
 use crate::shading::surfaces::blocks::{PageBlocks, SampledBlocks};
 use crate::shading::surfaces::page_groups::{Group, joined, most_texels};
 use crate::shading::surfaces::texture_slots::TexturePlace;
@@ -182,9 +182,9 @@ impl PagePlan {
     }
 
     /// Adds a page for each kind of textures that may come later.
-    pub(crate) fn add_room(&mut self, rooms: &[TextureRoom]) {
-        let page = |room: &TextureRoom| {
-            let TextureRoom { size, encoding, sampler, layers } = *room;
+    pub(crate) fn add_room(&mut self, rooms: &[TextureCapacity]) {
+        let page = |room: &TextureCapacity| {
+            let TextureCapacity { size, encoding, sampler, layers } = *room;
             Page { size, encoding, sampler, layers: Vec::new(), spare: layers, blocks: None }
         };
         self.pages.extend(rooms.iter().map(page));
@@ -240,7 +240,7 @@ fn used_textures(surfaces: &Surfaces) -> HashSet<TextureId> {
         ]
     };
     let uses = surfaces.materials.iter().flat_map(of_material).flatten();
-    let pictures = surfaces.lights.iter().filter_map(|light| light.picture);
+    let pictures = surfaces.lights.iter().filter_map(|light| light.cookie);
     let pictures = pictures.map(|picture| picture.texture);
     uses.map(|texture_use| texture_use.texture).chain(pictures).collect()
 }

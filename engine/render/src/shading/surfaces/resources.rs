@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::resources::instance::lights_and_tint;
 use crate::resources::limits;
 use crate::resources::skinned_meshes::mesh_order;
-use crate::resources::spare_room::SpareRoom;
+use crate::resources::spare_capacity::SpareCapacity;
 use crate::resources::sprites;
 use crate::shading::environment_texture::EnvironmentTexture;
 use crate::shading::scene_degradations::SceneDegradations;
@@ -194,7 +194,7 @@ impl SurfaceResources {
     /// Takes a place for a texture that was checked.
     ///
     /// # Errors
-    /// [`Error::NoRoom`].
+    /// [`Error::CapacityExceeded`].
     pub(crate) fn add_texture(
         &mut self,
         texture: &PreparedTexture,
@@ -226,8 +226,8 @@ impl SurfaceResources {
     }
 
     /// Returns the reason why the picture of a light cannot be shown.
-    pub(crate) fn check_picture(&self, light: &PunctualLight) -> Result<(), &'static str> {
-        self.material_slots.check_picture(light, &self.features[0])
+    pub(crate) fn check_cookie(&self, light: &PunctualLight) -> Result<(), &'static str> {
+        self.material_slots.check_cookie(light, &self.features[0])
     }
 
     /// Frees the place of a texture that no material uses.
@@ -293,8 +293,8 @@ impl SurfaceResources {
         let number = light.0 as usize;
         let place = self.table.places.get(number).copied().flatten();
         if let Some(there) = self.table.lights.get_mut(number) {
-            self.material_slots.count_picture(there, -1);
-            self.material_slots.count_picture(&to, 1);
+            self.material_slots.count_cookie(there, -1);
+            self.material_slots.count_cookie(&to, 1);
             *there = to;
             self.dirty_lights.mark_dirty(light.0);
         }
@@ -381,7 +381,7 @@ impl SurfaceResources {
             let places: Vec<u32> = changed().map(|(place, _)| place).collect();
             let entry = |light: &PunctualLight| {
                 let picture =
-                    light.picture.and_then(|picture| self.material_slots.place(picture.texture));
+                    light.cookie.and_then(|picture| self.material_slots.place(picture.texture));
                 LightEntry::of(light, picture)
             };
             let entries: Vec<LightEntry> = changed().map(|(_, light)| entry(light)).collect();
@@ -417,7 +417,7 @@ impl SurfaceResources {
 fn surface_vertices(
     scene: &Scene,
     surfaces: &Surfaces,
-    spare: &SpareRoom,
+    spare: &SpareCapacity,
 ) -> Result<Vec<SurfaceVertex>, Error> {
     let meshes = mesh_order(scene).into_iter().filter_map(|mesh| surfaces.meshes.get(mesh));
     let count = surfaces.meshes.iter().map(|mesh| mesh.vertices.len()).sum::<usize>();
@@ -437,7 +437,7 @@ fn degradations_of(plan: &PagePlan, table: &LightTable) -> SceneDegradations {
         enlarged_images: plan.resampled - plan.shrunk,
         unpacked_images: plan.unpacked,
         borrowed_samplers: plan.resampled_by_others,
-        textures: if plan.are_own { TextureStorage::Images } else { TextureStorage::Pages },
+        textures: if plan.are_own { TextureStorage::Bindless } else { TextureStorage::ArrayPacked },
         dark_suns: table.dark_suns,
         ..SceneDegradations::default()
     }
@@ -449,7 +449,7 @@ fn features(
     places: &[Option<TexturePlace>],
     table: &LightTable,
     lists: &LightLists,
-    spare: &SpareRoom,
+    spare: &SpareCapacity,
 ) -> [Features; 2] {
     [false, true].map(|is_transparent| {
         let fallback = scene::Material::default();
@@ -461,7 +461,7 @@ fn features(
             directional_lights: table.directional,
             has_local_lights: lists.has_lights(),
             has_spots: spare.lights > 0 || table.lights.iter().any(is_spot),
-            pictures: Features::picture_pages(surfaces, places, plan),
+            pictures: Features::cookie_pages(surfaces, places, plan),
             ..Features::of(materials, places)
         };
         let has_room = spare.materials > 0 && !is_transparent;

@@ -1,8 +1,8 @@
 //! The options of surfaces on the GPU.
 
-use gpu::{CancellationToken, MipMaking};
+use gpu::{CancellationToken, MipGeneration};
 
-use crate::resources::spare_room::SpareRoom;
+use crate::resources::spare_capacity::SpareCapacity;
 use crate::shading::surfaces::texture_storage::TextureStorage;
 use crate::shading::transparency::TransparencyOptions;
 
@@ -13,11 +13,11 @@ pub struct SurfaceOptions {
     /// each costs as much as another texture.
     pub anisotropy: Option<f32>,
     /// The maker of the mip maps.
-    pub mip_making: MipMaking,
+    pub mip_making: MipGeneration,
     /// The way that textures lie on the GPU; `None` takes the device's best.
     pub textures: Option<TextureStorage>,
     /// Room for what comes later.
-    pub spare: SpareRoom,
+    pub spare: SpareCapacity,
     /// The request to give the upload up, which is checked between its pieces.
     pub cancellation: CancellationToken,
     /// The order in which transparent objects are blended.
@@ -28,9 +28,9 @@ impl Default for SurfaceOptions {
     fn default() -> Self {
         Self {
             anisotropy: None,
-            mip_making: MipMaking::Blits,
+            mip_making: MipGeneration::Blits,
             textures: None,
-            spare: SpareRoom::default(),
+            spare: SpareCapacity::default(),
             cancellation: CancellationToken::default(),
             transparency: TransparencyOptions::default(),
         }

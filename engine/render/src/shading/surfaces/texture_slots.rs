@@ -3,7 +3,7 @@
 use scene::{PreparedTexture, TextureId};
 
 use crate::error::Error;
-use crate::resources::spare_room::{SpareRanges, TextureRoom};
+use crate::resources::spare_capacity::{SpareRanges, TextureCapacity};
 
 /// The place of a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,7 +20,7 @@ pub(crate) struct TexturePlace {
 /// A page for textures of one size, encoding and sampler.
 #[derive(Debug)]
 struct SparePage {
-    room: TextureRoom,
+    room: TextureCapacity,
     page: usize,
     layers: SpareRanges,
 }
@@ -38,8 +38,8 @@ pub(crate) struct TextureSlots {
 
 impl TextureSlots {
     /// Keeps the pages from `first_page` on, and ids behind those of the scene's textures.
-    pub(crate) fn new(of_scene: u32, first_page: usize, rooms: &[TextureRoom]) -> Self {
-        let page = |(page, room): (usize, &TextureRoom)| SparePage {
+    pub(crate) fn new(of_scene: u32, first_page: usize, rooms: &[TextureCapacity]) -> Self {
+        let page = |(page, room): (usize, &TextureCapacity)| SparePage {
             room: *room,
             page,
             layers: SpareRanges::behind("textures of this kind", 0, room.layers),
@@ -58,18 +58,19 @@ impl TextureSlots {
         if self.pages.iter().any(|page| page.room.takes(texture)) {
             return Ok(());
         }
-        Err("no room is kept for its size, encoding and sampler (`SpareRoom::textures`)")
+        Err("no room is kept for its size, encoding and sampler (`SpareCapacity::textures`)")
     }
 
     /// Takes a place for a texture that was checked.
     ///
     /// # Errors
-    /// [`Error::NoRoom`].
+    /// [`Error::CapacityExceeded`].
     pub(crate) fn add(
         &mut self,
         texture: &PreparedTexture,
     ) -> Result<(TextureId, TexturePlace), Error> {
-        let mut full = Error::NoRoom { what: "textures of this kind", wanted: 1, left: 0 };
+        let mut full =
+            Error::CapacityExceeded { what: "textures of this kind", wanted: 1, left: 0 };
         for SparePage { page, layers, .. } in
             self.pages.iter_mut().filter(|page| page.room.takes(texture))
         {

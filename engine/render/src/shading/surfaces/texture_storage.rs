@@ -4,19 +4,19 @@
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum TextureStorage {
     /// An image for each, as large as it is, which shaders find by its number: for devices with
-    /// [`Optional::IndexedTextures`](gpu::Optional::IndexedTextures). Textures of any size come
-    /// while a renderer runs, and none needs [room](crate::SpareRoom::textures).
+    /// [`OptionalFeature::DescriptorIndexing`](gpu::Optional::DescriptorIndexing). Textures of any
+    /// size come while a renderer runs, and none needs [room](crate::SpareCapacity::textures).
     #[default]
-    Images,
+    Bindless,
     /// Pages: at most [`MAX_PAGES`](scene::limits::MAX_PAGES) arrays of images of one size and
     /// sampler, for every device. Images may be resampled to share a page.
-    Pages,
+    ArrayPacked,
 }
 
 impl TextureStorage {
     /// Returns the best for so many textures on a device that indexes at most so many.
     pub(crate) fn best(textures: u64, indexed: u32) -> Self {
-        if indexed > 0 && textures <= indexed.into() { Self::Images } else { Self::Pages }
+        if indexed > 0 && textures <= indexed.into() { Self::Bindless } else { Self::ArrayPacked }
     }
 }
 
@@ -26,8 +26,8 @@ mod tests {
 
     #[test]
     fn what_the_device_cannot_index_lies_on_pages() {
-        assert_eq!(TextureStorage::best(0, 0), TextureStorage::Pages);
-        assert_eq!(TextureStorage::best(2_000, 1_984), TextureStorage::Pages);
-        assert_eq!(TextureStorage::best(1_984, 1_984), TextureStorage::Images);
+        assert_eq!(TextureStorage::best(0, 0), TextureStorage::ArrayPacked);
+        assert_eq!(TextureStorage::best(2_000, 1_984), TextureStorage::ArrayPacked);
+        assert_eq!(TextureStorage::best(1_984, 1_984), TextureStorage::Bindless);
     }
 }

@@ -73,7 +73,7 @@ impl TextureTransforms {
     /// Refuses transforms that there are no numbers for.
     ///
     /// # Errors
-    /// [`Error::NoRoom`].
+    /// [`Error::CapacityExceeded`].
     pub(crate) fn check_room(
         &self,
         transforms: impl Iterator<Item = Affine2>,
@@ -86,7 +86,11 @@ impl TextureTransforms {
             return Ok(());
         }
         let [wanted, left] = [unknown.len(), self.free.len()].map(|count| count as u64);
-        Err(Error::NoRoom { what: "texture transforms that no material has", wanted, left })
+        Err(Error::CapacityExceeded {
+            what: "texture transforms that no material has",
+            wanted,
+            left,
+        })
     }
 
     /// Returns the number of a transform that there is [room](Self::check_room) for, which one more
@@ -166,7 +170,10 @@ mod tests {
         assert_eq!(transforms.take(Affine2::IDENTITY), 0);
         assert!(transforms.dirty().0.is_empty(), "the GPU has those of the scene");
         let two = || [scaled(4.0), scaled(5.0)].into_iter();
-        assert!(matches!(transforms.check_room(two()), Err(Error::NoRoom { left: 1, .. })));
+        assert!(matches!(
+            transforms.check_room(two()),
+            Err(Error::CapacityExceeded { left: 1, .. })
+        ));
         transforms.check_room([scaled(2.0), scaled(4.0), scaled(4.0)].into_iter()).unwrap();
         transforms.free(scaled(2.0));
         assert!(transforms.check_room(two()).is_err(), "another texture uses it");

@@ -5,7 +5,7 @@ use scene::limits::MAX_PAGES;
 use scene::{PreparedTexture, Surfaces, Texels, TextureId};
 
 use crate::error::Error;
-use crate::shading::surfaces::own_images::OwnImages;
+use crate::shading::surfaces::bindless_textures::BindlessTextures;
 use crate::shading::surfaces::page_upload::{Sampling, plan, upload_all_pages};
 use crate::shading::surfaces::pages::PagePlan;
 use crate::shading::surfaces::surface_options::SurfaceOptions;
@@ -15,7 +15,7 @@ use crate::shading::surfaces::texture_storage::TextureStorage;
 /// All textures that materials and lights use or may use.
 pub(crate) enum SurfaceTextures {
     Pages { arrays: Vec<TextureArray>, slots: TextureSlots },
-    Images(Box<OwnImages>),
+    Images(Box<BindlessTextures>),
 }
 
 impl SurfaceTextures {
@@ -31,11 +31,15 @@ impl SurfaceTextures {
         options: &SurfaceOptions,
     ) -> Result<(Self, PagePlan), Error> {
         let storage = options.textures.unwrap_or_else(|| {
-            TextureStorage::best(OwnImages::count(device, surfaces), OwnImages::most(device))
+            TextureStorage::best(
+                BindlessTextures::count(device, surfaces),
+                BindlessTextures::most(device),
+            )
         });
         let sampling = Sampling::of(device, options);
-        if storage == TextureStorage::Images {
-            let (images, plan) = OwnImages::new(device, surfaces, sampling, &options.cancellation)?;
+        if storage == TextureStorage::Bindless {
+            let (images, plan) =
+                BindlessTextures::new(device, surfaces, sampling, &options.cancellation)?;
             return Ok((Self::Images(Box::new(images)), plan));
         }
         let rooms = &options.spare.textures;
@@ -48,8 +52,8 @@ impl SurfaceTextures {
 
     pub(crate) fn storage(&self) -> TextureStorage {
         match self {
-            Self::Pages { .. } => TextureStorage::Pages,
-            Self::Images(_) => TextureStorage::Images,
+            Self::Pages { .. } => TextureStorage::ArrayPacked,
+            Self::Images(_) => TextureStorage::Bindless,
         }
     }
 
@@ -99,7 +103,7 @@ impl SurfaceTextures {
     /// Takes a place for a texture that was checked.
     ///
     /// # Errors
-    /// [`Error::NoRoom`]; for an image of its own also no memory.
+    /// [`Error::CapacityExceeded`]; for an image of its own also no memory.
     pub(crate) fn add(
         &mut self,
         texture: &PreparedTexture,

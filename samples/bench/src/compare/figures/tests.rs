@@ -49,12 +49,7 @@ fn every_repetition_counts_for_the_mark() {
 #[test]
 fn a_busy_machine_is_not_judged_and_the_impossible_neither() {
     let walk = |[ideal, antumbra]: [f64; 2]| {
-        measured(
-            "city",
-            "street",
-            10_000,
-            &[(ANTUMBRA, antumbra), ("coherent", 4.0), (IDEAL, ideal)],
-        )
+        measured("city", "street", 10_000, &[(ANTUMBRA, antumbra), ("chc", 4.0), (IDEAL, ideal)])
     };
     let verdicts = |times: &[[f64; 2]]| {
         let reports: Vec<Measured> = times.iter().copied().map(walk).collect();
@@ -74,14 +69,14 @@ fn a_busy_machine_is_not_judged_and_the_impossible_neither() {
 
 #[test]
 fn the_nearest_rival_decides_and_a_missing_one_leaves_it_open() {
-    let times = [(ANTUMBRA, 2.0), ("coherent", 3.0), ("pyramid", 2.2), ("stop_and_wait", 9.0)];
+    let times = [(ANTUMBRA, 2.0), ("chc", 3.0), ("hzb", 2.2), ("stop_and_wait", 9.0)];
     let complete: Vec<_> = times.into_iter().chain([("next_frame", 2.5)]).collect();
     let all = figures(&[measured("city", "street", 2_000, &complete)]);
     let figure = find(&all, "street 2k", "nearest rival");
     assert_eq!(figure.verdict(), Verdict::Reached);
     assert_eq!(
         (figure.found_words().as_str(), figure.note.as_str()),
-        ("1.10", "nearest of coherent, pyramid, stop_and_wait, next_frame: pyramid")
+        ("1.10", "nearest of chc, hzb, stop_and_wait, next_frame: hzb")
     );
 
     let partial = figures(&[measured("city", "street", 2_000, &times)]);
@@ -143,7 +138,7 @@ fn wrong_pixels_are_never_nearly_none() {
 
     let moving = |names: &[(&str, u64, u64)]| {
         let mut report = verified("city", "street", 500, names);
-        report.provenance.command = vec!["--moving=10".to_owned()];
+        report.provenance.command = vec!["--moving-percent=10".to_owned()];
         let still = verified("city", "street", 500, &[(ANTUMBRA, 9, 0), (IDEAL, 9, 0)]);
         figures(&[still, report])
     };

@@ -40,7 +40,7 @@ impl Bench {
         let seen = InteractionContext {
             document: &self.document,
             camera: self.camera,
-            view: antumbra::cull::View::new(&camera, SIZE, 8),
+            view: antumbra::cull::CullView::new(&camera, SIZE, 8),
             bounds: self.document.shown_bounds(),
             frame: FrameId(self.frame),
         };
@@ -207,7 +207,7 @@ fn a_plane_is_dragged_by_its_handle() {
     let mut bench = Bench::new();
     let [Command::Section(_)] = bench.input(InputEvent::Key(KeyCode::KeyX))[..] else { panic!() };
     let bounds = bench.document.shown_bounds();
-    let view = antumbra::cull::View::new(&bench.camera.camera(0.5), SIZE, 8);
+    let view = antumbra::cull::CullView::new(&bench.camera.camera(0.5), SIZE, 8);
     let handle =
         place_of(&view, handle_of(&bounds, 0, &bench.interaction.tools().planes[0])).unwrap();
     bench.input(InputEvent::Moved(handle));
@@ -280,7 +280,7 @@ fn the_wheel_keeps_the_point_below_the_pointer() {
     bench.input(InputEvent::Moved(Vec2::new(300.0, 300.0)));
     bench.answer(Some(body));
     let place = |bench: &Bench| {
-        let view = antumbra::cull::View::new(&bench.camera.camera(0.5), SIZE, 8);
+        let view = antumbra::cull::CullView::new(&bench.camera.camera(0.5), SIZE, 8);
         place_of(&view, body.point.as_vec3()).unwrap()
     };
     let at = place(&bench);

@@ -6,22 +6,22 @@ use std::ptr::{from_mut, from_ref, null, null_mut};
 use ash::vk;
 use capi::api::context::{antumbra_context_create, antumbra_context_destroy};
 use capi::api::device::{antumbra_device_destroy, antumbra_device_finished};
-use capi::api::prices::{antumbra_prices_destroy, antumbra_prices_measure};
+use capi::api::device_costs::{antumbra_device_costs_destroy, antumbra_device_costs_measure};
 use capi::api::scene::*;
 use capi::context::{AntumbraContext, AntumbraContextDesc};
 use capi::decisions::camera::AntumbraCamera;
 use capi::decisions::hierarchy::AntumbraAabb;
 use capi::error::{AntumbraError, AntumbraResult};
 use capi::executor::device::{AntumbraDevice, AntumbraDeviceDesc};
+use capi::executor::device_costs::AntumbraDeviceCosts;
 use capi::executor::frame::*;
 use capi::executor::lists::{ANTUMBRA_DRAWS_BY_LISTS, AntumbraDrawLists};
-use capi::executor::prices::AntumbraPrices;
 use capi::executor::queue::AntumbraQueueDesc;
 use capi::executor::scene::*;
 use capi::executor::target::{AntumbraAttachments, AntumbraImage, AntumbraTargetDesc};
 use capi::layout::Versioned;
-use capi::renderer::prices::AntumbraPricesDesc;
-use cull::{Aabb, View};
+use capi::renderer::device_costs::AntumbraDeviceCostsDesc;
+use cull::{Aabb, CullView};
 use occlusion::Rendering;
 use tests::host_commands::{HostCommands, Runs};
 use tests::host_device::Host;
@@ -32,7 +32,7 @@ use tests::walk::pixels_that_differ;
 use super::images::{COLOUR, ViewImages, area};
 use super::lists;
 use super::pipeline::{BoxPipeline, INDICES};
-use super::{FrameOptions, Prices, SIZE};
+use super::{Costs, FrameOptions, SIZE};
 use crate::c_interface::{adopt, adopt_with, no_error, text};
 
 pub const VIEWS: usize = 2;
@@ -73,7 +73,7 @@ pub struct DrawingHost<'a> {
 struct Recording<'a> {
     host: &'a Host,
     ids: [AntumbraView; VIEWS],
-    views: [View; VIEWS],
+    views: [CullView; VIEWS],
     images: [&'a ViewImages; VIEWS],
     pipeline: &'a BoxPipeline,
 }
@@ -175,13 +175,13 @@ impl<'a> DrawingHost<'a> {
             let (adopted, device, error) = adopt(host, new.context, null(), |_| {});
             assert_eq!(adopted, AntumbraResult::Ok, "{}", text(&error));
             new.device = device;
-            let prices = match options.prices {
-                Prices::None => AntumbraPrices { id: 0 },
-                Prices::Measured => new.measure(),
+            let costs = match options.costs {
+                Costs::None => AntumbraDeviceCosts { id: 0 },
+                Costs::Measured => new.measure(),
             };
             let desc = AntumbraSceneDesc {
-                prices,
-                distrusted: options.distrusted,
+                costs,
+                disabled: options.disabled,
                 device,
                 attachments: &attachments,
                 bucket_count: BUCKETS,
@@ -192,7 +192,7 @@ impl<'a> DrawingHost<'a> {
             };
             let made = antumbra_scene_create(new.context, &desc, &mut new.scene, &mut new.error);
             new.check(made);
-            new.check(antumbra_prices_destroy(new.context, prices, null_mut()));
+            new.check(antumbra_device_costs_destroy(new.context, costs, null_mut()));
             for view in 0..VIEWS {
                 let Self { context, scene, views, error, .. } = &mut new;
                 let made = antumbra_view_create(*context, *scene, &mut views[view], error);
@@ -203,28 +203,28 @@ impl<'a> DrawingHost<'a> {
         new
     }
 
-    /// Measures the prices of the device, adopted with its queue for as long.
-    fn measure(&mut self) -> AntumbraPrices {
+    /// Measures the costs of the device, adopted with its queue for as long.
+    fn measure(&mut self) -> AntumbraDeviceCosts {
         let queue = AntumbraQueueDesc { queue: self.host.queue, ..Versioned::INIT };
         let with_queue = |desc: &mut AntumbraDeviceDesc| desc.queue = &queue;
         let (adopted, device, error) = adopt_with(self.host, self.context, |_| {}, with_queue);
         assert_eq!(adopted, AntumbraResult::Ok, "{}", text(&error));
         let [width, height] = SIZE;
-        let desc = AntumbraPricesDesc { device, width, height, ..Versioned::INIT };
-        let mut prices = AntumbraPrices { id: 0 };
+        let desc = AntumbraDeviceCostsDesc { device, width, height, ..Versioned::INIT };
+        let mut costs = AntumbraDeviceCosts { id: 0 };
         // SAFETY: pointers to values on this stack.
         unsafe {
             let x = self.context;
             let error = &raw mut self.error;
-            let without_queue = AntumbraPricesDesc { device: self.device, ..desc };
-            let refused = antumbra_prices_measure(x, &without_queue, &mut prices, error);
+            let without_queue = AntumbraDeviceCostsDesc { device: self.device, ..desc };
+            let refused = antumbra_device_costs_measure(x, &without_queue, &mut costs, error);
             assert_eq!(refused, AntumbraResult::BadArgument);
-            let measured = antumbra_prices_measure(x, &desc, &mut prices, error);
+            let measured = antumbra_device_costs_measure(x, &desc, &mut costs, error);
             self.check(measured);
             let destroyed = antumbra_device_destroy(x, device, error);
             self.check(destroyed);
         }
-        prices
+        costs
     }
 
     /// Returns the counts of the first view.
@@ -304,7 +304,7 @@ impl<'a> DrawingHost<'a> {
         let limits =
             unsafe { self.host.instance.get_physical_device_properties(self.host.physical) }.limits;
         let bits = limits.sub_pixel_precision_bits;
-        let views = [frame, frame + 7].map(|frame| View::new(&camera(frame), SIZE, bits));
+        let views = [frame, frame + 7].map(|frame| CullView::new(&camera(frame), SIZE, bits));
         let (commands, numbers) = self.commands.begin();
         let images = self.images.each_ref().map(|[culled, _]| culled);
         let mut recording =
@@ -363,7 +363,7 @@ impl<'a> DrawingHost<'a> {
     }
 
     /// Draws what the lists of the newest frame hold, around its tests, and all of it again.
-    fn draw_lists(&mut self, views: &[View; VIEWS]) {
+    fn draw_lists(&mut self, views: &[CullView; VIEWS]) {
         let lists = self.views.map(|view| {
             let mut lists = AntumbraDrawLists::INIT;
             let Self { context, scene, error, .. } = self;
@@ -404,7 +404,7 @@ impl<'a> DrawingHost<'a> {
     }
 
     /// Draws all objects without culling, and copies all images.
-    fn draw_all(&mut self, commands: vk::CommandBuffer, views: &[View; VIEWS]) {
+    fn draw_all(&mut self, commands: vk::CommandBuffer, views: &[CullView; VIEWS]) {
         let device = &self.host.device;
         let bytes = u64::from(SIZE[0] * SIZE[1] * 4);
         let copies = [(); VIEWS].map(|()| [(); 2].map(|()| OwnBuffer::new(self.host, bytes)));

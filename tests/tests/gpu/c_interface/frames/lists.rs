@@ -11,7 +11,7 @@ use capi::executor::lists::{ANTUMBRA_DRAWS_BY_LISTS, AntumbraDrawList, AntumbraD
 use capi::executor::scene::{AntumbraScene, AntumbraSceneDesc};
 use capi::executor::target::AntumbraAttachments;
 use capi::layout::Versioned;
-use cull::View;
+use cull::CullView;
 use gpu::Purpose;
 use occlusion::Rendering;
 use tests::Driver;
@@ -38,7 +38,7 @@ pub fn record(
     images: &ViewImages,
     pipeline: &BoxPipeline,
     lists: &AntumbraDrawLists,
-    view: &View,
+    view: &CullView,
     rendering: Rendering,
 ) {
     let device = &host.device;

@@ -1,7 +1,7 @@
 //! The pipeline of a host in C: boxes that are instances, in colours of their instance and bucket.
 
 use ash::vk;
-use cull::{Aabb, View};
+use cull::{Aabb, CullView};
 use tests::host_device::Host;
 use tests::host_images::OwnBuffer;
 
@@ -82,7 +82,7 @@ impl BoxPipeline {
     }
 
     /// Binds all that the draws of a bucket need.
-    pub fn bind(&self, commands: vk::CommandBuffer, view: &View, bucket: u32) {
+    pub fn bind(&self, commands: vk::CommandBuffer, view: &CullView, bucket: u32) {
         let floats = view.view_proj.to_cols_array().into_iter().chain(view.snap_steps);
         let words = floats.map(f32::to_bits).chain([bucket]);
         let constants: Vec<u8> = words.flat_map(u32::to_ne_bytes).collect();

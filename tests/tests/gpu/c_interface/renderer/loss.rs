@@ -8,15 +8,15 @@ use capi::renderer::description::AntumbraRendererDesc;
 use capi::renderer::frame::AntumbraRenderDesc;
 use gpu::{Features, Purpose};
 use tests::Driver;
+use tests::fault_injection::{Fault, FaultInjection, calls};
 use tests::host_device::Host;
-use tests::machine::{Fault, Machine, calls};
 
 use super::{CHost, SIZE, box_of, camera, expect, mesh_desc, objects, text, vertices_of};
 
 #[test]
 fn a_lost_device_is_told_by_each_frame_and_the_renderer_goes() {
     for driver in Driver::ALL {
-        let entry = Machine::default().entry();
+        let entry = FaultInjection::default().entry();
         let host = Host::through(entry, driver, Purpose::Renderer, &[], Features::default());
         let mut c = CHost::new(&host);
         let mesh = box_of([0.8, 0.5, 0.2]);
@@ -39,7 +39,7 @@ fn a_lost_device_is_told_by_each_frame_and_the_renderer_goes() {
         let call = c"vkQueueSubmit2";
         let code = vk::Result::ERROR_DEVICE_LOST;
         let faults = vec![Fault { call, fails: 0..usize::MAX, code }];
-        Machine { faults, ..Machine::default() }.install();
+        FaultInjection { faults, ..FaultInjection::default() }.install();
         let camera = camera();
         let frame = AntumbraRenderDesc { camera: &camera, ..Versioned::INIT };
         for _ in 0..3 {
@@ -53,7 +53,7 @@ fn a_lost_device_is_told_by_each_frame_and_the_renderer_goes() {
         let gone = unsafe { antumbra_renderer_destroy(c.context, renderer, &mut c.error) };
         assert_eq!(gone, Ok, "{}", text(&c.error));
         // The loss is a lie: its work goes on, which that of a lost device would not.
-        Machine::default().install();
+        FaultInjection::default().install();
         host.wait_idle();
         c.finish();
         host.finish();

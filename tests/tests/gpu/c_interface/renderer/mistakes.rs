@@ -88,7 +88,7 @@ fn mistakes_of_a_scene_and_of_a_frame_are_named() {
         (AntumbraRendererDesc { light: &dark, ..good }, BadArgument, "not finite"),
         (AntumbraRendererDesc { width: 0, ..good }, BadArgument, "0"),
         (AntumbraRendererDesc { frames_in_flight: 17, ..good }, BadArgument, "17 frames"),
-        (AntumbraRendererDesc { costs: 5, ..good }, BadArgument, "ANTUMBRA_COSTS_.. 5"),
+        (AntumbraRendererDesc { cost_model: 5, ..good }, BadArgument, "ANTUMBRA_COST_MODEL_.. 5"),
         (AntumbraRendererDesc { struct_size: 28, ..good }, BadStructSize, "AntumbraRendererDesc"),
     ] {
         let (refused, _) = c.create(&desc);

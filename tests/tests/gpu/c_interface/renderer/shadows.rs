@@ -56,7 +56,7 @@ impl CHost<'_> {
             mesh_count: 1,
             objects: objects.as_ptr(),
             object_count: objects.len(),
-            costs: ANTUMBRA_COSTS_IGNORED,
+            cost_model: ANTUMBRA_COST_MODEL_OFF,
             light: &raw const light,
             ..Versioned::INIT
         };

@@ -57,7 +57,7 @@ fn holds(proxy: &Aabb, length: VolumeLength, light: Vec4, point: Vec3) -> bool {
 }
 
 /// Returns true if the receiver is in the volume of the box, with margins that `change` changed.
-fn is_held(view: &View, shaded: &Shaded, change: impl FnOnce(&mut LightReach)) -> bool {
+fn is_held(view: &CullView, shaded: &Shaded, change: impl FnOnce(&mut LightReach)) -> bool {
     let mut reach = shaded.reach;
     change(&mut reach);
     let volumes = BoxShadowVolumes::new(view, reach, RECEIVERS, &[]);
@@ -71,7 +71,7 @@ fn what_filters_find_aside_and_deeper_is_in_the_volume_by_its_margins() {
     let projection = Projection::perspective(1.0);
     // Many pixels: what proxies need for themselves is small.
     let camera = Camera { eye: Vec3::ZERO, forward: Vec3::X, up: Vec3::Y, projection, near: 0.1 };
-    let view = View::new(&camera, [8192, 8192], 8);
+    let view = CullView::new(&camera, [8192, 8192], 8);
     let mut counted = [0; 2];
     let mut lost_without = [[0; 2]; 2];
     for round in 0..20_000 {

@@ -26,8 +26,8 @@ const TIMINGS: usize = 16;
 
 impl Swapchain {
     /// Returns the newest frame known to be, or to have been, on the screen. Never waits. `None`
-    /// where nothing is known: no frame of the window as it is now has been seen yet, or the
-    /// device lacks [`crate::Optional::PresentWait`]. Called once per frame or more often, it moves
+    /// where nothing is known: no frame of the window as it is now has been seen yet, or the device
+    /// lacks [`crate::OptionalFeature::PresentWait`]. Called once per frame or more often, it moves
     /// from id to id; it skips frames that are never shown.
     ///
     /// # Errors
@@ -45,7 +45,7 @@ impl Swapchain {
     /// Waits until the frame of `id` is on the screen, for no longer than `bound` (at most a
     /// minute), and returns true if it is. Returns false at once for an id that was never
     /// presented, for one of a swapchain replaced since, and without
-    /// [`crate::Optional::PresentWait`].
+    /// [`crate::OptionalFeature::PresentWait`].
     ///
     /// # Errors
     /// A failed call.
@@ -78,7 +78,7 @@ impl Swapchain {
     }
 
     /// Hands out the timings that arrived since the last call, oldest first. None ever arrive
-    /// without [`crate::Optional::DisplayTiming`].
+    /// without [`crate::OptionalFeature::DisplayTiming`].
     ///
     /// # Errors
     /// A failed call.
@@ -117,7 +117,7 @@ impl Swapchain {
     }
 
     /// Returns the duration of a refresh of the screen; `None` where it is unknown, as it is
-    /// without [`crate::Optional::DisplayTiming`].
+    /// without [`crate::OptionalFeature::DisplayTiming`].
     ///
     /// # Errors
     /// A failed call.

@@ -1,0 +1,64 @@
+//! The method of plans: coherent hierarchical culling (GPU Gems 2, 6.4) whose results come late,
+//! made exact by predicates; and plain frustum culling, which is a plan without tests.
+
+use cull::Strategy;
+use gpu::{Frame, OptionalFeature};
+
+use crate::error::{CannotCount, Error};
+use crate::execution::execute;
+use crate::method::{Method, MethodRequest, MethodScene, MethodStats, MethodSupport};
+use crate::occlusion_state::OcclusionState;
+use crate::passes::ComputeTest;
+
+/// The method that plans a frame and executes the plan.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct AntumbraMethod;
+
+impl Method for AntumbraMethod {
+    fn strategies(&self) -> &[Strategy] {
+        &Strategy::PLANNED
+    }
+
+    fn supports(&self, strategy: Strategy, support: &MethodSupport<'_>) -> Result<(), Error> {
+        let MethodSupport { device, executor, size, threshold_samples, .. } = *support;
+        let counts_nothing = strategy.culls_occluded() && !strategy.has_sample_threshold();
+        if counts_nothing && threshold_samples > 0 {
+            return Err(CannotCount { strategy, threshold_samples }.into());
+        }
+        if strategy == Strategy::ANTUMBRA_COMPUTE {
+            ComputeTest::check(device, size)?;
+        }
+        if strategy == Strategy::ANTUMBRA_FLAGS && !executor.passes.proxies.can_flag() {
+            return Err(support.missing(OptionalFeature::FragmentStores, strategy));
+        }
+        Ok(())
+    }
+
+    fn plan(
+        &mut self,
+        state: &mut OcclusionState,
+        scene: &mut MethodScene<'_>,
+        request: &MethodRequest<'_>,
+        query_budget: usize,
+    ) {
+        let MethodRequest { strategy, view, .. } = *request;
+        let leaves = &scene.executor.leaves;
+        state.plan_frame(scene.hierarchy, leaves, strategy, view, query_budget);
+    }
+
+    fn record(
+        &mut self,
+        frame: &mut Frame<'_>,
+        state: &mut OcclusionState,
+        scene: &mut MethodScene<'_>,
+        request: &MethodRequest<'_>,
+    ) -> Result<MethodStats, Error> {
+        let MethodScene { executor, objects, shaders, .. } = scene;
+        execute(frame, executor, state, *objects, shaders, request.view)?;
+        Ok(MethodStats::of(state.plan()))
+    }
+
+    fn reloaded(&self, _scene: &mut MethodScene<'_>) -> Result<Box<dyn Method>, Error> {
+        Ok(Box::new(*self))
+    }
+}

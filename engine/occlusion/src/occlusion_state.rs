@@ -1,0 +1,400 @@
+//! One view of a scene with its own visibility history: its culler, its tests on their way, and the
+//! plan of its newest frame.
+
+mod api;
+
+use std::any::Any;
+
+use cull::{
+    Answer, Corrections, CullView, Culler, FrameContents, FrameId, FramePlan, Generation,
+    Hierarchy, LeafList, LeafRange, LearnedCosts, ResultReader,
+};
+use gpu::{
+    BufferSlice, Counting, Device, DrawRange, EnabledLeaves, FlagRing, Frame, FrameTime,
+    LeafDrawRing, QueryRing, ResultSource, Tick,
+};
+
+use crate::costs::sent_frames::SentFrames;
+use crate::draw_lists::{DrawList, DrawLists, ListedStep};
+use crate::error::Error;
+use crate::leaf_table::{LeafCount, LeafTable, LeafTableId};
+use crate::method_state::MethodState;
+use crate::outcomes::{FrameStats, Outcomes};
+use crate::passes::ListDrawsIo;
+use crate::quirks::DriverQuirks;
+use crate::test_layout::{PendingTest, TestLayout};
+
+/// One view of a scene: its culler, its tests on their way, and the plan of its newest frame.
+/// Several views may look at one scene; each has its own history.
+pub struct OcclusionState {
+    /// The table of its scene.
+    table: LeafTableId,
+    device: Device,
+    culler: Culler,
+    rings: Rings,
+    frames_in_flight: usize,
+    plan: FramePlan,
+    /// The generation of the hierarchy that the plan is for.
+    generation: Generation,
+    /// The scene that the plan was made for, until it is executed.
+    planned: Option<PlannedScene>,
+    /// The views that it was made for; none for any.
+    planned_views: Vec<CullView>,
+    pub(crate) layout: TestLayout,
+    /// The state of methods without plans.
+    method_states: Vec<Box<dyn MethodState>>,
+    /// The frames whose time is not known, with their contents.
+    pub(crate) sent: SentFrames,
+    /// The number of changes of draws that the rings have followed.
+    seen_changes: u64,
+    /// The samples below the threshold in the newest frame of a method without a plan.
+    samples_below_threshold: u64,
+    reader: ResultReader<LeafCount>,
+    newest: Vec<Answer>,
+    outcomes: Outcomes,
+    lists: DrawLists,
+}
+
+/// The scene of a plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum PlannedScene {
+    /// That of the view, after so many changes.
+    Own { version: u64 },
+    /// Another one.
+    Foreign,
+}
+
+/// The data on its way between a view and the GPU, a slot per frame in flight.
+pub(crate) struct Rings {
+    pub(crate) queries: QueryRing<PendingTest>,
+    pub(crate) flags: FlagRing<PendingTest>,
+    pub(crate) computed: FlagRing<PendingTest>,
+    pub(crate) leaf_draws: LeafDrawRing<(FrameId, Generation)>,
+}
+
+impl Rings {
+    fn new(device: &Device, frames_in_flight: usize) -> Result<Self, Error> {
+        let queries = QueryRing::new(device, frames_in_flight, "occlusion queries")?;
+        let flags = |source, name| FlagRing::new(device, frames_in_flight, source, name);
+        Ok(Self {
+            queries,
+            flags: flags(ResultSource::Fragments, "proxy flags"),
+            computed: flags(ResultSource::Compute, "box results"),
+            leaf_draws: LeafDrawRing::new(device, frames_in_flight),
+        })
+    }
+
+    fn submitted(&mut self, tick: Tick) {
+        self.queries.submitted(tick);
+        self.flags.submitted(tick);
+        self.computed.submitted(tick);
+        self.leaf_draws.submitted(tick);
+    }
+}
+
+impl OcclusionState {
+    /// Creates a view that knows nothing yet, of the scene of `leaves` and `hierarchy`.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn new(
+        device: &Device,
+        hierarchy: &Hierarchy,
+        leaves: &LeafTable,
+        frames_in_flight: usize,
+        mut culler: Culler,
+    ) -> Result<Self, Error> {
+        culler.reserve(hierarchy)?;
+        Ok(Self {
+            table: leaves.id,
+            device: device.clone(),
+            culler,
+            rings: Rings::new(device, frames_in_flight)?,
+            frames_in_flight,
+            plan: FramePlan::default(),
+            generation: hierarchy.generation(),
+            planned: None,
+            planned_views: Vec::new(),
+            layout: TestLayout::default(),
+            method_states: Vec::new(),
+            sent: SentFrames::new(frames_in_flight),
+            seen_changes: leaves.changes.count(),
+            samples_below_threshold: 0,
+            reader: ResultReader::default(),
+            newest: Vec::new(),
+            outcomes: Outcomes::default(),
+            lists: DrawLists::new(frames_in_flight),
+        })
+    }
+
+    /// Creates the rings again where another number of frames is in flight. Tests on their way
+    /// never have a result then, and the culler tests again.
+    ///
+    /// # Errors
+    /// The leaves of another scene, a failed call.
+    pub fn set_frames_in_flight(
+        &mut self,
+        frames_in_flight: usize,
+        leaves: &LeafTable,
+    ) -> Result<(), Error> {
+        self.check(leaves)?;
+        if self.frames_in_flight == frames_in_flight {
+            return Ok(());
+        }
+        self.rings = Rings::new(&self.device, frames_in_flight)?;
+        self.method_states.clear();
+        self.seen_changes = leaves.changes.count();
+        self.outcomes.forget_pending();
+        self.sent = SentFrames::new(frames_in_flight);
+        self.lists = DrawLists::new(frames_in_flight);
+        self.frames_in_flight = frames_in_flight;
+        Ok(())
+    }
+
+    /// Refuses the leaves of another scene: the rings have room for the leaves of the view's own
+    /// scene.
+    ///
+    /// # Errors
+    /// [`Error::ForeignView`].
+    pub fn check(&self, leaves: &LeafTable) -> Result<(), Error> {
+        if self.table == leaves.id { Ok(()) } else { Err(Error::ForeignView) }
+    }
+
+    /// Returns the device of the view.
+    pub fn device(&self) -> &Device {
+        &self.device
+    }
+
+    /// Returns the number of frames that may be in flight at once.
+    pub fn frames_in_flight(&self) -> usize {
+        self.frames_in_flight
+    }
+
+    /// Returns the culler of the view.
+    pub fn culler(&self) -> &Culler {
+        &self.culler
+    }
+
+    /// Returns the plan of the newest frame.
+    pub fn plan(&self) -> &FramePlan {
+        &self.plan
+    }
+
+    /// Returns the plan of the newest frame, for a method without plans that reports its draws in
+    /// it.
+    pub fn plan_mut(&mut self) -> &mut FramePlan {
+        &mut self.plan
+    }
+
+    pub(crate) fn rings(&self) -> &Rings {
+        &self.rings
+    }
+
+    /// Forgets the history; the next frame starts like the first.
+    pub fn reset(&mut self) {
+        self.culler.reset();
+    }
+
+    /// Takes the outcomes of the frames whose results were read since the last call: the latest
+    /// 1024, if there are more.
+    pub fn drain_stats(&mut self) -> std::collections::vec_deque::Drain<'_, FrameStats> {
+        self.outcomes.take()
+    }
+
+    /// Begins the newest plan in the rings of `frame`, for so many views at once.
+    pub(crate) fn begin(
+        &mut self,
+        frame: &mut Frame<'_>,
+        leaves: &LeafTable,
+        views: u32,
+    ) -> Result<(), Error> {
+        leaves.check_uploaded(frame)?;
+        self.planned = None;
+        self.follow_draws(leaves);
+        let Self { rings, layout, plan, generation, .. } = self;
+        rings.queries.set_views(views)?;
+        rings.queries.set_counting(match plan.sample_threshold {
+            0 => Counting::Some,
+            _ => Counting::Samples,
+        });
+        rings.queries.begin(frame, &layout.query_tags)?;
+        rings.flags.begin(frame, layout.flag_tags.iter().copied())?;
+        rings.computed.begin(frame, layout.compute_tags.iter().copied())?;
+        let tested = layout.refined();
+        let draws = leaves.copied_draws();
+        rings.leaf_draws.begin(frame, (plan.frame, *generation), tested, &draws)?;
+        Ok(())
+    }
+
+    /// Lists the draws of the newest plan, of which the visible ones lie in `visible`. Returns the
+    /// buffers by which passes write the others, if there are any. Counts are used where they can
+    /// be trusted.
+    pub(crate) fn list(
+        &mut self,
+        frame: &mut Frame<'_>,
+        leaves: &LeafTable,
+        visible: BufferSlice,
+        quirks: &DriverQuirks,
+    ) -> Result<Option<ListDrawsIo>, Error> {
+        self.lists.write(frame, &self.device, &self.layout, leaves, visible, quirks)
+    }
+
+    /// Lists the draws that the tests of the newest plan may reveal, step by step. Returns the
+    /// buffers by which passes write them, if there are any.
+    pub(crate) fn compact(
+        &mut self,
+        frame: &mut Frame<'_>,
+        leaves: &LeafTable,
+    ) -> Result<Option<ListDrawsIo>, Error> {
+        self.lists.compact(frame, &self.device, &self.layout, leaves)
+    }
+
+    /// Returns a step of the newest frame whose draws are compacted, with its lists.
+    pub(crate) fn listed_step(&self, step: usize) -> Option<(&ListedStep, &[DrawList])> {
+        self.lists.step(step)
+    }
+
+    /// Returns the visible draws of the newest frame, a list per bucket, if they were
+    /// [listed](crate::list_draws).
+    pub fn visible_lists(&self) -> &[DrawList] {
+        self.lists.visible()
+    }
+
+    /// Returns the draws that the tests of the newest frame reveal, a list per bucket, if they were
+    /// [listed](crate::list_draws).
+    pub fn revealed_lists(&self) -> &[DrawList] {
+        self.lists.revealed()
+    }
+
+    /// Updates the copies of draws to a scene that changed.
+    fn follow_draws(&mut self, leaves: &LeafTable) {
+        let changes = &leaves.changes;
+        match changes.since(self.seen_changes) {
+            Some(cells) => cells.for_each(|first| {
+                self.rings.leaf_draws.changed(DrawRange { first, count: 1 });
+            }),
+            None => self.rings.leaf_draws.all_changed(),
+        }
+        self.seen_changes = changes.count();
+    }
+
+    /// Reads every available result and updates the history. Never waits.
+    pub fn collect(&mut self, completed: Tick, hierarchy: &Hierarchy, leaves: &LeafTable) {
+        self.read(completed, hierarchy, leaves);
+        let Self { culler, method_states, reader, newest: kept, outcomes, sent, .. } = self;
+        for result in reader.results().iter().filter(|result| result.answer.samples > 0) {
+            outcomes.add(result);
+        }
+        let answers = reader.results().iter().map(|result| result.answer);
+        let mut newest = answers.clone().map(|answer| answer.tag.frame).max();
+        if let Some(newest) = newest {
+            kept.clear();
+            kept.extend(answers.clone().filter(|answer| answer.tag.frame == newest));
+        }
+        for state in method_states {
+            newest = newest.max(state.collect(completed, outcomes));
+        }
+        while let Some(outcome) = outcomes.settle(newest) {
+            sent.drew(&outcome);
+        }
+        culler.ingest(hierarchy, answers);
+    }
+
+    /// Reads the results of frames that are over out of mapped memory.
+    fn read(&mut self, completed: Tick, hierarchy: &Hierarchy, leaves: &LeafTable) {
+        let Self { rings: Rings { queries, flags, computed, leaf_draws }, reader, .. } = self;
+        reader.clear();
+        queries.collect(completed, |test, samples| reader.read_query(&test, samples));
+        flags.collect(completed, |tests, results| reader.read_flags(tests, results));
+        computed.collect(completed, |tests, results| reader.read_computed(tests, results));
+        leaf_draws.collect(completed, |(frame, generation), listed| {
+            let list = match listed {
+                EnabledLeaves::These(leaves) => LeafList::These(leaves),
+                EnabledLeaves::TooMany(_) => LeafList::TooMany,
+            };
+            reader.read_leaves(hierarchy, frame, generation, list, |range| leaves.count(range));
+        });
+        reader.finish();
+    }
+
+    /// Returns all answers about the newest frame that has any.
+    pub fn newest_answers(&self) -> &[Answer] {
+        &self.newest
+    }
+
+    /// Returns the age in frames of each answer used for the newest plan.
+    pub fn answer_ages(&self) -> impl Iterator<Item = u64> {
+        let now = self.plan.frame.0;
+        let frames = self.reader.results().iter().map(|result| result.answer.tag.frame.0);
+        frames.map(move |frame| now.saturating_sub(frame))
+    }
+
+    /// Takes the state of a method for this view, if it was
+    /// [put](OcclusionState::put_method_state) there.
+    pub fn take_method_state<S: MethodState>(&mut self) -> Option<Box<S>> {
+        let place = self.method_states.iter().position(|state| {
+            let state: &dyn Any = &**state;
+            state.is::<S>()
+        })?;
+        let state: Box<dyn Any> = self.method_states.swap_remove(place);
+        state.downcast().ok()
+    }
+
+    /// Keeps the state of a method for this view, until another number of frames is in flight.
+    pub fn put_method_state(&mut self, state: Box<dyn MethodState>) {
+        self.method_states.push(state);
+    }
+
+    /// Notes the number of samples below the threshold in the newest frame, which has no plan.
+    pub fn note_samples_below_threshold(&mut self, samples: u64) {
+        self.samples_below_threshold = samples;
+    }
+
+    /// Returns the corrections of the costs in this view's cost model; `None` without one.
+    pub fn corrections(&self) -> Option<Corrections> {
+        self.culler.learned_costs().map(LearnedCosts::corrections)
+    }
+
+    /// Returns true if there is a cost model that learns from the times of frames.
+    pub fn has_cost_model(&self) -> bool {
+        self.culler.learned_costs().is_some()
+    }
+
+    /// Passes the time of a frame of this view, with others that were drawn in it, to the cost
+    /// model.
+    pub(crate) fn took(&mut self, time: &FrameTime, contents: &FrameContents) {
+        if let Some(costs) = self.culler.cost_model_mut() {
+            costs.observe(time.gpu_ms * 1.0e6, contents);
+        }
+    }
+
+    /// Notes that the newest frame was submitted; it is timed if `timed_views` holds the number of
+    /// views that it showed.
+    pub fn submitted(&mut self, tick: Tick, leaves: &LeafTable, timed_views: Option<usize>) {
+        if let Some(views) = timed_views {
+            self.sent.submitted(tick, &self.plan, views);
+        }
+        self.rings.submitted(tick);
+        let taken = self.plan.draws.iter().copied();
+        let taken = taken.chain(self.plan.queried_draws.iter().map(|(leaf, _)| *leaf));
+        let mut outcome = FrameStats {
+            frame: self.plan.frame,
+            draws: 0,
+            triangles: 0,
+            revealed: 0,
+            samples_below_threshold: std::mem::take(&mut self.samples_below_threshold),
+        };
+        for first in taken {
+            let count = leaves.count(LeafRange { first, count: 1 });
+            outcome.draws += count.draws;
+            outcome.triangles += count.triangles;
+        }
+        let mut is_known = self.layout.is_empty();
+        for state in &mut self.method_states {
+            is_known &= !state.submitted(tick, outcome.frame);
+        }
+        if let Some(outcome) = self.outcomes.push(outcome, is_known) {
+            self.sent.drew(&outcome);
+        }
+    }
+}

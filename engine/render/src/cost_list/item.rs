@@ -1,0 +1,193 @@
+//! The items of a cost list, and what their times say. Pure: tests need no device.
+
+use cull::VisibilityTest;
+use gpu::{PredicationMode, Resubmission};
+
+/// Something that a device does many times in a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CostItem {
+    /// Draws of a hidden triangle, each under a predicate of this executor, with the resolve of
+    /// all of them.
+    Predicates(PredicationMode, PredicateResult),
+    /// Begins and ends of occlusion queries around nothing, with the copy of their results.
+    Queries,
+    /// Tests of hidden boxes of this size.
+    Boxes(VisibilityTest, BoxSize),
+    /// The same by flags that all fragments may set, on a device where one is chosen otherwise.
+    BoxesOfAllFragments(BoxSize),
+    /// Draws of a hidden triangle in indirect calls of so many.
+    IndirectDraws {
+        /// The draws of each call.
+        per_call: u32,
+    },
+    /// Ends of a rendering and begins of the next one that loads what is there, each with a draw of
+    /// a hidden triangle.
+    Breaks,
+    /// Resets of queries: by the CPU, which are timed on the CPU, where frames are submitted once;
+    /// by a command where they may be submitted again.
+    Resets(Resubmission),
+}
+
+/// The result that a predicate is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PredicateResult {
+    /// Zero: the draw is skipped.
+    Skipped,
+    /// Not zero: the draw is drawn.
+    Taken,
+}
+
+/// The size of a box on the image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BoxSize {
+    /// A few pixels.
+    Small,
+    /// A quarter of the image.
+    Large,
+}
+
+impl CostItem {
+    /// Returns all of them, in the order of tables.
+    pub fn all() -> Vec<Self> {
+        let results = [PredicateResult::Skipped, PredicateResult::Taken];
+        let testers = [VisibilityTest::Query, VisibilityTest::Flag, VisibilityTest::Compute];
+        let sizes = [BoxSize::Small, BoxSize::Large];
+        let mut all: Vec<Self> = PredicationMode::ALL
+            .into_iter()
+            .flat_map(|executor| results.map(|result| Self::Predicates(executor, result)))
+            .collect();
+        all.push(Self::Queries);
+        all.extend(
+            testers.into_iter().flat_map(|tester| sizes.map(|size| Self::Boxes(tester, size))),
+        );
+        all.extend(sizes.map(Self::BoxesOfAllFragments));
+        all.extend([10_000, 10].map(|per_call| Self::IndirectDraws { per_call }));
+        all.push(Self::Breaks);
+        all.extend([Resubmission::Never, Resubmission::Allowed].map(Self::Resets));
+        all
+    }
+
+    /// Returns its name in tables.
+    #[must_use]
+    pub fn name(self) -> String {
+        let size = |size| match size {
+            BoxSize::Small => "small",
+            BoxSize::Large => "large",
+        };
+        match self {
+            Self::Predicates(executor, PredicateResult::Skipped) => {
+                format!("draws skipped by {}", executor.name())
+            }
+            Self::Predicates(executor, PredicateResult::Taken) => {
+                format!("draws taken by {}", executor.name())
+            }
+            Self::Queries => "empty queries".to_owned(),
+            Self::Boxes(VisibilityTest::Flag, of) => format!("{} boxes by flags", size(of)),
+            Self::Boxes(VisibilityTest::Compute, of) => format!("{} boxes by compute", size(of)),
+            Self::Boxes(_, of) => format!("{} boxes by queries", size(of)),
+            Self::BoxesOfAllFragments(of) => {
+                format!("{} boxes by flags of all fragments", size(of))
+            }
+            Self::IndirectDraws { per_call } => format!("draws in calls of {per_call}"),
+            Self::Breaks => "breaks of a rendering".to_owned(),
+            Self::Resets(Resubmission::Never) => "resets of queries by the CPU".to_owned(),
+            Self::Resets(Resubmission::Allowed) => "resets of queries by a command".to_owned(),
+        }
+    }
+
+    /// Returns the most of it that are measured together: what no frame has more of.
+    pub(super) fn most(self) -> u32 {
+        match self {
+            Self::Breaks => 100,
+            _ => 10_000,
+        }
+    }
+}
+
+/// The time of so many of an item in one frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ItemCost {
+    /// The item.
+    pub item: CostItem,
+    /// The number of them.
+    pub count: u32,
+    /// The median of the times of all of them together, above that of a frame without any
+    /// (nanoseconds); below 0 where it drowns in noise.
+    pub total_ns: f64,
+}
+
+impl ItemCost {
+    /// Returns the time of one of them (nanoseconds).
+    #[must_use]
+    pub fn each_ns(&self) -> f64 {
+        self.total_ns / f64::from(self.count.max(1))
+    }
+}
+
+/// Returns the median of several times; NaN of none.
+pub(super) fn median(times: &mut [f64]) -> f64 {
+    times.sort_unstable_by(f64::total_cmp);
+    let low = times.len().saturating_sub(1) / 2;
+    let high = times.len() / 2;
+    match (times.get(low), times.get(high)) {
+        (Some(low), Some(high)) => (low + high) * 0.5,
+        _ => f64::NAN,
+    }
+}
+
+/// Measures everything in turns: each round every candidate once, so that what disturbs the
+/// machine disturbs all alike. Returns the median of each, in their order.
+///
+/// # Errors
+/// The first one of `time`.
+pub(super) fn interleaved_medians<C: Copy, E>(
+    candidates: &[C],
+    rounds: usize,
+    mut time: impl FnMut(C) -> Result<f64, E>,
+) -> Result<Vec<f64>, E> {
+    let mut times: Vec<Vec<f64>> = vec![Vec::new(); candidates.len()];
+    for round in 0..rounds {
+        for place in 0..candidates.len() {
+            // Another one first in each round.
+            let place = (place + round) % candidates.len();
+            if let (Some(candidate), Some(times)) = (candidates.get(place), times.get_mut(place)) {
+                times.push(time(*candidate)?);
+            }
+        }
+    }
+    Ok(times.iter_mut().map(|times| median(times)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_median_is_in_the_middle_or_between_two() {
+        assert_eq!(median(&mut [9.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median(&mut [1.0, 4.0, 2.0, 9.0]), 3.0);
+        assert!(median(&mut []).is_nan());
+    }
+
+    #[test]
+    fn candidates_take_turns_and_one_disturbance_changes_no_median() {
+        let mut order = Vec::new();
+        let medians = interleaved_medians(&[10, 20, 30], 3, |candidate| {
+            order.push(candidate);
+            let disturbance = if order.len() == 5 { 1e6 } else { 0.0 };
+            Ok::<_, ()>(f64::from(candidate) + disturbance)
+        });
+        assert_eq!(medians, Ok(vec![10.0, 20.0, 30.0]));
+        assert_eq!(order, [10, 20, 30, 20, 30, 10, 30, 10, 20]);
+        assert_eq!(interleaved_medians(&[1], 2, |_| Err::<f64, _>("lost")), Err("lost"));
+    }
+
+    #[test]
+    fn every_item_has_a_name_of_its_own_and_a_cost_for_each() {
+        let all = CostItem::all();
+        let names: std::collections::BTreeSet<_> = all.iter().map(|item| item.name()).collect();
+        assert_eq!(names.len(), all.len());
+        let cost = ItemCost { item: CostItem::Queries, count: 100, total_ns: 5_000.0 };
+        assert_eq!(cost.each_ns(), 50.0);
+    }
+}

@@ -1,0 +1,148 @@
+//! One view of a renderer's scene: its visibility history, and the samples that it counts.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use cull::{Corrections, FramePlan, Hierarchy, ObjectId};
+use gpu::Tick;
+use occlusion::{FrameStats, LeafTable, OcclusionState};
+
+use crate::debug::pointer::{Pointed, Pointer, check_pointer};
+use crate::debug::sample_counts::{COUNTING, SampleCounts, VisibleSamples, check_counts};
+use crate::error::Error;
+use crate::flares::{FlareCounts, FlareState};
+
+/// The identity of a renderer: objects made by one fit no other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct RendererId(u64);
+
+impl RendererId {
+    /// Creates an identity that no other renderer of the process has.
+    pub(crate) fn new() -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        Self(NEXT.fetch_add(1, Ordering::Relaxed))
+    }
+}
+
+/// One view of a scene with its own visibility history. Several views may look at one scene.
+pub struct RenderView {
+    pub(crate) renderer: RendererId,
+    pub(crate) visibility: OcclusionState,
+    pub(crate) counts: SampleCounts,
+    pub(crate) pointer: Pointer,
+    pub(crate) flares: FlareCounts,
+}
+
+impl RenderView {
+    pub(crate) fn new(renderer: RendererId, visibility: OcclusionState) -> Self {
+        let counts = SampleCounts::default();
+        let flares = FlareCounts::default();
+        Self { renderer, visibility, counts, pointer: Pointer::default(), flares }
+    }
+
+    /// Returns the plan of the newest frame.
+    pub fn plan(&self) -> &FramePlan {
+        self.visibility.plan()
+    }
+
+    /// Forgets the history; the next frame starts like the first. To be called after a change that
+    /// makes the past worthless, such as a jump to another place.
+    pub fn reset(&mut self) {
+        self.visibility.reset();
+        self.counts.forget_settled(self.visibility.plan().frame);
+        self.flares.reset();
+    }
+
+    /// Takes the outcomes of the frames whose results were read since the last call: the latest
+    /// 1024, if there are more.
+    pub fn drain_stats(&mut self) -> std::collections::vec_deque::Drain<'_, FrameStats> {
+        self.visibility.drain_stats()
+    }
+
+    /// Returns the corrections of the costs in this view's cost model; `None` without one.
+    pub fn corrections(&self) -> Option<Corrections> {
+        self.visibility.corrections()
+    }
+
+    /// Counts the visible samples of these objects in every frame from now on, and of no others. An
+    /// id without an object has no count until an object has it. Costs two or three small draws per
+    /// object and frame, and nothing where the list is empty.
+    ///
+    /// # Errors
+    /// A device that cannot count
+    /// ([`Renderer::supports_counts`](crate::Renderer::supports_counts)).
+    pub fn watch(&mut self, objects: &[ObjectId]) -> Result<(), Error> {
+        if !objects.is_empty() {
+            check_counts(self.visibility.device(), COUNTING)?;
+        }
+        self.counts.watch(objects);
+        Ok(())
+    }
+
+    /// Returns the newest count of each watched object that has one yet, ascending by object. The
+    /// count of a removed object is dropped, also if another has its id now.
+    pub fn visible_samples(&self) -> &[VisibleSamples] {
+        self.counts.newest()
+    }
+
+    /// Finds the object at a pixel of the view's part of the image, from the upper left, in every
+    /// frame from now on; `None` ends it. Costs a draw of the objects whose box meets the pixel,
+    /// cut to that pixel; nothing is waited for. Opaque objects count; transparent ones and the
+    /// background do not. With several samples per pixel, the object that owns the first of them is
+    /// found.
+    ///
+    /// # Errors
+    /// A device whose fragment shaders cannot write to buffers
+    /// ([`gpu::OptionalFeature::FragmentStores`]).
+    pub fn point_at(&mut self, pixel: Option<[u32; 2]>) -> Result<(), Error> {
+        if pixel.is_some() {
+            check_pointer(self.visibility.device())?;
+        }
+        self.pointer.point_at(pixel);
+        Ok(())
+    }
+
+    /// Returns the object under the pointer in the newest frame whose answer has been read, as that
+    /// frame showed it; `None` before the first.
+    pub fn pointed(&self) -> Option<&Pointed> {
+        self.pointer.newest()
+    }
+
+    /// Returns the state of each flare ([`Renderer::set_flares`](crate::Renderer::set_flares)) in
+    /// the newest frame, in their order.
+    pub fn flares(&self) -> &[FlareState] {
+        self.flares.states()
+    }
+
+    /// Reads every available result and updates the history. Never waits.
+    pub(crate) fn collect(&mut self, completed: Tick, hierarchy: &Hierarchy, leaves: &LeafTable) {
+        self.visibility.collect(completed, hierarchy, leaves);
+        self.counts.collect(completed, hierarchy, self.visibility.plan().frame);
+        self.pointer.collect(completed);
+        self.flares.collect(completed);
+    }
+
+    /// Creates the rings again where another number of frames is in flight.
+    pub(crate) fn set_frames_in_flight(
+        &mut self,
+        frames_in_flight: usize,
+        leaves: &LeafTable,
+    ) -> Result<(), occlusion::Error> {
+        if self.visibility.frames_in_flight() != frames_in_flight {
+            self.visibility.set_frames_in_flight(frames_in_flight, leaves)?;
+            self.counts.forget_ring();
+            self.pointer.forget_ring();
+            self.flares.forget_ring();
+        }
+        Ok(())
+    }
+
+    /// Notes that the newest frame was submitted.
+    pub(crate) fn submitted(&mut self, tick: Tick, leaves: &LeafTable, timed_views: Option<usize>) {
+        self.visibility.submitted(tick, leaves, timed_views);
+        let now = self.visibility.plan().frame;
+        let slots = self.visibility.frames_in_flight();
+        self.counts.submitted(tick, now, slots);
+        self.pointer.submitted(tick);
+        self.flares.submitted(tick);
+    }
+}

@@ -1,0 +1,143 @@
+//! Room for what is added while a renderer runs.
+
+use std::ops::Range;
+
+use range_alloc::RangeAllocator;
+use scene::{Encoding, PreparedTexture, Sampler};
+
+use crate::error::Error;
+
+/// Room that a renderer keeps for what is added while it runs, beside that of what is removed:
+/// nothing is made larger then. By default there is none.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SpareCapacity {
+    /// Point and spot lights of a scene with surfaces: 48 bytes each. With any, the pipelines are
+    /// compiled for both kinds.
+    pub lights: u32,
+    /// Directional lights of a scene with surfaces. Each costs every pixel a little, also while it
+    /// is not there. Together with those of the scene that shine they are at most
+    /// [`MAX_DIRECTIONAL_LIGHTS`](scene::limits::MAX_DIRECTIONAL_LIGHTS).
+    pub directional_lights: u32,
+    /// Meshes.
+    pub meshes: u32,
+    /// Vertices of meshes: 20 bytes each, and 28 more in a scene with surfaces.
+    pub vertices: u32,
+    /// Indices of meshes and of their coarser levels: 4 bytes each.
+    pub indices: u32,
+    /// Coarser levels of meshes.
+    pub levels: u32,
+    /// Materials of a scene with surfaces: 224 bytes each, with those of the transforms of their
+    /// textures. With any, the pipelines are compiled for holes, emission, unlit materials and
+    /// textures of all kinds, which costs every pixel a little.
+    pub materials: u32,
+    /// Textures of a scene with surfaces, for materials that come later, where textures lie on
+    /// [pages](crate::surfaces::TextureStorage::ArrayPacked): a page for each kind.
+    /// Together with those of the scene there are at most
+    /// [`MAX_PAGES`](scene::limits::MAX_PAGES), so that images of the scene may be resampled to
+    /// share a page.
+    pub textures: Vec<TextureCapacity>,
+}
+
+/// Room for textures of one kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TextureCapacity {
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// The meaning of the bytes.
+    pub encoding: Encoding,
+    /// The sampling.
+    pub sampler: Sampler,
+    /// The number of textures: four bytes per pixel each, and a third more for mip maps.
+    pub layers: u32,
+}
+
+impl TextureCapacity {
+    /// Returns true for a texture of this kind.
+    pub(crate) fn takes(&self, texture: &PreparedTexture) -> bool {
+        let kind = (texture.image().size, texture.encoding(), texture.sampler());
+        kind == (self.size, self.encoding, self.sampler)
+    }
+}
+
+/// The ranges of one array that are taken.
+#[derive(Debug)]
+pub(crate) struct SpareRanges {
+    what: &'static str,
+    ranges: RangeAllocator<u32>,
+}
+
+impl SpareRanges {
+    /// Takes the first `used` of all elements, with room for `spare` more.
+    pub(crate) fn behind(what: &'static str, used: u32, spare: u32) -> Self {
+        let mut ranges = RangeAllocator::new(0..used.saturating_add(spare));
+        if used > 0 {
+            // The first of a range that is all free.
+            let _beginning = ranges.allocate_range(used);
+        }
+        Self { what, ranges }
+    }
+
+    /// Takes a range; an empty one takes no room.
+    ///
+    /// # Errors
+    /// [`Error::CapacityExceeded`].
+    pub(crate) fn take(&mut self, count: usize) -> Result<Range<u32>, Error> {
+        if count == 0 {
+            return Ok(0..0);
+        }
+        // The allocator takes no more than half of what 32 bits can name.
+        let count_32 = u32::try_from(count).ok().filter(|count| *count <= u32::MAX / 2);
+        let taken = count_32.and_then(|count| self.ranges.allocate_range(count).ok());
+        taken.ok_or_else(|| Error::CapacityExceeded {
+            what: self.what,
+            wanted: count as u64,
+            left: self.largest_free(),
+        })
+    }
+
+    /// Gives a range back.
+    pub(crate) fn free(&mut self, range: Range<u32>) {
+        if !range.is_empty() {
+            self.ranges.free_range(range);
+        }
+    }
+
+    /// Returns the length of the longest free range.
+    fn largest_free(&self) -> u64 {
+        let all = self.ranges.initial_range().clone();
+        let mut end = 0;
+        let mut largest = 0;
+        for taken in self.ranges.allocated_ranges() {
+            largest = largest.max(taken.start - end);
+            end = taken.end;
+        }
+        u64::from(largest.max(all.end - end))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_lie_behind_what_is_there_and_are_taken_again() {
+        let mut ranges = SpareRanges::behind("indices", 10, 20);
+        let [a, b] = [12, 8].map(|count| ranges.take(count).unwrap());
+        assert_eq!((a.clone(), b.clone(), ranges.take(0).unwrap()), (10..22, 22..30, 0..0));
+        let error = ranges.take(1).unwrap_err().to_string();
+        assert!(error.contains("1 indices") && error.contains("at most 0"), "{error}");
+        ranges.free(a);
+        ranges.free(0..4);
+        let error = ranges.take(13).unwrap_err().to_string();
+        assert!(error.contains("at most 12"), "{error}");
+        assert_eq!(ranges.take(3).unwrap(), 0..3);
+        ranges.free(b);
+        assert_eq!(ranges.take(20).unwrap(), 10..30);
+    }
+
+    #[test]
+    fn without_room_nothing_is_taken() {
+        let mut ranges = SpareRanges::behind("meshes", 0, 0);
+        assert!(ranges.take(1).is_err());
+    }
+}

@@ -1,0 +1,59 @@
+//! Decisions about casters on a driver with broken assumptions. Pure: tests need no device.
+
+use ::shadows::{CasterCulling, ShadowOptions};
+use cull::VisibilityTest;
+use gpu::PredicationMode;
+use occlusion::DriverQuirks;
+
+/// Returns the executor that skips casters where the scene's is the wanted one: each range by
+/// itself, of those that `can` skip casters; `None` if none of them can be trusted.
+pub(crate) fn caster_executor(
+    quirks: &DriverQuirks,
+    wanted: PredicationMode,
+    can: impl Fn(PredicationMode) -> bool,
+) -> Option<PredicationMode> {
+    let wanted = match wanted {
+        PredicationMode::Compacted => PredicationMode::Counts,
+        other => other,
+    };
+    quirks.executor(wanted, |quirks| quirks != PredicationMode::Compacted && can(quirks))
+}
+
+/// Returns the options of shadows: casters are culled by flags, and skipped by one of the executors
+/// that `can` skip them.
+pub(crate) fn usable_shadows(
+    quirks: &DriverQuirks,
+    wanted: ShadowOptions,
+    can: impl Fn(PredicationMode) -> bool,
+) -> ShadowOptions {
+    let can_skip = caster_executor(quirks, PredicationMode::Conditional, can).is_some();
+    if can_skip && quirks.allows(VisibilityTest::Flag) {
+        wanted
+    } else {
+        ShadowOptions { culling: CasterCulling::Unculled, ..wanted }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use occlusion::DriverAssumption;
+
+    use super::*;
+
+    #[test]
+    fn casters_are_skipped_by_what_is_trusted_and_there() {
+        use DriverAssumption::{ConditionalRendering, InstanceCounts};
+        let culled = ShadowOptions::default();
+        let counts = PredicationMode::Counts;
+        let compacted = PredicationMode::Compacted;
+        assert_eq!(caster_executor(&DriverQuirks::default(), compacted, |_| true), Some(counts));
+        let quirks = DriverQuirks::without(&[ConditionalRendering, InstanceCounts]);
+        assert_eq!(caster_executor(&quirks, PredicationMode::Conditional, |_| true), Some(counts));
+        let shadows = usable_shadows(&quirks, culled, |_| true);
+        assert_eq!(shadows.culling, CasterCulling::Culled);
+        // A device without draw counts, or with too few.
+        let can = |predication| predication != counts && predication != compacted;
+        assert_eq!(caster_executor(&quirks, PredicationMode::Conditional, can), None);
+        assert_eq!(usable_shadows(&quirks, culled, can).culling, CasterCulling::Unculled);
+    }
+}

@@ -1,0 +1,7 @@
+// The surface pass, transmittance of flares, cut by section planes. Textures have an image each.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_nonuniform_qualifier : require
+#define INDEXED_TEXTURES
+#define SECTION_BINDING 5
+#include "flare_transmittance_main.glsl"

@@ -1,0 +1,217 @@
+//! A Vulkan loader that lies: the real one, except for the features that a test hides.
+//!
+//! The calls are replaced above the validation layer, which therefore never sees the hidden parts.
+
+mod attachments;
+mod draw_calls;
+mod lazy_memory;
+mod lies;
+mod replacements;
+mod representative;
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::ffi::{CStr, c_char};
+use std::ops::Range;
+use std::sync::OnceLock;
+
+use ash::vk;
+use gpu::{CancellationToken, Entry, RequiredFeature};
+
+pub use attachments::{AttachmentKind, AttachmentTraffic, attachment_traffic};
+pub use draw_calls::CALL_THAT_COUNTS_DRAWS;
+pub use lazy_memory::LAZY_ALLOCATIONS;
+pub use lies::CONDITIONAL_BLOCKS;
+use replacements::replacements;
+pub use replacements::{
+    CALLS_THAT_MAKE, CALLS_THAT_RESET, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_SHOW,
+    CALLS_THAT_START,
+};
+pub use representative::{OTHER_PIPELINES, REPRESENTATIVE_PIPELINES};
+
+type Function = unsafe extern "system" fn();
+
+/// A call that fails.
+#[derive(Clone, Debug)]
+pub struct Fault {
+    /// The Vulkan call.
+    pub call: &'static CStr,
+    /// The calls that fail, counted from 0.
+    pub fails: Range<usize>,
+    /// The result that it returns then.
+    pub code: vk::Result,
+}
+
+/// A user who asks for the end of the loading during a call.
+#[derive(Clone, Debug)]
+pub struct Impatience {
+    /// The Vulkan call.
+    pub call: &'static CStr,
+    /// The number of the call, from 0.
+    pub number: usize,
+    /// The request.
+    pub cancellation: CancellationToken,
+}
+
+/// Something that a driver does wrong without saying so.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lie {
+    /// Every query has the result of the first one of its copy.
+    FirstResultForAll,
+    /// Conditional rendering draws all the same.
+    NoConditions,
+    /// Draws with a count draw all that they could.
+    NoCounts,
+    /// Compute shaders do nothing.
+    NoDispatches,
+    /// The draws of a call are drawn from the last to the first.
+    LastDrawFirst,
+}
+
+/// The faults of this machine. A test's thread has one.
+#[derive(Clone, Debug, Default)]
+pub struct FaultInjection {
+    /// The version that the loader reports; 0 for a loader of Vulkan 1.0, which cannot report it.
+    pub loader_version: Option<u32>,
+    /// True if there are no devices.
+    pub has_no_devices: bool,
+    /// The feature that every device lacks.
+    pub lacks: Option<RequiredFeature>,
+    /// True if no device has conditional rendering.
+    pub is_unconditional: bool,
+    /// True if no device counts samples.
+    pub is_imprecise: bool,
+    /// True if every device says that it has representative fragments.
+    pub is_representative: bool,
+    /// True if loads and stores of attachments are recorded ([`attachment_traffic`]).
+    pub records_attachments: bool,
+    /// True if every device says that it has memory which transient attachments take lazily.
+    pub is_lazy: bool,
+    /// True if no device resets queries on the CPU.
+    pub resets_by_commands: bool,
+    /// True if no device indexes arrays of textures.
+    pub has_no_indexing: bool,
+    /// The change of the features of Vulkan 1.0 that every device reports.
+    pub hides: Option<fn(&mut vk::PhysicalDeviceFeatures)>,
+    /// The most draws that a device draws or counts at once.
+    pub most_draws: Option<u32>,
+    /// True if no device draws several samples per pixel.
+    pub has_one_sample: bool,
+    /// True if windows have no pixel: they are minimised.
+    pub is_minimised: bool,
+    /// True if no device shows frames in windows.
+    pub is_blind: bool,
+    /// True if no device has present fences.
+    pub is_fenceless: bool,
+    /// The calls that fail.
+    pub faults: Vec<Fault>,
+    /// The lie of its driver.
+    pub lie: Option<Lie>,
+    /// Its user, if that one does not wait for the end of the loading.
+    pub impatience: Option<Impatience>,
+}
+
+#[derive(Default)]
+struct State {
+    injected: FaultInjection,
+    calls: HashMap<&'static CStr, usize>,
+    real: HashMap<&'static CStr, Function>,
+}
+
+thread_local! {
+    static STATE: RefCell<State> = RefCell::default();
+}
+
+impl FaultInjection {
+    /// Makes it this thread's machine; the calls are counted from 0 again.
+    pub fn install(self) {
+        STATE.with_borrow_mut(|state| {
+            state.injected = self;
+            state.calls.clear();
+        });
+    }
+
+    /// Installs it, and returns an entry of its loader.
+    pub fn entry(self) -> Entry {
+        self.install();
+        let get_instance_proc_addr = instance_proc_addr;
+        // SAFETY: the function below answers as the real one does, with functions of the same
+        // types; it is there as long as the program.
+        unsafe { Entry::from_static_fn(ash::StaticFn { get_instance_proc_addr }) }
+    }
+}
+
+/// Returns the number of calls of `call` by this thread since the machine was installed.
+pub fn calls(call: &'static CStr) -> usize {
+    STATE.with_borrow(|state| state.calls.get(call).copied().unwrap_or(0))
+}
+
+/// Counts a call, and returns its result if it is to fail.
+fn due(call: &'static CStr) -> Option<vk::Result> {
+    STATE.with_borrow_mut(|state| {
+        let count = state.calls.entry(call).or_default();
+        let number = *count;
+        *count += 1;
+        let impatience = state.injected.impatience.as_ref();
+        if let Some(user) =
+            impatience.filter(|impatience| impatience.call == call && impatience.number == number)
+        {
+            user.cancellation.cancel();
+        }
+        let mut faults = state.injected.faults.iter();
+        faults.find(|fault| fault.call == call && fault.fails.contains(&number)).map(|f| f.code)
+    })
+}
+
+fn injected<R>(ask: impl FnOnce(&FaultInjection) -> R) -> R {
+    STATE.with_borrow(|state| ask(&state.injected))
+}
+
+/// Returns the real loader, which stays loaded: its functions are held everywhere.
+fn loader() -> &'static Entry {
+    static LOADER: OnceLock<Entry> = OnceLock::new();
+    LOADER.get_or_init(|| gpu::load_entry().unwrap_or_else(|error| panic!("{error}")))
+}
+
+/// Returns the real function of `call`.
+///
+/// # Safety
+/// `F` is the type of the Vulkan function of that name.
+unsafe fn real<F: Copy>(call: &'static CStr) -> F {
+    let function = STATE.with_borrow(|state| state.real.get(call).copied());
+    let function = function.unwrap_or_else(|| panic!("{call:?} was never asked for"));
+    assert_eq!(size_of::<F>(), size_of::<Function>());
+    // SAFETY: both are function pointers, and the caller vouches for the type.
+    unsafe { std::mem::transmute_copy(&function) }
+}
+
+unsafe extern "system" fn instance_proc_addr(
+    instance: vk::Instance,
+    name: *const c_char,
+) -> vk::PFN_vkVoidFunction {
+    // SAFETY: the caller passes what it would pass to the real function.
+    let real = unsafe { (loader().static_fn().get_instance_proc_addr)(instance, name) };
+    // SAFETY: the name ends with a zero.
+    replaced(unsafe { CStr::from_ptr(name) }, real)
+}
+
+unsafe extern "system" fn device_proc_addr(
+    device: vk::Device,
+    name: *const c_char,
+) -> vk::PFN_vkVoidFunction {
+    // SAFETY: the type is the function's; the caller passes what it would pass to it.
+    let real = unsafe { real::<vk::PFN_vkGetDeviceProcAddr>(c"vkGetDeviceProcAddr")(device, name) };
+    // SAFETY: the name ends with a zero.
+    replaced(unsafe { CStr::from_ptr(name) }, real)
+}
+
+fn replaced(name: &CStr, real: vk::PFN_vkVoidFunction) -> vk::PFN_vkVoidFunction {
+    if name == c"vkEnumerateInstanceVersion" && injected(|m| m.loader_version) == Some(0) {
+        return None;
+    }
+    let real = real?;
+    let ours = replacements().into_iter().find(|(call, _)| *call == name);
+    let Some((call, ours)) = ours else { return Some(real) };
+    STATE.with_borrow_mut(|state| state.real.insert(call, real));
+    Some(ours)
+}

@@ -1,0 +1,488 @@
+//! The Vulkan functions that a lying loader returns instead of the real ones.
+
+use std::ffi::{CStr, c_void};
+use std::mem::transmute;
+
+use ash::vk;
+use gpu::RequiredFeature;
+
+use super::attachments::calls_that_attach;
+use super::draw_calls::calls_that_draw;
+use super::lazy_memory::that_are_lazy;
+use super::lies::lies;
+use super::representative::that_pretend;
+use super::{Function, device_proc_addr, due, injected, real};
+
+/// Writes functions that count, fail when they are to fail, and otherwise call the real ones.
+macro_rules! counted {
+    ($list:ident $functions:ident {
+        $($ours:ident $pfn:ident $name:literal ($($argument:ident: $kind:ty),+);)+
+    }) => {
+        $(
+            unsafe extern "system" fn $ours($($argument: $kind),+) -> vk::Result {
+                match due($name) {
+                    Some(code) => code,
+                    // SAFETY: the type is the function's; the caller passes what it would to it.
+                    None => unsafe { real::<vk::$pfn>($name)($($argument),+) },
+                }
+            }
+        )+
+
+        /// The names of these calls.
+        pub const $list: &[&CStr] = &[$($name),+];
+
+        fn $functions() -> Vec<(&'static CStr, Function)> {
+            // SAFETY: function pointers all; who asks for one knows its type by its name.
+            unsafe { vec![$(($name, transmute::<vk::$pfn, Function>($ours))),+] }
+        }
+    };
+}
+
+type Callbacks<'a> = *const vk::AllocationCallbacks<'a>;
+
+counted! { CALLS_THAT_MAKE calls_that_make {
+    allocate_memory PFN_vkAllocateMemory c"vkAllocateMemory" (
+        device: vk::Device, info: *const vk::MemoryAllocateInfo<'_>, callbacks: Callbacks<'_>,
+        made: *mut vk::DeviceMemory);
+    map_memory PFN_vkMapMemory c"vkMapMemory" (
+        device: vk::Device, memory: vk::DeviceMemory, offset: vk::DeviceSize, size: vk::DeviceSize,
+        flags: vk::MemoryMapFlags, data: *mut *mut c_void);
+    create_buffer PFN_vkCreateBuffer c"vkCreateBuffer" (
+        device: vk::Device, info: *const vk::BufferCreateInfo<'_>, callbacks: Callbacks<'_>,
+        made: *mut vk::Buffer);
+    bind_buffer_memory PFN_vkBindBufferMemory c"vkBindBufferMemory" (
+        device: vk::Device, buffer: vk::Buffer, memory: vk::DeviceMemory, offset: vk::DeviceSize);
+    create_image PFN_vkCreateImage c"vkCreateImage" (
+        device: vk::Device, info: *const vk::ImageCreateInfo<'_>, callbacks: Callbacks<'_>,
+        made: *mut vk::Image);
+    bind_image_memory PFN_vkBindImageMemory c"vkBindImageMemory" (
+        device: vk::Device, image: vk::Image, memory: vk::DeviceMemory, offset: vk::DeviceSize);
+    create_image_view PFN_vkCreateImageView c"vkCreateImageView" (
+        device: vk::Device, info: *const vk::ImageViewCreateInfo<'_>, callbacks: Callbacks<'_>,
+        made: *mut vk::ImageView);
+    create_semaphore PFN_vkCreateSemaphore c"vkCreateSemaphore" (
+        device: vk::Device, info: *const vk::SemaphoreCreateInfo<'_>, callbacks: Callbacks<'_>,
+        made: *mut vk::Semaphore);
+    create_query_pool PFN_vkCreateQueryPool c"vkCreateQueryPool" (
+        device: vk::Device, info: *const vk::QueryPoolCreateInfo<'_>, callbacks: Callbacks<'_>,
+        made: *mut vk::QueryPool);
+    create_command_pool PFN_vkCreateCommandPool c"vkCreateCommandPool" (
+        device: vk::Device, info: *const vk::CommandPoolCreateInfo<'_>, callbacks: Callbacks<'_>,
+        made: *mut vk::CommandPool);
+    allocate_command_buffers PFN_vkAllocateCommandBuffers c"vkAllocateCommandBuffers" (
+        device: vk::Device, info: *const vk::CommandBufferAllocateInfo<'_>,
+        made: *mut vk::CommandBuffer);
+    begin_command_buffer PFN_vkBeginCommandBuffer c"vkBeginCommandBuffer" (
+        commands: vk::CommandBuffer, info: *const vk::CommandBufferBeginInfo<'_>);
+    end_command_buffer PFN_vkEndCommandBuffer c"vkEndCommandBuffer" (commands: vk::CommandBuffer);
+    reset_command_pool PFN_vkResetCommandPool c"vkResetCommandPool" (
+        device: vk::Device, pool: vk::CommandPool, flags: vk::CommandPoolResetFlags);
+    create_set_layout PFN_vkCreateDescriptorSetLayout c"vkCreateDescriptorSetLayout" (
+        device: vk::Device, info: *const vk::DescriptorSetLayoutCreateInfo<'_>,
+        callbacks: Callbacks<'_>, made: *mut vk::DescriptorSetLayout);
+    create_pipeline_layout PFN_vkCreatePipelineLayout c"vkCreatePipelineLayout" (
+        device: vk::Device, info: *const vk::PipelineLayoutCreateInfo<'_>, callbacks: Callbacks<'_>,
+        made: *mut vk::PipelineLayout);
+    create_descriptor_pool PFN_vkCreateDescriptorPool c"vkCreateDescriptorPool" (
+        device: vk::Device, info: *const vk::DescriptorPoolCreateInfo<'_>, callbacks: Callbacks<'_>,
+        made: *mut vk::DescriptorPool);
+    allocate_descriptor_sets PFN_vkAllocateDescriptorSets c"vkAllocateDescriptorSets" (
+        device: vk::Device, info: *const vk::DescriptorSetAllocateInfo<'_>,
+        made: *mut vk::DescriptorSet);
+    create_shader_module PFN_vkCreateShaderModule c"vkCreateShaderModule" (
+        device: vk::Device, info: *const vk::ShaderModuleCreateInfo<'_>, callbacks: Callbacks<'_>,
+        made: *mut vk::ShaderModule);
+    create_pipeline_cache PFN_vkCreatePipelineCache c"vkCreatePipelineCache" (
+        device: vk::Device, info: *const vk::PipelineCacheCreateInfo<'_>, callbacks: Callbacks<'_>,
+        made: *mut vk::PipelineCache);
+    create_graphics_pipelines PFN_vkCreateGraphicsPipelines c"vkCreateGraphicsPipelines" (
+        device: vk::Device, cache: vk::PipelineCache, count: u32,
+        infos: *const vk::GraphicsPipelineCreateInfo<'_>, callbacks: Callbacks<'_>,
+        made: *mut vk::Pipeline);
+    create_compute_pipelines PFN_vkCreateComputePipelines c"vkCreateComputePipelines" (
+        device: vk::Device, cache: vk::PipelineCache, count: u32,
+        infos: *const vk::ComputePipelineCreateInfo<'_>, callbacks: Callbacks<'_>,
+        made: *mut vk::Pipeline);
+    create_device PFN_vkCreateDevice c"vkCreateDevice" (
+        physical: vk::PhysicalDevice, info: *const vk::DeviceCreateInfo<'_>,
+        callbacks: Callbacks<'_>, made: *mut vk::Device);
+}}
+
+counted! { CALLS_THAT_RUN calls_that_run {
+    queue_submit PFN_vkQueueSubmit2 c"vkQueueSubmit2" (
+        queue: vk::Queue, count: u32, infos: *const vk::SubmitInfo2<'_>, fence: vk::Fence);
+    wait_semaphores PFN_vkWaitSemaphores c"vkWaitSemaphores" (
+        device: vk::Device, info: *const vk::SemaphoreWaitInfo<'_>, bound_ns: u64);
+    semaphore_value PFN_vkGetSemaphoreCounterValue c"vkGetSemaphoreCounterValue" (
+        device: vk::Device, semaphore: vk::Semaphore, value: *mut u64);
+    device_wait_idle PFN_vkDeviceWaitIdle c"vkDeviceWaitIdle" (device: vk::Device);
+}}
+
+counted! { CALLS_THAT_SHOW calls_that_show {
+    create_swapchain PFN_vkCreateSwapchainKHR c"vkCreateSwapchainKHR" (
+        device: vk::Device, info: *const vk::SwapchainCreateInfoKHR<'_>, callbacks: Callbacks<'_>,
+        made: *mut vk::SwapchainKHR);
+    swapchain_images PFN_vkGetSwapchainImagesKHR c"vkGetSwapchainImagesKHR" (
+        device: vk::Device, swapchain: vk::SwapchainKHR, count: *mut u32, images: *mut vk::Image);
+    surface_formats PFN_vkGetPhysicalDeviceSurfaceFormatsKHR
+        c"vkGetPhysicalDeviceSurfaceFormatsKHR" (
+        physical: vk::PhysicalDevice, surface: vk::SurfaceKHR, count: *mut u32,
+        formats: *mut vk::SurfaceFormatKHR);
+    surface_modes PFN_vkGetPhysicalDeviceSurfacePresentModesKHR
+        c"vkGetPhysicalDeviceSurfacePresentModesKHR" (
+        physical: vk::PhysicalDevice, surface: vk::SurfaceKHR, count: *mut u32,
+        modes: *mut vk::PresentModeKHR);
+    create_fence PFN_vkCreateFence c"vkCreateFence" (
+        device: vk::Device, info: *const vk::FenceCreateInfo<'_>, callbacks: Callbacks<'_>,
+        made: *mut vk::Fence);
+}}
+
+counted! { CALLS_THAT_SAVE calls_that_save {
+    pipeline_cache_data PFN_vkGetPipelineCacheData c"vkGetPipelineCacheData" (
+        device: vk::Device, cache: vk::PipelineCache, size: *mut usize, data: *mut c_void);
+}}
+
+counted! { CALLS_THAT_START calls_that_start {
+    create_instance PFN_vkCreateInstance c"vkCreateInstance" (
+        info: *const vk::InstanceCreateInfo<'_>, callbacks: Callbacks<'_>, made: *mut vk::Instance);
+    create_messenger PFN_vkCreateDebugUtilsMessengerEXT c"vkCreateDebugUtilsMessengerEXT" (
+        instance: vk::Instance, info: *const vk::DebugUtilsMessengerCreateInfoEXT<'_>,
+        callbacks: Callbacks<'_>, made: *mut vk::DebugUtilsMessengerEXT);
+}}
+
+/// The calls that reset queries, which are counted: on the CPU, and by commands.
+pub const CALLS_THAT_RESET: [&CStr; 2] = [c"vkResetQueryPool", c"vkCmdResetQueryPool"];
+
+/// Returns all of them.
+pub(super) fn replacements() -> Vec<(&'static CStr, Function)> {
+    // SAFETY: function pointers all; who asks for one knows its type by its name.
+    let that_lie = unsafe {
+        [
+            (
+                c"vkAcquireNextImageKHR",
+                transmute::<vk::PFN_vkAcquireNextImageKHR, Function>(acquire_image),
+            ),
+            (c"vkQueuePresentKHR", transmute::<vk::PFN_vkQueuePresentKHR, Function>(queue_present)),
+            (
+                c"vkGetPhysicalDeviceSurfaceCapabilitiesKHR",
+                transmute::<vk::PFN_vkGetPhysicalDeviceSurfaceCapabilitiesKHR, Function>(
+                    surface_state,
+                ),
+            ),
+            (
+                c"vkGetPhysicalDeviceSurfaceSupportKHR",
+                transmute::<vk::PFN_vkGetPhysicalDeviceSurfaceSupportKHR, Function>(
+                    surface_support,
+                ),
+            ),
+            (
+                c"vkGetDeviceProcAddr",
+                transmute::<vk::PFN_vkGetDeviceProcAddr, Function>(device_proc_addr),
+            ),
+            (
+                c"vkEnumerateInstanceVersion",
+                transmute::<vk::PFN_vkEnumerateInstanceVersion, Function>(instance_version),
+            ),
+            (
+                c"vkEnumeratePhysicalDevices",
+                transmute::<vk::PFN_vkEnumeratePhysicalDevices, Function>(physical_devices),
+            ),
+            (
+                c"vkGetPhysicalDeviceProperties",
+                transmute::<vk::PFN_vkGetPhysicalDeviceProperties, Function>(properties),
+            ),
+            (
+                c"vkGetPhysicalDeviceFeatures2",
+                transmute::<vk::PFN_vkGetPhysicalDeviceFeatures2, Function>(features),
+            ),
+            (
+                c"vkGetPhysicalDeviceQueueFamilyProperties",
+                transmute::<vk::PFN_vkGetPhysicalDeviceQueueFamilyProperties, Function>(families),
+            ),
+            (
+                c"vkGetPhysicalDeviceFormatProperties",
+                transmute::<vk::PFN_vkGetPhysicalDeviceFormatProperties, Function>(format),
+            ),
+            (CALLS_THAT_RESET[0], transmute::<vk::PFN_vkResetQueryPool, Function>(reset_queries)),
+            (
+                CALLS_THAT_RESET[1],
+                transmute::<vk::PFN_vkCmdResetQueryPool, Function>(command_to_reset_queries),
+            ),
+        ]
+    };
+    let counted = [
+        calls_that_make(),
+        calls_that_run(),
+        calls_that_show(),
+        calls_that_save(),
+        calls_that_start(),
+        calls_that_draw(),
+    ]
+    .concat();
+    let first = that_pretend().into_iter().chain(calls_that_attach()).chain(that_are_lazy());
+    first.chain(that_lie).chain(lies()).chain(counted).collect()
+}
+
+fn lacks(what: RequiredFeature) -> bool {
+    injected(|injected| injected.lacks == Some(what))
+}
+
+unsafe extern "system" fn instance_version(version: *mut u32) -> vk::Result {
+    // SAFETY: here and in all functions below: the type is the function's, and the caller passes
+    // what it would pass to it, so that what is pointed to is there.
+    unsafe {
+        let code =
+            real::<vk::PFN_vkEnumerateInstanceVersion>(c"vkEnumerateInstanceVersion")(version);
+        *version = injected(|injected| injected.loader_version).unwrap_or(*version);
+        code
+    }
+}
+
+unsafe extern "system" fn physical_devices(
+    instance: vk::Instance,
+    count: *mut u32,
+    devices: *mut vk::PhysicalDevice,
+) -> vk::Result {
+    if let Some(code) = due(c"vkEnumeratePhysicalDevices") {
+        return code;
+    }
+    // SAFETY: as above.
+    unsafe {
+        if injected(|injected| injected.has_no_devices) {
+            *count = 0;
+            return vk::Result::SUCCESS;
+        }
+        let real = real::<vk::PFN_vkEnumeratePhysicalDevices>(c"vkEnumeratePhysicalDevices");
+        real(instance, count, devices)
+    }
+}
+
+unsafe extern "system" fn properties(
+    physical: vk::PhysicalDevice,
+    properties: *mut vk::PhysicalDeviceProperties,
+) {
+    // SAFETY: as above.
+    unsafe {
+        let name = c"vkGetPhysicalDeviceProperties";
+        real::<vk::PFN_vkGetPhysicalDeviceProperties>(name)(physical, properties);
+        if lacks(RequiredFeature::Vulkan13) {
+            (*properties).api_version = vk::make_api_version(0, 1, 2, 200);
+        }
+        if lacks(RequiredFeature::StorageBuffers) {
+            (*properties).limits.max_per_stage_descriptor_storage_buffers = 6;
+        }
+        if injected(|injected| injected.has_one_sample) {
+            (*properties).limits.framebuffer_depth_sample_counts = vk::SampleCountFlags::TYPE_1;
+        }
+        if let Some(most) = injected(|injected| injected.most_draws) {
+            (*properties).limits.max_draw_indirect_count = most;
+        }
+    }
+}
+
+unsafe extern "system" fn features(
+    physical: vk::PhysicalDevice,
+    features: *mut vk::PhysicalDeviceFeatures2<'_>,
+) {
+    // SAFETY: as above; a structure of the chain is what its first member says.
+    unsafe {
+        let name = c"vkGetPhysicalDeviceFeatures2";
+        real::<vk::PFN_vkGetPhysicalDeviceFeatures2>(name)(physical, features);
+        let core = &mut (*features).features;
+        if lacks(RequiredFeature::MultiDrawIndirect) {
+            core.multi_draw_indirect = vk::FALSE;
+        }
+        if lacks(RequiredFeature::DrawIndirectFirstInstance) {
+            core.draw_indirect_first_instance = vk::FALSE;
+        }
+        if injected(|injected| injected.is_imprecise) {
+            core.occlusion_query_precise = vk::FALSE;
+        }
+        if let Some(hide) = injected(|injected| injected.hides) {
+            hide(core);
+        }
+        let mut next = (*features).p_next.cast::<vk::BaseOutStructure<'_>>();
+        while let Some(structure) = next.as_mut() {
+            match structure.s_type {
+                vk::StructureType::PHYSICAL_DEVICE_CONDITIONAL_RENDERING_FEATURES_EXT => {
+                    let conditional =
+                        &mut *next.cast::<vk::PhysicalDeviceConditionalRenderingFeaturesEXT<'_>>();
+                    if injected(|injected| injected.is_unconditional) {
+                        conditional.conditional_rendering = vk::FALSE;
+                    }
+                }
+                vk::StructureType::PHYSICAL_DEVICE_REPRESENTATIVE_FRAGMENT_TEST_FEATURES_NV => {
+                    type Kind<'a> = vk::PhysicalDeviceRepresentativeFragmentTestFeaturesNV<'a>;
+                    (*next.cast::<Kind<'_>>()).representative_fragment_test = vk::TRUE;
+                }
+                vk::StructureType::PHYSICAL_DEVICE_SWAPCHAIN_MAINTENANCE_1_FEATURES_EXT => {
+                    let fences =
+                        &mut *next.cast::<vk::PhysicalDeviceSwapchainMaintenance1FeaturesEXT<'_>>();
+                    if injected(|injected| injected.is_fenceless) {
+                        fences.swapchain_maintenance1 = vk::FALSE;
+                    }
+                }
+                vk::StructureType::PHYSICAL_DEVICE_VULKAN_1_2_FEATURES => {
+                    let more = &mut *next.cast::<vk::PhysicalDeviceVulkan12Features<'_>>();
+                    if lacks(RequiredFeature::TimelineSemaphore) {
+                        more.timeline_semaphore = vk::FALSE;
+                    }
+                    if injected(|injected| injected.resets_by_commands) {
+                        more.host_query_reset = vk::FALSE;
+                    }
+                    if injected(|injected| injected.has_no_indexing) {
+                        more.shader_sampled_image_array_non_uniform_indexing = vk::FALSE;
+                    }
+                }
+                vk::StructureType::PHYSICAL_DEVICE_VULKAN_1_3_FEATURES => {
+                    let more = &mut *next.cast::<vk::PhysicalDeviceVulkan13Features<'_>>();
+                    if lacks(RequiredFeature::DynamicRendering) {
+                        more.dynamic_rendering = vk::FALSE;
+                    }
+                    if lacks(RequiredFeature::Synchronization2) {
+                        more.synchronization2 = vk::FALSE;
+                    }
+                }
+                _ => {}
+            }
+            next = (*next).p_next;
+        }
+    }
+}
+
+unsafe extern "system" fn families(
+    physical: vk::PhysicalDevice,
+    count: *mut u32,
+    families: *mut vk::QueueFamilyProperties,
+) {
+    // SAFETY: as above; the real function filled in `count` of them.
+    unsafe {
+        let name = c"vkGetPhysicalDeviceQueueFamilyProperties";
+        real::<vk::PFN_vkGetPhysicalDeviceQueueFamilyProperties>(name)(physical, count, families);
+        if lacks(RequiredFeature::GraphicsQueue) && !families.is_null() {
+            for family in std::slice::from_raw_parts_mut(families, *count as usize) {
+                family.queue_flags &= !vk::QueueFlags::GRAPHICS;
+            }
+        }
+    }
+}
+
+unsafe extern "system" fn format(
+    physical: vk::PhysicalDevice,
+    format: vk::Format,
+    properties: *mut vk::FormatProperties,
+) {
+    // SAFETY: as above.
+    unsafe {
+        let name = c"vkGetPhysicalDeviceFormatProperties";
+        real::<vk::PFN_vkGetPhysicalDeviceFormatProperties>(name)(physical, format, properties);
+        if lacks(RequiredFeature::Depth32) && format == vk::Format::D32_SFLOAT {
+            (*properties).optimal_tiling_features = vk::FormatFeatureFlags::empty();
+        }
+    }
+}
+
+unsafe extern "system" fn reset_queries(
+    device: vk::Device,
+    pool: vk::QueryPool,
+    first: u32,
+    count: u32,
+) {
+    due(CALLS_THAT_RESET[0]);
+    // SAFETY: as above.
+    unsafe { real::<vk::PFN_vkResetQueryPool>(CALLS_THAT_RESET[0])(device, pool, first, count) }
+}
+
+unsafe extern "system" fn command_to_reset_queries(
+    commands: vk::CommandBuffer,
+    pool: vk::QueryPool,
+    first: u32,
+    count: u32,
+) {
+    due(CALLS_THAT_RESET[1]);
+    // SAFETY: as above.
+    unsafe {
+        real::<vk::PFN_vkCmdResetQueryPool>(CALLS_THAT_RESET[1])(commands, pool, first, count)
+    }
+}
+
+unsafe extern "system" fn acquire_image(
+    device: vk::Device,
+    swapchain: vk::SwapchainKHR,
+    bound_ns: u64,
+    semaphore: vk::Semaphore,
+    fence: vk::Fence,
+    index: *mut u32,
+) -> vk::Result {
+    let name = c"vkAcquireNextImageKHR";
+    match due(name) {
+        Some(code) if code != vk::Result::SUBOPTIMAL_KHR => code,
+        // SAFETY: as above.
+        due => unsafe {
+            let real = real::<vk::PFN_vkAcquireNextImageKHR>(name);
+            let code = real(device, swapchain, bound_ns, semaphore, fence, index);
+            if code == vk::Result::SUCCESS { due.unwrap_or(code) } else { code }
+        },
+    }
+}
+
+unsafe extern "system" fn queue_present(
+    queue: vk::Queue,
+    info: *const vk::PresentInfoKHR<'_>,
+) -> vk::Result {
+    let name = c"vkQueuePresentKHR";
+    let is_done_all_the_same = |code: &vk::Result| {
+        [
+            vk::Result::SUBOPTIMAL_KHR,
+            vk::Result::ERROR_OUT_OF_DATE_KHR,
+            vk::Result::ERROR_SURFACE_LOST_KHR,
+        ]
+        .contains(code)
+    };
+    match due(name) {
+        Some(code) if !is_done_all_the_same(&code) => code,
+        // SAFETY: as above.
+        due => unsafe {
+            let code = real::<vk::PFN_vkQueuePresentKHR>(name)(queue, info);
+            due.unwrap_or(code)
+        },
+    }
+}
+
+unsafe extern "system" fn surface_state(
+    physical: vk::PhysicalDevice,
+    surface: vk::SurfaceKHR,
+    state: *mut vk::SurfaceCapabilitiesKHR,
+) -> vk::Result {
+    let name = c"vkGetPhysicalDeviceSurfaceCapabilitiesKHR";
+    if let Some(code) = due(name) {
+        return code;
+    }
+    // SAFETY: as above.
+    unsafe {
+        let real = real::<vk::PFN_vkGetPhysicalDeviceSurfaceCapabilitiesKHR>(name);
+        let code = real(physical, surface, state);
+        if injected(|injected| injected.is_minimised) {
+            (*state).current_extent = vk::Extent2D::default();
+        }
+        code
+    }
+}
+
+unsafe extern "system" fn surface_support(
+    physical: vk::PhysicalDevice,
+    family: u32,
+    surface: vk::SurfaceKHR,
+    presents: *mut vk::Bool32,
+) -> vk::Result {
+    let name = c"vkGetPhysicalDeviceSurfaceSupportKHR";
+    // SAFETY: as above.
+    unsafe {
+        let real = real::<vk::PFN_vkGetPhysicalDeviceSurfaceSupportKHR>(name);
+        let code = real(physical, family, surface, presents);
+        if injected(|injected| injected.is_blind) {
+            *presents = vk::FALSE;
+        }
+        code
+    }
+}
