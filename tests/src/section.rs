@@ -145,7 +145,7 @@ impl CutScene {
     pub fn pixels(&mut self, camera: Camera, strategy: Strategy) -> Vec<[u8; 3]> {
         let image = Some(&self.image);
         let request = FrameRequest { image, ..FrameRequest::new(strategy, camera) };
-        self.renderer.render(&mut self.view, &request).expect("a frame");
+        self.renderer.render(&mut self.view, request).expect("a frame");
         self.renderer.device().wait_idle().expect("an image");
         let pixels = self.image.rgba8().expect("pixels");
         pixels

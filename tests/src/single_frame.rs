@@ -14,7 +14,7 @@ pub fn image(
 ) -> Vec<u8> {
     let image = Readback::new(renderer.device(), renderer.size()).expect("memory");
     let request = FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, camera) };
-    renderer.render(view, &request).expect("a frame");
+    renderer.render(view, request).expect("a frame");
     renderer.wait_idle(view).expect("the frame ends");
     image.rgba8().expect("an image").to_vec()
 }

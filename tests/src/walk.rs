@@ -150,7 +150,7 @@ pub fn frame_loop(
     let mut reports = Vec::new();
     for (camera, image) in cameras.iter().zip(&images) {
         let request = FrameRequest { image: Some(image), ..FrameRequest::new(strategy, *camera) };
-        reports.push(renderer.render(view, &request).expect("a frame"));
+        reports.push(renderer.render(view, request).expect("a frame"));
     }
     let blocking_waits = renderer.device().wait_counts().other - waits;
     renderer.wait_idle(view).expect("the end");

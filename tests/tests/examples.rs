@@ -159,6 +159,26 @@ fn render_lets_a_host_draw_over_the_image() {
 }
 
 #[test]
+fn antumbra_walks_into_a_file_and_writes_its_last_image() {
+    let model = scratch("wall_and_tile.obj");
+    let quad = |half: f32, z: f32| {
+        let corners = [[-half, 0.0], [half, 0.0], [half, 9.0], [-half, 9.0]];
+        corners.map(|[x, y]| format!("v {x} {y} {z}\n")).concat()
+    };
+    let wall = format!("{}o wall\nf 1 2 3 4\n", quad(40.0, -20.0));
+    let tile = format!("{}o tile\nf 5 6 7 8\n", quad(1.0, -30.0));
+    fs::write(&model, wall + &tile).expect("it is written");
+    let printed = run("first_program", &[&model]);
+    let [drawn, in_frustum] = numbers(line(&printed, ""))[..] else { panic!("{printed}") };
+    assert!(in_frustum == 2 && (1..=2).contains(&drawn), "{printed}");
+    let image = fs::read(scratch("first.png")).expect("it is there");
+    assert!(image.starts_with(b"\x89PNG"));
+    // The header has width and height; an image of one colour takes some hundred bytes.
+    assert_eq!(image[16..24], [0, 0, 5, 0, 0, 0, 2, 208]);
+    assert!(image.len() > 1000, "{} bytes", image.len());
+}
+
+#[test]
 fn antumbra_draws_a_street_of_a_city() {
     let printed = run("walk_city", &[]);
     let [_, drawn, all] = numbers(line(&printed, "frame "))[..] else { panic!("{printed}") };

@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let known = renderer.visible_set(&mut beforehand, camera, Rect::whole(SIZE))?;
             let request = FrameRequest::new(strategy, camera);
             let request = FrameRequest { visible: Some(&known), ..request };
-            let report = renderer.render(&mut view, &request)?;
+            let report = renderer.render(&mut view, request)?;
             (tests, waits) = (report.tests, report.waits);
         }
         renderer.wait_idle(&mut view)?;

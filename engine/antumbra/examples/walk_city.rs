@@ -1,11 +1,9 @@
 //! Walks down a street of a city of blocks, and prints how many of them each frame drew.
 
-use std::error::Error;
-
-use antumbra::glam::{Affine3A, Quat, Vec3, vec3};
+use antumbra::glam::{Affine3A, Quat, vec3};
 use antumbra::render::CostModel;
 use antumbra::scene::{Mesh, Object};
-use antumbra::{Camera, FrameRequest, Projection, Renderer, RendererOptions, Scene, Strategy};
+use antumbra::{Camera, Renderer, RendererOptions, Scene};
 
 /// Houses along each side of the city.
 const SIDE: u16 = 50;
@@ -19,7 +17,7 @@ fn cube() -> Mesh {
     Mesh::of_triangles("cube", &corners.map(|at| (at, [0.6, 0.5, 0.4])).collect::<Vec<_>>())
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+fn main() -> antumbra::Result<()> {
     let mut scene = Scene::single(cube());
     let first = scene.objects.remove(0);
     scene.objects.extend((0..SIDE.pow(2)).map(|number| {
@@ -31,21 +29,13 @@ fn main() -> Result<(), Box<dyn Error>> {
             ..first
         }
     }));
-    let device = antumbra::open()?;
     // Tests are made whether they pay or not: on some devices 12 triangles are drawn faster.
     let options = RendererOptions { cost_model: CostModel::Off, ..Default::default() };
-    let mut renderer = Renderer::new(&device, &scene, &options)?;
+    let mut renderer = Renderer::headless(&scene).options(options).build()?;
     let mut view = renderer.new_view()?;
     for frame in 0..100_u8 {
-        let eye = vec3(300.0, 1.7, -f32::from(frame));
-        let camera = Camera {
-            eye,
-            forward: Vec3::NEG_Z,
-            up: Vec3::Y,
-            projection: Projection::perspective(0.9),
-            near: 0.1,
-        };
-        renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, camera))?;
+        let z = -f32::from(frame);
+        renderer.render(&mut view, Camera::look_at([300.0, 1.7, z], [300.0, 1.7, z - 1.0]))?;
         // The outcomes of earlier frames, which are known by now.
         for outcome in view.drain_stats().filter(|outcome| outcome.frame.0 % 10 == 0) {
             println!("frame {}: {} of {} houses", outcome.frame.0, outcome.draws, SIDE.pow(2));

@@ -5,25 +5,25 @@
 //! and at its root the items that every program needs.
 //!
 //! ```no_run
-//! use antumbra::scene::{Mesh, Scene};
-//! use antumbra::{Camera, FrameRequest, Readback, Renderer, Strategy};
+//! use antumbra::{Camera, Renderer, open_scene};
 //!
-//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let device = antumbra::open()?;
-//! let red = [0.8, 0.1, 0.1];
-//! let corners = [([-1.0, -1.0, 0.0], red), ([1.0, -1.0, 0.0], red), ([0.0, 1.0, 0.0], red)];
-//! let scene = Scene::single(Mesh::of_triangles("triangle", &corners));
-//! let mut renderer = Renderer::new(&device, &scene, &Default::default())?;
+//! # fn main() -> antumbra::Result<()> {
+//! let scene = open_scene("city.glb")?;
+//! let mut renderer = Renderer::headless(&scene).size(1280, 720).build()?;
 //! let mut view = renderer.new_view()?;
-//! let image = Readback::new(&device, renderer.size())?;
-//!
-//! let camera = Camera::look_at([0.0, 0.0, 3.0], [0.0; 3]);
-//! let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
-//! renderer.render(&mut view, &FrameRequest { image: Some(&image), ..request })?;
-//! renderer.wait_idle(&mut view)?;
-//! println!("{} bytes of RGBA", image.rgba8()?.len());
+//! for step in 0..60_u8 {
+//!     let z = -f32::from(step);
+//!     renderer.render(&mut view, Camera::look_at([0.0, 1.7, z], [0.0, 1.7, z - 100.0]))?;
+//! }
+//! let last = renderer.finish(&mut view)?; // Waits: statistics and image.
+//! println!("{} of {} objects drawn", last.drawn, last.in_frustum);
+//! last.image.save_png("city.png")?;
 //! # Ok(()) }
 //! ```
+//!
+//! A [`FrameRequest`] in place of the camera asks for another strategy, for a copy of the image,
+//! or for a host's commands over it; [`RendererOptions`] has what a renderer can be made with. A
+//! scene needs no file: [`scene::Scene`] is plain data.
 //!
 //! | module | contents |
 //! |---|---|
@@ -67,3 +67,22 @@ pub use gpu::open_with_window;
 pub use gpu::{Device, Readback};
 pub use render::{FrameRequest, RenderView, Renderer, RendererOptions};
 pub use scene::{Scene, SceneUpdate};
+
+/// The result of a program's `main`: any error, with its sentence.
+pub type Result<T> = std::result::Result<T, Box<dyn std::error::Error + Send + Sync>>;
+
+/// Loads the scene of a .gltf, .glb, .stl or .obj file at rest. Deviations of the file are logged
+/// as warnings; [`import::load`] returns them, and what the scene needs to move.
+///
+/// # Errors
+/// Those of [`import::load`].
+#[cfg(feature = "import")]
+pub fn open_scene(
+    file: impl AsRef<std::path::Path>,
+) -> std::result::Result<Scene, import::ImportError> {
+    let mut progress = |_| std::ops::ControlFlow::Continue(());
+    let options = import::LoadOptions::default();
+    let loaded = import::load(file.as_ref(), &options, &mut progress)?;
+    loaded.notes.iter().for_each(|note| tracing::warn!("{note}"));
+    Ok(loaded.scene)
+}

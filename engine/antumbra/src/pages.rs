@@ -22,7 +22,7 @@
 ///     range_m: Some(12.0),
 ///     position: vec3(-1.0, 3.0, 2.5),
 ///     direction: Vec3::NEG_Y,
-///     picture: None,
+///     cookie: None,
 /// };
 /// if let Some(surfaces) = &mut scene.surfaces {
 ///     surfaces.lights.push(lamp); // LightId(1).
@@ -38,7 +38,7 @@ struct ShadowsPage;
 /// From docs/embedding.md.
 ///
 /// ```no_run
-/// # use antumbra::cull::{Hierarchy, QueryShares, View};
+/// # use antumbra::cull::{CullView, Hierarchy, QueryShares};
 /// # use antumbra::occlusion::{PlanExecutor, OcclusionState};
 /// # fn plan(
 /// #     shares: &mut QueryShares,

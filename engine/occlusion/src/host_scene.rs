@@ -61,7 +61,7 @@ impl HostScene {
     /// A device that was adopted without a queue cannot be measured, since nothing submits there.
     /// Before its first frame, measure the same device adopted with a queue. Costs of tests are
     /// those with the way that is taken; where a host draws from lists, they are those of lists
-    /// with [`PredicationMode::Compacted`](gpu::Predication::Compacted).
+    /// with [`PredicationMode::Compacted`](gpu::PredicationMode::Compacted).
     ///
     /// # Errors
     /// Those of [`HostScene::new`].

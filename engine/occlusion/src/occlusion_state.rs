@@ -201,6 +201,11 @@ impl OcclusionState {
         self.outcomes.take()
     }
 
+    /// Returns the outcome of the newest frame whose results were read, taken or not.
+    pub fn newest_stats(&self) -> Option<FrameStats> {
+        self.outcomes.newest()
+    }
+
     /// Begins the newest plan in the rings of `frame`, for so many views at once.
     pub(crate) fn begin(
         &mut self,

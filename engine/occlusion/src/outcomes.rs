@@ -40,6 +40,7 @@ const OUTCOMES_KEPT: usize = 1024;
 pub struct Outcomes {
     pending: VecDeque<Pending>,
     known: VecDeque<FrameStats>,
+    newest: Option<FrameStats>,
 }
 
 impl Outcomes {
@@ -100,5 +101,11 @@ impl Outcomes {
             self.known.pop_front();
         }
         self.known.push_back(outcome);
+        self.newest = Some(outcome);
+    }
+
+    /// Returns the newest known outcome, taken or not.
+    pub(crate) fn newest(&self) -> Option<FrameStats> {
+        self.newest
     }
 }

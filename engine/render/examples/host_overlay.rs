@@ -55,7 +55,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         overlay: Some(&bar),
         ..FrameRequest::new(Strategy::ANTUMBRA, camera)
     };
-    renderer.render(&mut view, &request)?;
+    renderer.render(&mut view, request)?;
     renderer.wait_idle(&mut view)?;
     let pixels = whole.rgba8()?;
     let green = |image: &[u8]| image.chunks(4).filter(|pixel| *pixel == [0, 255, 0, 255]).count();

@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let moved = ObjectChange::Move { object: ObjectId(0), transform };
         renderer.apply(&SceneUpdate { objects: vec![moved], ..Default::default() })?;
         for _ in 0..20 {
-            renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, camera))?;
+            renderer.render(&mut view, FrameRequest::new(Strategy::ANTUMBRA, camera))?;
         }
         renderer.wait_idle(&mut view)?;
         let drawn = view.drain_stats().next_back().map_or(0, |outcome| outcome.draws);

@@ -46,11 +46,13 @@ mod executor_choice;
 mod flares;
 mod frame_passes;
 mod host_overlay;
+mod last_frame;
 pub mod passes;
 mod probe_recording;
 mod render_view;
 mod renderer;
 mod resources;
+mod rgba_image;
 mod section;
 mod self_test;
 mod shading;
@@ -59,6 +61,8 @@ mod tessellation;
 mod update;
 mod views;
 
+#[cfg(feature = "loaded")]
+pub use api::headless::HeadlessRenderer;
 pub use calibration_scene::measure_costs;
 pub use cost_list::{BoxSize, CostItem, CostListOptions, ItemCost, PredicateResult, cost_list};
 pub use debug::debug_overlay::{DebugOverlay, OVERLAY_PASSES};
@@ -71,6 +75,7 @@ pub use edges::{EdgeMode, EdgeOptions, ObjectOutline};
 pub use error::Error;
 pub use flares::{FlareBlock, FlareSamples, FlareState};
 pub use host_overlay::HostOverlay;
+pub use last_frame::LastFrame;
 pub use occlusion::{
     CostModel, CullingSetup, DeviceCosts, DriverAssumption, DriverQuirks, FrameStats,
     QueryResetCosts, Rect, ShaderSet,
@@ -80,6 +85,7 @@ pub use render_view::RenderView;
 pub use renderer::{MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions};
 pub use resources::object_bounds::object_bounds;
 pub use resources::spare_capacity::{SpareCapacity, TextureCapacity};
+pub use rgba_image::RgbaImage;
 pub use self_test::{CheckResult, SelfTest, self_test};
 pub use shading::scene_degradations::SceneDegradations;
 pub use shading::surfaces;

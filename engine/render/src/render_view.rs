@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use cull::{Corrections, FramePlan, Hierarchy, ObjectId};
+use cull::{Corrections, CullView, FramePlan, Hierarchy, ObjectId};
 use gpu::Tick;
 use occlusion::{FrameStats, LeafTable, OcclusionState};
 
@@ -27,6 +27,8 @@ impl RendererId {
 pub struct RenderView {
     pub(crate) renderer: RendererId,
     pub(crate) visibility: OcclusionState,
+    /// The view of the newest frame.
+    pub(crate) seen_from: Option<CullView>,
     pub(crate) counts: SampleCounts,
     pub(crate) pointer: Pointer,
     pub(crate) flares: FlareCounts,
@@ -36,7 +38,8 @@ impl RenderView {
     pub(crate) fn new(renderer: RendererId, visibility: OcclusionState) -> Self {
         let counts = SampleCounts::default();
         let flares = FlareCounts::default();
-        Self { renderer, visibility, counts, pointer: Pointer::default(), flares }
+        let pointer = Pointer::default();
+        Self { renderer, visibility, seen_from: None, counts, pointer, flares }
     }
 
     /// Returns the plan of the newest frame.
@@ -56,6 +59,12 @@ impl RenderView {
     /// 1024, if there are more.
     pub fn drain_stats(&mut self) -> std::collections::vec_deque::Drain<'_, FrameStats> {
         self.visibility.drain_stats()
+    }
+
+    /// Returns the outcome of the newest frame whose results were read, whether
+    /// [taken](RenderView::drain_stats) or not.
+    pub fn newest_stats(&self) -> Option<FrameStats> {
+        self.visibility.newest_stats()
     }
 
     /// Returns the corrections of the costs in this view's cost model; `None` without one.

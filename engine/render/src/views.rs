@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use cull::{Camera, Corrections, CullView, DepthConvention, Strategy, ViewProjection};
 use gpu::{Device, Frame, Readback, Tick, Timeline};
-use occlusion::{OcclusionState, Rect};
+use occlusion::{FrameStats, OcclusionState, Rect};
 
 use crate::debug::visible_set::VisibleSet;
 use crate::error::Error;
@@ -147,6 +147,19 @@ impl FrameRequest<'_> {
     }
 }
 
+impl<T: Into<Viewpoint>> From<T> for FrameRequest<'_> {
+    /// Creates a request for a frame of the default strategy and nothing else.
+    fn from(viewpoint: T) -> Self {
+        Self::new(Strategy::default(), viewpoint)
+    }
+}
+
+impl<'a> From<&FrameRequest<'a>> for FrameRequest<'a> {
+    fn from(request: &FrameRequest<'a>) -> Self {
+        *request
+    }
+}
+
 /// The report of a frame when it is submitted, of all its views together.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FrameReport {
@@ -185,6 +198,9 @@ pub struct FrameReport {
     pub oldest_answer_frames: Option<u64>,
     /// The same of the youngest.
     pub youngest_answer_frames: Option<u64>,
+    /// The outcome of the newest frame of the first view whose results were read for this one;
+    /// `None` before the first.
+    pub known: Option<FrameStats>,
     /// The counts of shadow maps.
     pub shadows: ::shadows::ShadowStats,
     /// The counts of the culler.
@@ -209,6 +225,7 @@ impl FrameReport {
         let predicated = plan.tests.iter().filter(|test| test.leaves.count > 0);
         self.predicated_draws += predicated.count() as u32;
         self.plan += plan.stats;
+        self.known = self.known.or(state.newest_stats());
         // Views that are drawn together learn the same.
         self.corrections = self.corrections.or(state.corrections());
         // No age is less than any, so the larger of two is the older one that there is.

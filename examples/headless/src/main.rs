@@ -1,14 +1,10 @@
 //! Draws a scene of its own without a window, and prints how much of it was drawn.
 #![forbid(unsafe_code)]
 
-use std::error::Error;
-
 use antumbra::glam::{Affine3A, Vec3, vec3};
 use antumbra::render::CostModel;
 use antumbra::scene::{Mesh, MeshId, Object};
-use antumbra::{
-    Camera, FrameRequest, Projection, Readback, Renderer, RendererOptions, Scene, Strategy,
-};
+use antumbra::{Camera, Renderer, RendererOptions, Scene};
 
 const SIZE: [u32; 2] = [320, 180];
 
@@ -38,25 +34,20 @@ fn scene() -> Scene {
     scene
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let device = antumbra::open()?;
+fn main() -> antumbra::Result<()> {
     // Everything hidden is tested: times that a busy machine measures decide nothing here.
     let cost_model = CostModel::Off;
     let options = RendererOptions { size: SIZE, cost_model, ..Default::default() };
-    let mut renderer = Renderer::new(&device, &scene(), &options)?;
+    let mut renderer = Renderer::headless(&scene()).options(options).build()?;
     let mut view = renderer.new_view()?;
-    let image = Readback::new(&device, renderer.size())?;
     for frame in 0..30_u8 {
-        let eye = vec3(f32::from(frame) * 0.01, 0.0, 3.0);
-        let projection = Projection::perspective(0.9);
-        let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, projection, near: 0.1 };
-        let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
-        renderer.render(&mut view, &FrameRequest { image: Some(&image), ..request })?;
+        let x = f32::from(frame) * 0.01;
+        renderer.render(&mut view, Camera::look_at([x, 0.0, 3.0], [x, 0.0, 0.0]))?;
     }
     // Results of the last frames are on their way: this waits for them.
-    renderer.wait_idle(&mut view)?;
-    let drawn = view.drain_stats().last().map_or(0, |outcome| outcome.draws);
-    let red = image.rgba8()?.chunks_exact(4).filter(|pixel| pixel[0] / 2 > pixel[1]).count();
-    println!("{drawn} of 1002 objects drawn; {red} pixels of the tile beside the wall");
+    let last = renderer.finish(&mut view)?;
+    let pixels = last.image.pixels.chunks_exact(4);
+    let red = pixels.filter(|pixel| pixel[0] / 2 > pixel[1]).count();
+    println!("{} of 1002 objects drawn; {red} pixels of the tile beside the wall", last.drawn);
     Ok(())
 }

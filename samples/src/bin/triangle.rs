@@ -35,7 +35,7 @@ impl Triangle {
         let camera =
             Camera { eye, forward, up, projection: Projection::perspective(0.9), near: 0.1 };
         let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
-        self.0.render(&mut self.1, &FrameRequest { image, ..request })?;
+        self.0.render(&mut self.1, FrameRequest { image, ..request })?;
         Ok(())
     }
 }

@@ -76,7 +76,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let began = Instant::now();
             renderer.set_section(SectionPlanes::new(&[plane], SectionMode::Intersection)?)?;
             let request = FrameRequest::new(Strategy::ANTUMBRA, path.camera(frame));
-            renderer.render(&mut variant.view, &request)?;
+            renderer.render(&mut variant.view, request)?;
             renderer.wait_idle(&mut variant.view)?;
             let frame_ms = began.elapsed().as_secs_f64() * 1000.0;
             if frame >= WARM_UP_FRAMES {

@@ -236,7 +236,7 @@ impl ModelViewport {
         overlay: Option<&dyn HostOverlay>,
     ) -> Result<(), Error> {
         let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
-        self.renderer.render(&mut self.view, &FrameRequest { overlay, ..request }).map(|_| ())
+        self.renderer.render(&mut self.view, FrameRequest { overlay, ..request }).map(|_| ())
     }
 
     /// Finds what is at a pixel in each frame from now on, or nothing.
@@ -305,7 +305,7 @@ impl ModelViewport {
         let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
         let image = Readback::new(self.renderer.device(), self.renderer.size())?;
         let request = FrameRequest { image: Some(&image), ..request };
-        self.renderer.render(&mut self.view, &request)?;
+        self.renderer.render(&mut self.view, request)?;
         self.renderer.wait_idle(&mut self.view)?;
         Ok(image.rgba8()?.to_vec())
     }

@@ -66,7 +66,7 @@ fn walk(
         // Sets are found by frames whose images nobody wants.
         attachment_traffic();
         let request = FrameRequest::new(strategy, *camera);
-        renderer.render(&mut view, &FrameRequest { visible: visible.as_ref(), ..request }).unwrap();
+        renderer.render(&mut view, FrameRequest { visible: visible.as_ref(), ..request }).unwrap();
         let traffic = attachment_traffic();
         assert_eq!(traffic.faults, [""; 0], "{strategy}, frame {frame}");
         check(frame, &traffic);
@@ -151,7 +151,7 @@ fn first_frame(device: &Device, scene: &Scene, options: &RendererOptions) -> Att
     let image = Readback::new(device, renderer.size()).unwrap();
     attachment_traffic();
     let request = FrameRequest::new(Strategy::FRUSTUM, shadow_scene::camera());
-    renderer.render(&mut view, &FrameRequest { image: Some(&image), ..request }).unwrap();
+    renderer.render(&mut view, FrameRequest { image: Some(&image), ..request }).unwrap();
     let traffic = attachment_traffic();
     renderer.wait_idle(&mut view).unwrap();
     assert_eq!((&traffic.faults[..], &traffic.unread[..]), (&[][..], &[][..]), "{traffic:?}");
@@ -227,7 +227,7 @@ fn samples_stay_averaged_where_objects_are_watched() {
                 attachment_traffic();
                 let request = FrameRequest::new(strategy, shadow_scene::camera());
                 let request = FrameRequest { image: Some(&image), ..request };
-                renderer.render(&mut view, &request).unwrap();
+                renderer.render(&mut view, request).unwrap();
                 let traffic = attachment_traffic();
                 assert_eq!(traffic.faults, [""; 0], "{strategy}: {traffic:?}");
                 assert_eq!(traffic.stores(Average), 1, "{strategy}: {traffic:?}");

@@ -24,7 +24,7 @@ fn walk(device: &Device, options: &RendererOptions) -> (Option<CostTable>, u32) 
                 image: Some(&images[which]),
                 ..FrameRequest::new(strategy, path.camera(frame))
             };
-            let report = renderer.render(&mut histories[which], &request).unwrap();
+            let report = renderer.render(&mut histories[which], request).unwrap();
             untested += report.plan.untested_by_cost;
         }
         device.wait_idle().unwrap();

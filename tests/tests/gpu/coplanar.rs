@@ -115,7 +115,7 @@ fn images(renderer: &mut Renderer, strategy: Strategy, cameras: &[Camera]) -> Ve
             image: Some(&image),
             ..FrameRequest::new(strategy, *camera)
         };
-        renderer.render(&mut view, &request).unwrap();
+        renderer.render(&mut view, request).unwrap();
         renderer.wait_idle(&mut view).unwrap();
         image
     };
@@ -324,7 +324,7 @@ fn all_else_goes_on_with_surfaces() {
         colours.dedup();
         assert!(colours.len() >= 4, "{colours:?}");
         renderer.resize([128, 72]).unwrap();
-        renderer.render(&mut left, &FrameRequest::new(methods::HZB, cameras[0])).unwrap();
+        renderer.render(&mut left, FrameRequest::new(methods::HZB, cameras[0])).unwrap();
         renderer.wait_idle(&mut left).unwrap();
     });
 }

@@ -31,7 +31,7 @@ fn renderer(device: &Device, boxes: &[Aabb], options: &RendererOptions) -> Rende
 }
 
 fn frame(renderer: &mut Renderer, view: &mut RenderView, strategy: Strategy, camera: Camera) {
-    renderer.render(view, &FrameRequest::new(strategy, camera)).unwrap();
+    renderer.render(view, FrameRequest::new(strategy, camera)).unwrap();
 }
 
 fn of(view: &RenderView, object: u32) -> Option<VisibleSamples> {
@@ -44,7 +44,7 @@ fn image(renderer: &mut Renderer, camera: Camera) -> Vec<u8> {
     let image = Readback::new(renderer.device(), SIZE).unwrap();
     let request =
         FrameRequest { image: Some(&image), ..FrameRequest::new(Strategy::FRUSTUM, camera) };
-    renderer.render(&mut view, &request).unwrap();
+    renderer.render(&mut view, request).unwrap();
     renderer.wait_idle(&mut view).unwrap();
     image.rgba8().unwrap().to_vec()
 }
@@ -98,7 +98,7 @@ fn counts_are_pixels_with_every_strategy() {
             for number in 1..=8_u64 {
                 let request =
                     FrameRequest { visible: Some(&visible), ..FrameRequest::new(strategy, camera) };
-                renderer.render(&mut view, &request).unwrap();
+                renderer.render(&mut view, request).unwrap();
                 for known in view.visible_samples() {
                     assert_eq!(known.frame.0 + known.age_frames, number, "{strategy}");
                     assert_eq!(known.age_frames == 0, known.object == ObjectId(BEHIND));
@@ -303,7 +303,7 @@ fn counting_changes_nothing() {
                     let camera = path.camera(number);
                     let request =
                         FrameRequest { image: Some(image), ..FrameRequest::new(strategy, camera) };
-                    renderer.render(view, &request).unwrap();
+                    renderer.render(view, request).unwrap();
                     renderer.wait_idle(view).unwrap();
                 }
                 let [plain, counting] = images.each_ref().map(|image| image.rgba8().unwrap());

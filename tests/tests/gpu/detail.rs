@@ -65,7 +65,7 @@ fn render(
 ) -> Readback {
     let image = Readback::new(renderer.device(), SIZE).unwrap();
     let request = FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, camera) };
-    renderer.render(view, &request).unwrap();
+    renderer.render(view, request).unwrap();
     image
 }
 
@@ -167,7 +167,7 @@ fn a_triangle_and_its_back_are_counted_as_one() {
                 let plain = FrameRequest::new(strategy, camera(0));
                 let request = FrameRequest { visible: Some(&visible), ..plain };
                 for _ in 0..4 {
-                    renderer.render(&mut view, &request).unwrap();
+                    renderer.render(&mut view, request).unwrap();
                 }
                 renderer.wait_idle(&mut view).unwrap();
                 let outcome = view.drain_stats().next_back().unwrap();

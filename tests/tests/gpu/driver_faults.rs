@@ -80,7 +80,7 @@ impl Stage {
         for frame in 0..FRAMES {
             let strategies = [Strategy::ANTUMBRA, methods::HZB];
             for ((history, image), strategy) in histories.iter_mut().zip(&images).zip(strategies) {
-                match renderer.render(history, &request(strategy, frame, image)) {
+                match renderer.render(history, request(strategy, frame, image)) {
                     Err(error) if goes == Goes::On && failed.is_ok() => failed = Err(error),
                     result => queries += result?.queries,
                 }
@@ -91,7 +91,7 @@ impl Stage {
         renderer.wait_idle(other)?;
         let last = images[0].rgba8()?.to_vec();
         assert!(last == *images[1].rgba8()?, "two images of one frame");
-        renderer.render(history, &request(Strategy::FRUSTUM, FRAMES - 1, &images[0]))?;
+        renderer.render(history, request(Strategy::FRUSTUM, FRAMES - 1, &images[0]))?;
         renderer.wait_idle(history)?;
         assert!(last == *images[0].rgba8()?, "a wrong image");
         assert!(queries > 0, "a walk that asks nothing proves little");

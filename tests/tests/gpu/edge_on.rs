@@ -25,7 +25,7 @@ fn compare(device: &Device, scene: &Scene, camera: Camera) {
     let images = [0, 1].map(|_| Readback::new(device, SIZE).unwrap());
     let [expected, found] = &images;
     let mut view = renderer.new_view().unwrap();
-    renderer.render(&mut view, &request(Strategy::FRUSTUM, camera, expected)).unwrap();
+    renderer.render(&mut view, request(Strategy::FRUSTUM, camera, expected)).unwrap();
     let strategies = [
         methods::NAIVE,
         methods::STOP_AND_WAIT,
@@ -37,7 +37,7 @@ fn compare(device: &Device, scene: &Scene, camera: Camera) {
     for strategy in strategies {
         let mut view = renderer.new_view().unwrap();
         for frame in 0..6 {
-            renderer.render(&mut view, &request(strategy, camera, found)).unwrap();
+            renderer.render(&mut view, request(strategy, camera, found)).unwrap();
             renderer.wait_idle(&mut view).unwrap();
             let is_equal = *expected.rgba8().unwrap() == *found.rgba8().unwrap();
             assert!(is_equal, "{}: frame {frame} of {strategy}", device.adapter().name);

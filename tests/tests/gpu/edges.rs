@@ -75,7 +75,7 @@ struct Area {
 fn draw(renderer: &mut Renderer, view: &mut RenderView, strategy: Strategy, seen: Camera) -> Image {
     let image = Readback::new(renderer.device(), SIZE).unwrap();
     let request = FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, seen) };
-    renderer.render(view, &request).unwrap();
+    renderer.render(view, request).unwrap();
     renderer.wait_idle(view).unwrap();
     Image(image.rgba8().unwrap().to_vec())
 }

@@ -42,7 +42,7 @@ fn image(renderer: &mut Renderer, strategy: Strategy, camera: Camera) -> Vec<u8>
     let mut view = renderer.new_view().unwrap();
     let image = Readback::new(renderer.device(), SIZE).unwrap();
     let request = FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, camera) };
-    renderer.render(&mut view, &request).unwrap();
+    renderer.render(&mut view, request).unwrap();
     renderer.wait_idle(&mut view).unwrap();
     image.rgba8().unwrap().to_vec()
 }

@@ -167,7 +167,7 @@ fn strategies_and_views_can_change_from_frame_to_frame() {
                 let camera = path.camera(frame * 5);
                 let request =
                     FrameRequest { image: Some(image), ..FrameRequest::new(strategy, camera) };
-                renderer.render(view, &request).unwrap();
+                renderer.render(view, request).unwrap();
             };
             draw(&mut plain, Strategy::FRUSTUM, &expected);
             let strategy = strategies[(frame / 3) as usize % strategies.len()];

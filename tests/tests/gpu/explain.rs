@@ -47,7 +47,7 @@ impl Studio {
             image: Some(&self.image),
             ..FrameRequest::new(strategy, self.path.camera(7))
         };
-        let report = self.renderer.render(&mut self.history, &request).unwrap();
+        let report = self.renderer.render(&mut self.history, request).unwrap();
         self.renderer.wait_idle(&mut self.history).unwrap();
         (report, self.image.rgba8().unwrap().to_vec())
     }

@@ -148,7 +148,7 @@ fn film(device: &Device, strategy: Strategy, cost_model: CostModel) -> Vec<Readb
             visible: visible.as_ref(),
             ..FrameRequest::new(strategy, camera(frame))
         };
-        renderer.render(&mut view, &request).unwrap();
+        renderer.render(&mut view, request).unwrap();
         image
     };
     let images = (0..FRAMES).map(frame).collect();

@@ -125,7 +125,7 @@ pub fn draw(
 ) -> Readback {
     let image = Readback::new(renderer.device(), renderer.size()).unwrap();
     let request = FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, camera) };
-    renderer.render(view, &request).unwrap();
+    renderer.render(view, request).unwrap();
     image
 }
 
@@ -177,7 +177,7 @@ fn cross(device: &Device, renderer: &mut Renderer, scene: &Scene, strategy: Stra
         renderer.set_flares(&flares).unwrap();
         let seen = renderer.view_of(&camera(frame));
         expected.push(flares.map(|flare| Expected::of(&flare, &seen, &boxes)));
-        renderer.render(&mut view, &FrameRequest::new(strategy, camera(frame))).unwrap();
+        renderer.render(&mut view, FrameRequest::new(strategy, camera(frame))).unwrap();
         let Some(of) = (frame as usize).checked_sub(age as usize) else {
             assert!(view.flares().iter().all(|state| state.samples.is_none()));
             continue;
@@ -301,7 +301,7 @@ fn each_view_has_flares_of_its_own() {
         // A view that forgets its past begins in the dark.
         views[1].reset();
         let request = FrameRequest::new(Strategy::ANTUMBRA, eyes[1]);
-        renderer.render(&mut views[1], &request).unwrap();
+        renderer.render(&mut views[1], request).unwrap();
         assert_eq!(views[1].flares()[0], render::FlareState::default());
         for view in &mut views {
             renderer.wait_idle(view).unwrap();

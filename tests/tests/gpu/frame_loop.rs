@@ -30,7 +30,7 @@ fn recording_goes_on_while_the_gpu_is_held_back() {
         for frame in 0..20 {
             let camera = path.camera(frame);
             let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
-            renderer.render(&mut view, &request).unwrap();
+            renderer.render(&mut view, request).unwrap();
         }
         device.wait_idle().unwrap();
         let gate = Timeline::new(device, "gate").unwrap();
@@ -40,7 +40,7 @@ fn recording_goes_on_while_the_gpu_is_held_back() {
         for number in 0..FRAMES_IN_FLIGHT {
             let report = renderer.render(
                 &mut view,
-                &FrameRequest {
+                FrameRequest {
                     image: (number + 1 == FRAMES_IN_FLIGHT).then_some(&image),
                     after: Some((&gate, Tick(1))),
                     ..FrameRequest::new(Strategy::ANTUMBRA, path.camera(20 + number))

@@ -77,7 +77,7 @@ impl Stage {
             image: Some(&image),
             ..FrameRequest::new(strategy, seen.unwrap_or(self.still))
         };
-        self.renderer.render(view, &request).unwrap();
+        self.renderer.render(view, request).unwrap();
         image
     }
 }

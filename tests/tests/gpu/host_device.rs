@@ -43,7 +43,7 @@ fn images(device: &Device) -> Result<Vec<Vec<u8>>, render::Error> {
         let mut view = renderer.new_view()?;
         for frame in 0..FRAMES {
             let request = FrameRequest::new(strategy, path.camera(frame));
-            renderer.render(&mut view, &FrameRequest { image: Some(&image), ..request })?;
+            renderer.render(&mut view, FrameRequest { image: Some(&image), ..request })?;
             renderer.wait_idle(&mut view)?;
             images.push(image.rgba8()?.to_vec());
         }
@@ -320,7 +320,7 @@ fn a_host_reads_the_finished_image_by_commands_of_its_own() {
                 image: is_copied.then_some(&image),
                 ..FrameRequest::new(Strategy::ANTUMBRA, path.camera(frame / 2))
             };
-            let report = renderer.render(&mut view, &request).unwrap();
+            let report = renderer.render(&mut view, request).unwrap();
             let finished = renderer.finished_image().unwrap();
             assert_eq!((finished.tick, finished.size), (report.tick, renderer.size()));
             states.push(finished.state);

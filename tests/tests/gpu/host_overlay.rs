@@ -45,13 +45,13 @@ fn a_hosts_commands_are_in_the_image_and_not_in_the_scenes() {
                 renderer.set_debug_overlay(debug).unwrap();
                 let request = FrameRequest::new(Strategy::FRUSTUM, path.camera(frame));
                 let bare = FrameRequest { image: Some(&plain), ..request };
-                renderer.render(&mut view, &bare).unwrap();
+                renderer.render(&mut view, bare).unwrap();
                 // With the scene's own image, and where the last rendering averages.
                 for scene_image in [None, Some(&alone)] {
                     let overlay = Some(&overlay as &dyn HostOverlay);
                     let image = Some(&whole);
                     let over = FrameRequest { image, scene_image, overlay, ..request };
-                    renderer.render(&mut view, &over).unwrap();
+                    renderer.render(&mut view, over).unwrap();
                     renderer.wait_idle(&mut view).unwrap();
                     let what = format!("{samples:?}, frame {frame}");
                     check(&whole.rgba8().unwrap(), &plain.rgba8().unwrap(), &what);
@@ -96,11 +96,11 @@ fn a_host_that_fails_ends_its_frame_and_no_other() {
         let request = FrameRequest::new(Strategy::ANTUMBRA, path.camera(0));
         let request = FrameRequest { image: Some(&image), ..request };
         let broken = FrameRequest { overlay: Some(&Broken), ..request };
-        let error = renderer.render(&mut view, &broken).unwrap_err();
+        let error = renderer.render(&mut view, broken).unwrap_err();
         assert_eq!(error.to_string(), "what is drawn over the image failed: no glyphs");
         let overlay = rectangle(device);
         let whole = FrameRequest { overlay: Some(&overlay), ..request };
-        renderer.render(&mut view, &whole).unwrap();
+        renderer.render(&mut view, whole).unwrap();
         renderer.wait_idle(&mut view).unwrap();
         let green = image.rgba8().unwrap().chunks(4).filter(|pixel| *pixel == GREEN).count();
         assert_eq!(green, 30 * 12);

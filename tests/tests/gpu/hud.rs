@@ -42,7 +42,7 @@ impl Studio {
             overlay: self.overlay.shown(),
             ..FrameRequest::new(Strategy::FRUSTUM, self.path.camera(0))
         };
-        self.renderer.render(&mut self.history, &request).unwrap();
+        self.renderer.render(&mut self.history, request).unwrap();
         self.renderer.wait_idle(&mut self.history).unwrap();
         self.image.rgba8().unwrap().to_vec()
     }
@@ -107,7 +107,7 @@ fn letters_and_triangles_that_come_later_are_there_at_once() {
                 overlay: studio.overlay.shown(),
                 ..FrameRequest::new(Strategy::FRUSTUM, studio.path.camera(0))
             };
-            studio.renderer.render(&mut studio.history, &request).unwrap();
+            studio.renderer.render(&mut studio.history, request).unwrap();
         }
         assert!(studio.show(&all) == expected, "as if nothing had come before");
         // Dropped while a frame is on its way.
@@ -115,7 +115,7 @@ fn letters_and_triangles_that_come_later_are_there_at_once() {
             overlay: studio.overlay.shown(),
             ..FrameRequest::new(Strategy::FRUSTUM, studio.path.camera(0))
         };
-        studio.renderer.render(&mut studio.history, &request).unwrap();
+        studio.renderer.render(&mut studio.history, request).unwrap();
         drop(studio.overlay);
         studio.renderer.wait_idle(&mut studio.history).unwrap();
     });

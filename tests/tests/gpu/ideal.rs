@@ -33,8 +33,8 @@ fn the_ideal_is_exact_and_draws_only_what_owns_a_pixel() {
                 ..FrameRequest::new(strategy, camera)
             };
             let all = request(Strategy::FRUSTUM, &expected);
-            let in_frustum = renderer.render(&mut view, &all).unwrap().plan.visible;
-            renderer.render(&mut view, &request(methods::IDEAL, &got)).unwrap();
+            let in_frustum = renderer.render(&mut view, all).unwrap().plan.visible;
+            renderer.render(&mut view, request(methods::IDEAL, &got)).unwrap();
             renderer.wait_idle(&mut view).unwrap();
             assert_eq!(
                 pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
@@ -58,16 +58,16 @@ fn the_ideal_without_a_set_is_refused() {
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
         let mut view = renderer.new_view().unwrap();
         let request = FrameRequest::new(methods::IDEAL, path.camera(0));
-        let refused = renderer.render(&mut view, &request).unwrap_err().to_string();
+        let refused = renderer.render(&mut view, request).unwrap_err().to_string();
         assert!(refused.contains("Renderer::visible_set"), "{refused}");
-        renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, path.camera(0))).unwrap();
+        renderer.render(&mut view, FrameRequest::new(Strategy::ANTUMBRA, path.camera(0))).unwrap();
         renderer.wait_idle(&mut view).unwrap();
         let set = renderer.visible_set(&mut view, path.camera(0), AREA).unwrap();
         let request = FrameRequest { visible: Some(&set), ..request };
         renderer.update(&[]).unwrap();
-        renderer.render(&mut view, &request).unwrap();
+        renderer.render(&mut view, request).unwrap();
         renderer.update(&[ObjectChange::Remove { object: ObjectId(3) }]).unwrap();
-        let refused = renderer.render(&mut view, &request).unwrap_err().to_string();
+        let refused = renderer.render(&mut view, request).unwrap_err().to_string();
         assert!(refused.contains("has changed"), "{refused}");
         renderer.wait_idle(&mut view).unwrap();
     });
@@ -128,7 +128,7 @@ fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
                 image: Some(image),
                 ..FrameRequest::new(strategy, camera)
             };
-            renderer.render(&mut view, &request).unwrap();
+            renderer.render(&mut view, request).unwrap();
         }
         renderer.wait_idle(&mut view).unwrap();
         assert_eq!(pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()), 0);

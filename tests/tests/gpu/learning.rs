@@ -56,7 +56,7 @@ fn frames_are_learned_from_and_images_are_right() {
                             image: Some(image),
                             ..FrameRequest::new(strategy, camera)
                         };
-                        let report = renderer.render(view, &request).unwrap();
+                        let report = renderer.render(view, request).unwrap();
                         learned = report.corrections.expect("a governor");
                         let is_known = report.plan.proxy_pixels > 0 || report.tests == 0;
                         assert!(is_known, "{report:?}");
@@ -117,7 +117,7 @@ fn views_that_take_turns_learn_each_their_own() {
         let mut views = [0, 1].map(|_| renderer.new_view().unwrap());
         for camera in cameras {
             for view in &mut views {
-                renderer.render(view, &FrameRequest::new(Strategy::ANTUMBRA, camera)).unwrap();
+                renderer.render(view, FrameRequest::new(Strategy::ANTUMBRA, camera)).unwrap();
             }
         }
         for view in &views {
@@ -143,7 +143,7 @@ fn learning_goes_on_whatever_changes_between_frames() {
                 for ((view, image), strategy) in views.iter_mut().zip(&images).zip(strategies) {
                     let image = (number % 8 == 0).then_some(image);
                     let request = FrameRequest { image, ..FrameRequest::new(strategy, *camera) };
-                    renderer.render(view, &request).unwrap();
+                    renderer.render(view, request).unwrap();
                 }
                 if number % 8 == 0 {
                     device.wait_idle().unwrap();
@@ -168,12 +168,12 @@ fn what_is_drawn_to_explain_is_not_learned_from() {
         let mut view = renderer.new_view().unwrap();
         renderer.set_debug_overlay(DebugOverlay { has_boxes: true, ..Default::default() }).unwrap();
         for camera in &cameras {
-            renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, *camera)).unwrap();
+            renderer.render(&mut view, FrameRequest::new(Strategy::ANTUMBRA, *camera)).unwrap();
         }
         assert_eq!(view.corrections(), Some(Corrections::default()));
         renderer.set_debug_overlay(DebugOverlay::default()).unwrap();
         for camera in &cameras {
-            renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, *camera)).unwrap();
+            renderer.render(&mut view, FrameRequest::new(Strategy::ANTUMBRA, *camera)).unwrap();
         }
         check(view.corrections().unwrap(), LEAST_TIMED, "explained before");
     });
@@ -187,9 +187,9 @@ fn what_is_not_governed_is_not_learned_from() {
         let mut views = [ungoverned.new_view().unwrap(), cost_driven.new_view().unwrap()];
         for camera in cameras {
             let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
-            assert_eq!(ungoverned.render(&mut views[0], &request).unwrap().corrections, None);
+            assert_eq!(ungoverned.render(&mut views[0], request).unwrap().corrections, None);
             let request = FrameRequest::new(Strategy::FRUSTUM, camera);
-            let report = cost_driven.render(&mut views[1], &request).unwrap();
+            let report = cost_driven.render(&mut views[1], request).unwrap();
             assert_eq!(report.corrections, Some(Corrections::default()));
         }
         device.wait_idle().unwrap();

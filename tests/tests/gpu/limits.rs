@@ -116,7 +116,7 @@ fn draw(renderer: &mut Renderer, view: &mut RenderView, eye: Vec3) -> Readback {
     };
     let request =
         FrameRequest { image: Some(&image), ..FrameRequest::new(Strategy::ANTUMBRA, camera) };
-    renderer.render(view, &request).unwrap();
+    renderer.render(view, request).unwrap();
     renderer.wait_idle(view).unwrap();
     image
 }

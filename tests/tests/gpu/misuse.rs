@@ -29,11 +29,11 @@ fn a_view_of_another_renderer_is_refused() {
         let mut view = many.new_view().unwrap();
         let request = FrameRequest::new(Strategy::ANTUMBRA, path.camera(0));
         let refused = |error: Error| assert!(error.to_string().contains("another renderer"));
-        refused(many.render(&mut foreign, &request).unwrap_err());
+        refused(many.render(&mut foreign, request).unwrap_err());
         refused(many.wait_idle(&mut foreign).unwrap_err());
         let seen = many.view_of(&path.camera(0));
         refused(many.snapshot(&mut foreign, seen).unwrap_err());
-        many.render(&mut view, &request).unwrap();
+        many.render(&mut view, request).unwrap();
         many.wait_idle(&mut view).unwrap();
     });
 }
@@ -50,9 +50,9 @@ fn an_image_of_another_size_is_refused() {
             image: Some(&image),
             ..FrameRequest::new(Strategy::ANTUMBRA, path.camera(0))
         };
-        let refused = renderer.render(&mut view, &request).unwrap_err().to_string();
+        let refused = renderer.render(&mut view, request).unwrap_err().to_string();
         assert!(refused.contains("64x37") && refused.contains("64x36"), "{refused}");
-        renderer.render(&mut view, &FrameRequest { image: None, ..request }).unwrap();
+        renderer.render(&mut view, FrameRequest { image: None, ..request }).unwrap();
         let snapshot = renderer.snapshot(&mut view, renderer.view_of(&path.camera(0))).unwrap();
         assert!(renderer.top_down(&snapshot, &image).is_err());
     });
@@ -128,7 +128,7 @@ fn the_largest_options_that_are_taken_draw_a_frame() {
         let mut view = renderer.new_view().unwrap();
         for frame in 0..2 * MAX_FRAMES_IN_FLIGHT as u32 {
             let request = FrameRequest::new(Strategy::ANTUMBRA, path.camera(frame));
-            renderer.render(&mut view, &request).unwrap();
+            renderer.render(&mut view, request).unwrap();
         }
         renderer.wait_idle(&mut view).unwrap();
     });
@@ -159,7 +159,7 @@ fn outcomes_that_nobody_takes_are_kept_within_bounds() {
         let mut view = renderer.new_view().unwrap();
         for _ in 0..1_100 {
             let request = FrameRequest::new(Strategy::FRUSTUM, path.camera(0));
-            renderer.render(&mut view, &request).unwrap();
+            renderer.render(&mut view, request).unwrap();
         }
         renderer.wait_idle(&mut view).unwrap();
         let outcomes: Vec<u64> = view.drain_stats().map(|outcome| outcome.frame.0).collect();
@@ -188,7 +188,7 @@ fn an_image_is_read_when_its_frame_is_over_and_not_before() {
         is_refused("never written");
         let waits = device.wait_counts().other;
         let held_back = request(0, Some((&gate, Tick(1))));
-        let tick = renderer.render(&mut view, &held_back).unwrap().tick;
+        let tick = renderer.render(&mut view, held_back).unwrap().tick;
         is_refused("on its way");
         assert_eq!(device.wait_counts().other, waits, "nobody waits for an image");
         gate.signal(Tick(1)).unwrap();
@@ -198,14 +198,14 @@ fn an_image_is_read_when_its_frame_is_over_and_not_before() {
 
         // During a read, no frame writes; and the image stays the same.
         let before = first.to_vec();
-        let refused = renderer.render(&mut view, &request(40, None)).unwrap_err().to_string();
+        let refused = renderer.render(&mut view, request(40, None)).unwrap_err().to_string();
         assert!(refused.contains("that is being read"), "{refused}");
         device.wait_idle().unwrap();
         assert!(*first == before);
         drop(first);
 
         // Written again: not there, then another one.
-        renderer.render(&mut view, &request(40, Some((&gate, Tick(2))))).unwrap();
+        renderer.render(&mut view, request(40, Some((&gate, Tick(2))))).unwrap();
         is_refused("on its way again");
         gate.signal(Tick(2)).unwrap();
         renderer.wait_idle(&mut view).unwrap();
@@ -217,7 +217,7 @@ fn an_image_is_read_when_its_frame_is_over_and_not_before() {
             image: Some(&early),
             ..FrameRequest::new(Strategy::ANTUMBRA, path.camera(0))
         };
-        renderer.render(&mut view, &last).unwrap();
+        renderer.render(&mut view, last).unwrap();
         drop(early);
         renderer.wait_idle(&mut view).unwrap();
     });

@@ -116,7 +116,7 @@ fn render(
     image: &Readback,
 ) {
     let request = FrameRequest { image: Some(image), ..FrameRequest::new(strategy, camera) };
-    renderer.render(view, &request).unwrap();
+    renderer.render(view, request).unwrap();
 }
 
 fn exact_while_moving(device: &Device, objects: u32, frames: u32) {

@@ -51,7 +51,7 @@ fn images(renderer: &mut Renderer, strategy: Strategy, cameras: &[Camera]) -> Ve
         let visible = Some(&visible);
         let wanted = Some(&image);
         let request = FrameRequest::new(strategy, *camera);
-        renderer.render(&mut view, &FrameRequest { visible, image: wanted, ..request }).unwrap();
+        renderer.render(&mut view, FrameRequest { visible, image: wanted, ..request }).unwrap();
         renderer.wait_idle(&mut view).unwrap();
         image
     };

@@ -33,7 +33,7 @@ fn pointed(
     pixel: [u32; 2],
 ) -> Option<PointedSurface> {
     view.point_at(Some(pixel)).unwrap();
-    renderer.render(view, &FrameRequest::new(Strategy::ANTUMBRA, camera)).unwrap();
+    renderer.render(view, FrameRequest::new(Strategy::ANTUMBRA, camera)).unwrap();
     renderer.wait_idle(view).unwrap();
     let found = view.pointed().expect("it is over");
     assert_eq!((found.pixel, found.frame), (pixel, view.plan().frame));
@@ -231,7 +231,7 @@ fn what_is_explained_of_objects_is_what_was_drawn() {
         let mut counts = [0; 3];
         for frame in 0..120 {
             let camera = path.camera(frame);
-            renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, camera)).unwrap();
+            renderer.render(&mut view, FrameRequest::new(Strategy::ANTUMBRA, camera)).unwrap();
             if frame % 24 == 23 {
                 check(&mut renderer, &mut view, &camera, &scene, &mut counts);
             }
@@ -297,7 +297,7 @@ fn each_answer_is_about_the_frame_that_it_names() {
             let transform = Affine3A::from_translation(Vec3::new(0.0, 0.0, eye - metres as f32));
             renderer.update(&[ObjectChange::Move { object: ObjectId(0), transform }]).unwrap();
             view.point_at((metres != 7).then_some([160, 60])).unwrap();
-            renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, camera)).unwrap();
+            renderer.render(&mut view, FrameRequest::new(Strategy::ANTUMBRA, camera)).unwrap();
             distances.insert(view.plan().frame, f64::from(metres));
             answers.extend(view.pointed().copied());
         }
@@ -327,7 +327,7 @@ fn an_outline_and_a_debug_overlay_are_not_in_the_image_of_the_scene() {
         let [plain, whole, alone] = [0; 3].map(|_| Readback::new(device, SIZE).unwrap());
         let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
         let bare = FrameRequest { image: Some(&plain), ..request };
-        renderer.render(&mut view, &bare).unwrap();
+        renderer.render(&mut view, bare).unwrap();
         let surface = pointed(&mut renderer, &mut view, camera, [160, 100]);
         let object = surface.map(|surface| surface.object);
         assert!(object.is_some(), "something is in the middle of the street");
@@ -336,7 +336,7 @@ fn an_outline_and_a_debug_overlay_are_not_in_the_image_of_the_scene() {
             .set_debug_overlay(DebugOverlay { has_boxes: true, ..DebugOverlay::default() })
             .unwrap();
         let both = FrameRequest { image: Some(&whole), scene_image: Some(&alone), ..request };
-        renderer.render(&mut view, &both).unwrap();
+        renderer.render(&mut view, both).unwrap();
         renderer.wait_idle(&mut view).unwrap();
         let differing = |a: &Readback, b: &Readback| {
             let [a, b] = [a, b].map(|image| image.rgba8().unwrap());
@@ -346,11 +346,11 @@ fn an_outline_and_a_debug_overlay_are_not_in_the_image_of_the_scene() {
         assert!(differing(&plain, &whole) > 50);
         // The outline alone, and gone again.
         renderer.set_debug_overlay(DebugOverlay::default()).unwrap();
-        renderer.render(&mut view, &both).unwrap();
+        renderer.render(&mut view, both).unwrap();
         renderer.wait_idle(&mut view).unwrap();
         assert!((20..5000).contains(&differing(&plain, &whole)));
         renderer.outline(None).unwrap();
-        renderer.render(&mut view, &both).unwrap();
+        renderer.render(&mut view, both).unwrap();
         renderer.wait_idle(&mut view).unwrap();
         assert_eq!(differing(&plain, &whole), 0);
     });

@@ -74,7 +74,7 @@ fn the_box_of_an_object_is_that_of_its_pose_wherever_it_is() {
 fn skinned(renderer: &mut Renderer, view: &mut RenderView, forward: Vec3) -> (u32, u64) {
     let camera = Camera { forward, ..camera() };
     // Without a test, whatever is in the frustum is drawn for certain.
-    let report = renderer.render(view, &FrameRequest::new(Strategy::FRUSTUM, camera)).unwrap();
+    let report = renderer.render(view, FrameRequest::new(Strategy::FRUSTUM, camera)).unwrap();
     (report.poses, report.skinned_vertices)
 }
 
@@ -129,7 +129,7 @@ fn what_stays_hidden_is_not_skinned() {
                 let image = Readback::new(device, SIZE).unwrap();
                 let request =
                     FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, camera()) };
-                let report = renderer.render(&mut view, &request).unwrap();
+                let report = renderer.render(&mut view, request).unwrap();
                 renderer.wait_idle(&mut view).unwrap();
                 let expected = draw(&mut reference, Strategy::FRUSTUM);
                 let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &image.rgba8().unwrap());
@@ -175,7 +175,7 @@ fn looking_about(device: &Device, strategy: Strategy, sees_all: bool) -> Vec<Rea
         let image = Readback::new(device, SIZE).unwrap();
         let request =
             FrameRequest { scene_image: Some(&image), ..FrameRequest::new(strategy, camera) };
-        renderer.render(&mut view, &request).unwrap();
+        renderer.render(&mut view, request).unwrap();
         image
     };
     let images = (0..20).map(frame).collect();

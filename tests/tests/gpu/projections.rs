@@ -119,7 +119,7 @@ fn matrices_that_cannot_be_drawn_are_refused() {
         let mut renderer = Renderer::new(device, &scene, &options(None)).unwrap();
         let mut view = renderer.new_view().unwrap();
         let mut render = |projection: ViewProjection| {
-            renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, projection))
+            renderer.render(&mut view, FrameRequest::new(Strategy::ANTUMBRA, projection))
         };
         let good = Lens::PLAIN.projection(&camera, 0, SIZE);
         let standard = Lens { depth: DepthConvention::Standard, ..Lens::PLAIN };

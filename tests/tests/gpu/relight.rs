@@ -81,7 +81,7 @@ fn draw(renderer: &mut Renderer, view: &mut RenderView, strategy: Strategy) -> R
     };
     let image = Readback::new(renderer.device(), SIZE).unwrap();
     let request = FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, camera) };
-    renderer.render(view, &request).unwrap();
+    renderer.render(view, request).unwrap();
     image
 }
 

@@ -86,7 +86,7 @@ impl Studio {
     fn frame(&mut self, strategy: Strategy) -> Vec<u8> {
         let image = Some(&self.image);
         let request = FrameRequest { image, ..FrameRequest::new(strategy, camera()) };
-        self.renderer.render(&mut self.view, &request).unwrap();
+        self.renderer.render(&mut self.view, request).unwrap();
         self.renderer.wait_idle(&mut self.view).unwrap();
         self.image.rgba8().unwrap().to_vec()
     }
@@ -258,7 +258,7 @@ fn an_answer_about_the_pointer_outlives_a_reload() {
             let owner = |x: u32| {
                 view.point_at(Some([x, 45])).unwrap();
                 let request = FrameRequest::new(Strategy::ANTUMBRA, camera());
-                studio.renderer.render(&mut view, &request).unwrap();
+                studio.renderer.render(&mut view, request).unwrap();
                 if has_reload {
                     studio.renderer.reload(ShaderSet::embedded().unwrap()).unwrap();
                 }

@@ -95,7 +95,7 @@ fn walk(
     let mut counts = [0; 2];
     for frame in 0..6 {
         let camera = path.camera(frame);
-        let report = renderer.render(&mut view, &FrameRequest::new(strategy, camera)).unwrap();
+        let report = renderer.render(&mut view, FrameRequest::new(strategy, camera)).unwrap();
         counts[0] += report.tests;
         counts[1] += report.predicated_draws;
         let found = single_frame::image(&mut renderer, &mut view, strategy, camera);
@@ -172,7 +172,7 @@ fn casters_are_skipped_in_no_way_that_is_distrusted() {
         for _ in 0..4 {
             // Nothing but casters is tested.
             let request = FrameRequest::new(Strategy::FRUSTUM, shadow_scene::camera());
-            renderer.render(&mut view, &request).unwrap();
+            renderer.render(&mut view, request).unwrap();
         }
         assert!(renderer.shadow_stats().tests > 0);
         renderer.wait_idle(&mut view).unwrap();

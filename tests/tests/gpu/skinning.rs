@@ -209,7 +209,7 @@ pub fn draw(renderer: &mut Renderer, strategy: Strategy) -> Readback {
     let image = Readback::new(renderer.device(), SIZE).unwrap();
     let mut view = renderer.new_view().unwrap();
     let request = FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, camera()) };
-    renderer.render(&mut view, &request).unwrap();
+    renderer.render(&mut view, request).unwrap();
     renderer.wait_idle(&mut view).unwrap();
     image
 }
@@ -315,7 +315,7 @@ fn film(device: &Device, strategy: Strategy, options: &RendererOptions) -> Vec<R
         take(&mut renderer, turns(frame));
         let image = Readback::new(device, SIZE).unwrap();
         let request = FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, camera()) };
-        renderer.render(&mut view, &request).unwrap();
+        renderer.render(&mut view, request).unwrap();
         image
     };
     let images = (0..14).map(frame).collect();

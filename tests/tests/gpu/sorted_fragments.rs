@@ -110,7 +110,7 @@ fn drawn(device: &Device, scene: &Scene, options: &RendererOptions) -> (Vec<u8>,
     let request = FrameRequest { image: Some(&image), ..request };
     let mut report = FrameReport::default();
     for _ in 0..3 {
-        report = renderer.render(&mut view, &request).unwrap();
+        report = renderer.render(&mut view, request).unwrap();
     }
     renderer.wait_idle(&mut view).unwrap();
     assert_eq!(renderer.fragment_counts(), report.fragments, "each frame stores the same");

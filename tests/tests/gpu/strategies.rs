@@ -341,7 +341,7 @@ fn a_host_holds_a_blocking_method_back_only_up_to_its_gate() {
                 after: Some((&gate, Tick(1))),
                 ..FrameRequest::new(strategy, path.camera(3))
             };
-            renderer.render(&mut view, &request).unwrap();
+            renderer.render(&mut view, request).unwrap();
         }
         renderer.wait_idle(&mut view).unwrap();
         assert_eq!(pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()), 0);

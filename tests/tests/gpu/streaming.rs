@@ -219,7 +219,7 @@ impl Stream {
     fn draw_by(&mut self, strategy: Strategy, number: usize, camera: Camera) {
         let request = FrameRequest::new(strategy, camera);
         let request = FrameRequest { image: Some(&self.images[number]), ..request };
-        self.renderer.render(&mut self.views[number], &request).unwrap();
+        self.renderer.render(&mut self.views[number], request).unwrap();
     }
 
     /// Adds the textures and materials that came to those of the first scene.

@@ -244,7 +244,7 @@ impl Stage {
     fn draw(&mut self, number: usize, strategy: Strategy, camera: Camera) {
         let request = FrameRequest::new(strategy, camera);
         let request = FrameRequest { image: Some(&self.images[number]), ..request };
-        self.renderer.render(&mut self.views[number], &request).unwrap();
+        self.renderer.render(&mut self.views[number], request).unwrap();
     }
 }
 

@@ -87,7 +87,7 @@ fn every_tester_is_exact_after_the_image_was_resized() {
                             image: Some(image),
                             ..FrameRequest::new(strategy, camera)
                         };
-                        renderer.render(view, &request).unwrap();
+                        renderer.render(view, request).unwrap();
                     }
                     device.wait_idle().unwrap();
                     let [expected, found] = images.each_ref().map(|image| image.rgba8().unwrap());

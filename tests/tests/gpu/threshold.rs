@@ -168,7 +168,7 @@ fn moving_scenes_and_costs_keep_the_bound() {
                     image: Some(image),
                     ..FrameRequest::new(strategy, path.camera(number * 2))
                 };
-                renderer.render(view, &request).unwrap();
+                renderer.render(view, request).unwrap();
                 renderer.wait_idle(view).unwrap();
             }
             let [expected, got] = images.each_ref().map(|image| image.rgba8().unwrap());
@@ -207,7 +207,7 @@ fn the_ideal_and_other_methods_stay_exact() {
                         image: Some(image),
                         ..FrameRequest::new(strategy, camera)
                     };
-                    renderer.render(&mut view, &request).unwrap();
+                    renderer.render(&mut view, request).unwrap();
                 }
                 renderer.wait_idle(&mut view).unwrap();
                 let [expected, got] = images.each_ref().map(|image| image.rgba8().unwrap());
@@ -234,10 +234,10 @@ fn what_cannot_count_or_compare_is_refused() {
         let mut view = chosen.new_view().unwrap();
         for strategy in [Strategy::ANTUMBRA_FLAGS, Strategy::ANTUMBRA_COMPUTE] {
             let request = FrameRequest::new(strategy, path.camera(0));
-            let refused = chosen.render(&mut view, &request).unwrap_err().to_string();
+            let refused = chosen.render(&mut view, request).unwrap_err().to_string();
             assert!(refused.contains("use `antumbra` or `antumbra_queries`"), "{refused}");
         }
-        chosen.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, path.camera(0))).unwrap();
+        chosen.render(&mut view, FrameRequest::new(Strategy::ANTUMBRA, path.camera(0))).unwrap();
         chosen.wait_idle(&mut view).unwrap();
     });
 }

@@ -91,7 +91,7 @@ fn draw_into(
 ) -> (Readback, FrameReport) {
     let image = Readback::new(renderer.device(), SIZE).unwrap();
     let request = FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, camera) };
-    let report = renderer.render(view, &request).unwrap();
+    let report = renderer.render(view, request).unwrap();
     (image, report)
 }
 

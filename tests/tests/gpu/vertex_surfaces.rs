@@ -25,7 +25,7 @@ fn image(renderer: &mut Renderer, camera: Camera) -> Vec<u8> {
     let image = Readback::new(renderer.device(), SIZE).unwrap();
     let request =
         FrameRequest { image: Some(&image), ..FrameRequest::new(Strategy::FRUSTUM, camera) };
-    renderer.render(&mut view, &request).unwrap();
+    renderer.render(&mut view, request).unwrap();
     renderer.wait_idle(&mut view).unwrap();
     image.rgba8().unwrap().to_vec()
 }

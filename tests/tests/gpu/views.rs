@@ -317,7 +317,7 @@ fn a_view_does_not_notice_the_others() {
                 image: Some(&image),
                 ..FrameRequest::new(Strategy::ANTUMBRA, cameras[0])
             };
-            alone.render(&mut single, &request).unwrap();
+            alone.render(&mut single, request).unwrap();
             device.wait_idle().unwrap();
             let row_bytes = SIZE[0] as usize * 4;
             let pixels = pair_image.rgba8().unwrap();

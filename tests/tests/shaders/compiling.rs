@@ -132,7 +132,7 @@ fn image(device: &gpu::Device, shaders: Option<ShaderSet>) -> Vec<u8> {
     let strategy = cull::Strategy::ANTUMBRA;
     let request =
         FrameRequest { image: Some(&image), ..FrameRequest::new(strategy, path.camera(3)) };
-    renderer.render(&mut history, &request).unwrap();
+    renderer.render(&mut history, request).unwrap();
     renderer.wait_idle(&mut history).unwrap();
     image.rgba8().unwrap().to_vec()
 }

@@ -60,7 +60,7 @@ fn a_frame_loop_at_rest_makes_nothing_and_allocates_nothing() {
             for frame in 0..200 {
                 let before = allocations();
                 let request = FrameRequest::new(strategy, camera);
-                renderer.render(&mut view, &request).unwrap();
+                renderer.render(&mut view, request).unwrap();
                 view.drain_stats();
                 let shown = renderer.present(&mut swapchain, SIZE).unwrap();
                 allocated.push(allocations() - before);
@@ -115,7 +115,7 @@ fn a_thousand_switches_leave_the_image_and_keep_nothing() {
             let is_looked_at = switch % 25 == 0;
             let wanted = is_looked_at.then_some(&image);
             let request = FrameRequest { image: wanted, ..FrameRequest::new(strategy, camera) };
-            renderer.render(&mut view, &request).unwrap();
+            renderer.render(&mut view, request).unwrap();
             let shown = renderer.present(&mut swapchain, SIZE).unwrap();
             assert!(shown.presented().is_some(), "{driver:?} {switch}: {shown:?}");
             most_retired = most_retired.max(stage.device.retired());

@@ -109,7 +109,7 @@ fn a_renderer_that_things_came_to_is_at_rest_again() {
         let projection = Projection::perspective(0.9);
         let camera = Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, projection, near: 0.1 };
         let mut draw = |renderer: &mut Renderer| {
-            renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, camera)).unwrap();
+            renderer.render(&mut view, FrameRequest::new(Strategy::ANTUMBRA, camera)).unwrap();
             view.drain_stats();
         };
         (0..FRAMES).for_each(|_| draw(&mut renderer));

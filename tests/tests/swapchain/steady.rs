@@ -33,7 +33,7 @@ fn the_renderers_image_in_a_window_is_the_one_without_it() {
         let camera = |frame| path.camera(frame);
         for frame in 0..12 {
             let request = FrameRequest::new(Strategy::ANTUMBRA, camera(frame));
-            renderer.render(&mut windowed, &request).unwrap();
+            renderer.render(&mut windowed, request).unwrap();
             let shown = renderer.present(&mut swapchain, size).unwrap();
             assert!(shown.presented().is_some(), "{shown:?}");
         }
@@ -46,7 +46,7 @@ fn the_renderers_image_in_a_window_is_the_one_without_it() {
             image: Some(&image),
             ..FrameRequest::new(Strategy::FRUSTUM, camera(11))
         };
-        renderer.render(&mut headless, &request).unwrap();
+        renderer.render(&mut headless, request).unwrap();
         renderer.wait_idle(&mut headless).unwrap();
         let pixel = |pixel: &[u8]| [pixel[0], pixel[1], pixel[2]];
         let expected: Vec<_> = image.rgba8().unwrap().chunks_exact(4).map(pixel).collect();

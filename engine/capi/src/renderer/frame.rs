@@ -173,7 +173,7 @@ impl HostedRenderer {
         }
         let viewpoint = Viewpoint::Matrix(camera.projection()?);
         let request = FrameRequest::new(strategy(desc.strategy)?, viewpoint);
-        let report = self.renderer.render(&mut self.view, &request)?;
+        let report = self.renderer.render(&mut self.view, request)?;
         let hierarchy = self.renderer.hierarchy();
         let total = hierarchy.leaf_objects().len() - hierarchy.free_leaves();
         self.submitted.push_back(SubmittedFrame {

@@ -20,6 +20,13 @@ pub struct Strategy {
     is_gpu_driven: bool,
 }
 
+impl Default for Strategy {
+    /// Returns [`Strategy::ANTUMBRA`].
+    fn default() -> Self {
+        Self::ANTUMBRA
+    }
+}
+
 /// The tests in the plans of a strategy.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum Tests {

@@ -40,8 +40,8 @@ pub struct TextureArrayInfo<'a> {
     /// `R8G8B8A8_SRGB` for colours, `R8G8B8A8_UNORM` for numbers, `E5B9G9R9_UFLOAT_PACK32` for
     /// light; or one of BC1 to BC5 or BC7
     /// without signs, or of ASTC, where the device has them
-    /// ([`OptionalFeature::BcTextures`](crate::Optional::BcTextures),
-    /// [`OptionalFeature::AstcTextures`](crate::Optional::AstcTextures)).
+    /// ([`OptionalFeature::BcTextures`](crate::OptionalFeature::BcTextures),
+    /// [`OptionalFeature::AstcTextures`](crate::OptionalFeature::AstcTextures)).
     pub format: vk::Format,
     /// The addressing beyond the edges, across and down.
     pub wrap: [vk::SamplerAddressMode; 2],
@@ -52,7 +52,7 @@ pub struct TextureArrayInfo<'a> {
     /// The filter between mip maps; `None` makes none.
     pub between_levels: Option<vk::SamplerMipmapMode>,
     /// The most samples of the anisotropic filter; from 1 on, cut to what the device has, 1 without
-    /// [`OptionalFeature::Anisotropy`](crate::Optional::Anisotropy) or linear filters.
+    /// [`OptionalFeature::Anisotropy`](crate::OptionalFeature::Anisotropy) or linear filters.
     pub anisotropy: f32,
     /// The maker of the mip maps.
     pub mip_making: MipGeneration,

@@ -80,7 +80,7 @@ pub enum DepthRange {
     #[default]
     Clipped,
     /// All: what is beyond has the depth of the plane. For devices with
-    /// [`OptionalFeature::DepthClamp`](crate::Optional::DepthClamp).
+    /// [`OptionalFeature::DepthClamp`](crate::OptionalFeature::DepthClamp).
     Clamped,
 }
 
@@ -91,8 +91,8 @@ pub enum FragmentChoice {
     #[default]
     All,
     /// One at least, which is enough for a flag, on devices with
-    /// [`OptionalFeature::RepresentativeFragments`](crate::Optional::RepresentativeFragments); else
-    /// all. For early tests alone, and never within a query that counts.
+    /// [`OptionalFeature::RepresentativeFragments`](crate::OptionalFeature::RepresentativeFragments);
+    /// else all. For early tests alone, and never within a query that counts.
     Representative,
     /// Those that cover the first sample of their pixel. Fragments of objects that meet in a pixel
     /// cover different samples, and one sample has one owner.
@@ -105,7 +105,7 @@ pub enum Polygon {
     /// The whole triangle.
     Filled,
     /// Its edges, a little nearer than the triangle. For devices with
-    /// [`OptionalFeature::Wireframe`](crate::Optional::Wireframe).
+    /// [`OptionalFeature::Wireframe`](crate::OptionalFeature::Wireframe).
     Wireframe,
 }
 
@@ -143,7 +143,7 @@ pub struct GraphicsPipelineInfo<'a> {
     /// The SPIR-V of the vertex stage.
     pub vertex: &'a Spirv,
     /// Geometry shader, if there is one. For devices with
-    /// [`OptionalFeature::GeometryShaders`](crate::Optional::GeometryShaders).
+    /// [`OptionalFeature::GeometryShaders`](crate::OptionalFeature::GeometryShaders).
     pub geometry: Option<&'a Spirv>,
     /// Fragment shader; `None` draws depth only.
     pub fragment: Option<&'a Spirv>,

@@ -5,8 +5,8 @@
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Resubmission {
     /// Each frame is submitted once at most. Its queries are reset by the CPU where the device
-    /// allows it ([`OptionalFeature::HostQueryReset`](crate::Optional::HostQueryReset)), since some
-    /// drivers wait once per query that a command resets.
+    /// allows it ([`OptionalFeature::HostQueryReset`](crate::OptionalFeature::HostQueryReset)),
+    /// since some drivers wait once per query that a command resets.
     Never,
     /// A host may submit a frame again before it is safe. Each run resets its queries by commands.
     Allowed,

@@ -57,7 +57,7 @@ impl BoxVolumePass {
     pub const TRIANGLES: u64 = VERTICES as u64 / 3;
 
     /// Compiles the pass for renderings to `attachments`, on a device whose fragment shaders can
-    /// write ([`OptionalFeature::FragmentStores`](gpu::Optional::FragmentStores)).
+    /// write ([`OptionalFeature::FragmentStores`](gpu::OptionalFeature::FragmentStores)).
     ///
     /// # Errors
     /// A failed call.

@@ -3,8 +3,11 @@
 mod adjust;
 mod edges;
 mod environment;
+mod finish;
 mod finished_image;
 mod flares;
+#[cfg(feature = "loaded")]
+pub(crate) mod headless;
 mod inspect;
 mod lights;
 mod lod;

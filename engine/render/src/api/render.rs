@@ -27,19 +27,20 @@ use crate::views::{
 };
 
 impl Renderer {
-    /// Renders one frame and submits it. Waits for the frame that used this slot N frames ago,
+    /// Renders one frame and submits it: of a camera with the default strategy, or of a
+    /// [`FrameRequest`]. Waits for the frame that used this slot N frames ago,
     /// and for nothing else, unless the strategy blocks ([`Strategy::is_blocking`]).
     ///
     /// # Errors
     /// Those of [`Renderer::render_views`].
-    pub fn render(
+    pub fn render<'a>(
         &mut self,
         state: &mut RenderView,
-        request: &FrameRequest<'_>,
+        request: impl Into<FrameRequest<'a>>,
     ) -> Result<FrameReport, Error> {
         let rect = Rect::whole(self.size());
         let FrameRequest { strategy, viewpoint, visible, image, scene_image, overlay, after } =
-            *request;
+            request.into();
         let target = ViewRequest { state, viewpoint, visible, rect };
         let request = ViewsRequest { strategy, image, overlay, after };
         self.render_targets(&mut [target], &request, scene_image)
@@ -115,6 +116,7 @@ impl Renderer {
             let stats = method.record(&mut frame, &mut state.visibility, &mut scene, &wanted)?;
             report.tests += stats.tests;
             report.queries += stats.queries;
+            state.seen_from = Some(*view);
             finish_view(passes, &mut frame, executor, hierarchy, flares, state, view)?;
         }
         finish_scene(&mut frame, passes, scene_image)?;

@@ -101,7 +101,7 @@ impl Probe {
             image: Some(&self.image),
             ..FrameRequest::new(cull::Strategy::FRUSTUM, probe_scene::camera())
         };
-        self.renderer.render(&mut state, &request)?;
+        self.renderer.render(&mut state, request)?;
         self.renderer.wait_idle(&mut state)?;
         self.rgba()
     }

@@ -77,7 +77,7 @@ fn image(
     request: FrameRequest<'_>,
 ) -> Result<Vec<u8>, Error> {
     let image = Readback::new(renderer.device(), renderer.size())?;
-    renderer.render(view, &FrameRequest { image: Some(&image), ..request })?;
+    renderer.render(view, FrameRequest { image: Some(&image), ..request })?;
     renderer.wait_idle(view)?;
     Ok(image.rgba8()?.to_vec())
 }

@@ -56,7 +56,7 @@ impl Session {
             let overlay = self.overlay.shown();
             let request = FrameRequest::new(self.strategy, camera);
             let request = FrameRequest { image, overlay, ..request };
-            self.report = self.renderer.render(&mut self.history, &request)?;
+            self.report = self.renderer.render(&mut self.history, request)?;
             self.outcome = self.history.drain_stats().next_back().or(self.outcome);
             self.times.sent(Side::Culled, self.renderer.pass_times());
             return Ok(self.report.tick);
@@ -94,14 +94,14 @@ impl Session {
                 Side::Culled => {
                     let request = FrameRequest::new(self.strategy, camera);
                     let request = FrameRequest { image, scene_image, overlay, ..request };
-                    self.report = self.renderer.render(&mut self.history, &request)?;
+                    self.report = self.renderer.render(&mut self.history, request)?;
                     self.outcome = self.history.drain_stats().next_back().or(self.outcome);
                     self.report.tick
                 }
                 Side::Unculled => {
                     let request = FrameRequest::new(Strategy::FRUSTUM, camera);
                     let request = FrameRequest { image, scene_image, overlay, ..request };
-                    self.renderer.render(unculled, &request)?.tick
+                    self.renderer.render(unculled, request)?.tick
                 }
             };
             self.times.sent(side, self.renderer.pass_times());

@@ -65,7 +65,7 @@ impl Session {
     fn draw_search(&mut self) -> Result<(), RunError> {
         if let Some(view) = &mut self.search_view {
             let request = FrameRequest::new(Strategy::FRUSTUM, self.seen_from);
-            self.renderer.render(view, &request)?;
+            self.renderer.render(view, request)?;
         }
         Ok(())
     }

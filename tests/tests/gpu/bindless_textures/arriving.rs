@@ -101,19 +101,19 @@ fn hundreds_of_textures_come_while_frames_are_in_flight() {
                 image: Some(&image),
                 ..FrameRequest::new(Strategy::ANTUMBRA, camera)
             };
-            renderer.render(&mut view, &request).unwrap();
+            renderer.render(&mut view, request).unwrap();
             renderer.remove_textures(&[*last]).unwrap();
             gone += 1;
         }
         assert_eq!(device.wait_counts().other, waits, "nothing waits");
         assert_eq!((gone, shown.len() as u32), (FRAMES, (EACH_FRAME - 1) * FRAMES));
         while renderer.is_uploading() {
-            renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, camera)).unwrap();
+            renderer.render(&mut view, FrameRequest::new(Strategy::ANTUMBRA, camera)).unwrap();
         }
         let request =
             FrameRequest { image: Some(&image), ..FrameRequest::new(Strategy::ANTUMBRA, camera) };
         for _ in 0..4 {
-            renderer.render(&mut view, &request).unwrap();
+            renderer.render(&mut view, request).unwrap();
         }
         renderer.wait_idle(&mut view).unwrap();
         let streamed = image.rgba8().unwrap().to_vec();

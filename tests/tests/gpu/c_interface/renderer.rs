@@ -248,7 +248,7 @@ fn image_in_rust(host: &Host, mesh: &Mesh, objects: &[AntumbraMeshObject]) -> Ve
     let mut view = renderer.new_view().unwrap();
     let viewpoint =
         ViewProjection { matrix: matrix(), depth: DepthConvention::Reversed, y: ClipY::Down };
-    renderer.render(&mut view, &FrameRequest::new(Strategy::FRUSTUM, viewpoint)).unwrap();
+    renderer.render(&mut view, FrameRequest::new(Strategy::FRUSTUM, viewpoint)).unwrap();
     let image = host.copy(&*lock, &renderer.finished_image().unwrap());
     renderer.wait_idle(&mut view).unwrap();
     image

@@ -41,7 +41,7 @@ fn walk(predication: PredicationMode) -> Walked {
             image: Some(&image),
             ..FrameRequest::new(Strategy::ANTUMBRA, path.camera(frame))
         };
-        let report = renderer.render(&mut view, &request).unwrap();
+        let report = renderer.render(&mut view, request).unwrap();
         ranges += u64::from(report.predicated_draws);
         renderer.wait_idle(&mut view).unwrap();
     }

@@ -130,7 +130,7 @@ fn a_device_that_does_not_count_says_so_when_asked_to_count() {
     let error = queries.begin(&mut frames.begin().unwrap(), &[()]).unwrap_err().to_string();
     assert!(error.contains("occlusionQueryPrecise, which queries that count"), "{error}");
     view.watch(&[]).unwrap();
-    renderer.render(&mut view, &FrameRequest::new(Strategy::ANTUMBRA, path.camera(0))).unwrap();
+    renderer.render(&mut view, FrameRequest::new(Strategy::ANTUMBRA, path.camera(0))).unwrap();
     renderer.wait_idle(&mut view).unwrap();
     assert_eq!(view.visible_samples(), []);
     drop((queries, frames, renderer, view, device));
@@ -163,7 +163,7 @@ fn queries_are_reset_by_commands_only_where_the_cpu_cannot() {
                     image: Some(&image),
                     ..FrameRequest::new(strategy, path.camera(frame))
                 };
-                renderer.render(&mut view, &request).unwrap();
+                renderer.render(&mut view, request).unwrap();
             }
             renderer.wait_idle(&mut view).unwrap();
         }

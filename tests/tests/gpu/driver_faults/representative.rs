@@ -28,7 +28,7 @@ fn drawn(faults: FaultInjection) -> (Vec<u8>, [usize; 2]) {
                 image: Some(&image),
                 ..FrameRequest::new(strategy, path.camera(frame))
             };
-            renderer.render(&mut view, &request).unwrap();
+            renderer.render(&mut view, request).unwrap();
         }
         renderer.wait_idle(&mut view).unwrap();
     }

@@ -60,7 +60,7 @@ fn draw(renderer: &mut Renderer, view: &mut RenderView, image: &Readback) -> Opt
         image: Some(image),
         ..FrameRequest::new(Strategy::ANTUMBRA, shadow_scene::camera())
     };
-    renderer.render(view, &request).ok()?;
+    renderer.render(view, request).ok()?;
     renderer.wait_idle(view).ok()?;
     Some(image.rgba8().unwrap().to_vec())
 }
@@ -168,7 +168,7 @@ fn casters_that_there_was_no_memory_for_are_there_in_the_next_frame() {
         let mut view = renderer.new_view().unwrap();
         let request = FrameRequest::new(Strategy::ANTUMBRA, shadow_scene::camera());
         let before = device.wait_counts().other;
-        renderer.render(&mut view, &request).unwrap();
+        renderer.render(&mut view, request).unwrap();
         assert_eq!(device.wait_counts().other, before, "growing waits for nothing");
         assert!(renderer.shadow_stats().casters > 1024, "{:?}", renderer.shadow_stats());
         renderer.wait_idle(&mut view).unwrap();

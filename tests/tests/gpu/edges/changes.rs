@@ -71,7 +71,7 @@ fn meshes_that_come_later_have_their_edges() {
             let mut frames = 0;
             while renderer.is_uploading() {
                 let request = FrameRequest::new(Strategy::ANTUMBRA, straight());
-                renderer.render(&mut view, &request).unwrap();
+                renderer.render(&mut view, request).unwrap();
                 frames += 1;
             }
             assert!(frames > 3, "it comes in pieces: {frames}");

@@ -32,7 +32,7 @@ fn lavapipe_hosts_read_averages_of_four_samples() {
                 // With a copy of the engine's own, and without one.
                 let image = (strategy == Strategy::FRUSTUM).then_some(&own);
                 let request = FrameRequest::new(strategy, path.camera(number * 20));
-                renderer.render(view, &FrameRequest { image, ..request }).unwrap();
+                renderer.render(view, FrameRequest { image, ..request }).unwrap();
                 let finished = renderer.finished_image().unwrap();
                 assert_eq!(finished.size, SIZE);
                 host.copy(&*lock, &finished)

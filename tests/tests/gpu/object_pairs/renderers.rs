@@ -23,7 +23,7 @@ fn text<T>(result: Result<T, Error>) -> String {
 fn rendered<'a>(ours: &mut Side, change: impl FnOnce(&mut FrameRequest<'a>)) -> String {
     let mut request = FrameRequest::new(Strategy::ANTUMBRA, ours.camera);
     change(&mut request);
-    text(ours.renderer.render(&mut ours.view, &request))
+    text(ours.renderer.render(&mut ours.view, request))
 }
 
 /// Returns the error of `render_views`, of a view of its own and of another one.
@@ -60,7 +60,7 @@ pub fn rows() -> Vec<Row> {
         }),
         row("Renderer::render", VIEW, "Renderer", |ours, theirs| {
             let request = FrameRequest::new(Strategy::ANTUMBRA, ours.camera);
-            text(ours.renderer.render(&mut theirs.view, &request))
+            text(ours.renderer.render(&mut theirs.view, request))
         }),
         row("Renderer::render", VISIBLE_SET, "Renderer", |ours, theirs| {
             rendered(ours, |request| request.visible = Some(&theirs.visible))

@@ -204,7 +204,7 @@ impl Side {
             image: Some(&self.image),
             ..FrameRequest::new(methods::IDEAL, self.camera)
         };
-        self.renderer.render(&mut self.view, &request).unwrap();
+        self.renderer.render(&mut self.view, request).unwrap();
         self.renderer.present(&mut self.swapchain, SIZE).unwrap();
         self.renderer.wait_idle(&mut self.view).unwrap();
         assert!(self.image.rgba8().unwrap().chunks(4).any(|pixel| pixel[0] > 0));

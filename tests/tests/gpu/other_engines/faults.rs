@@ -85,7 +85,7 @@ const FAULTS: [Fault; 7] = [
     Fault {
         kind: Reported::Sky,
         strategy: methods::HZB,
-        file: "hzb_levels.glsl",
+        file: "pyramid_levels.glsl",
         changes: &[["return (size + 1) / 2;", "return max(size / 2, uvec2(1));"]],
     },
 ];

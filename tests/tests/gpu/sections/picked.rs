@@ -31,7 +31,7 @@ fn a_click_finds_what_is_drawn_where_a_box_is_cut_open() {
         let pick = |shown: &mut CutScene, x: u32, y: u32| {
             shown.view.point_at(Some([x, y])).unwrap();
             let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
-            shown.renderer.render(&mut shown.view, &request).unwrap();
+            shown.renderer.render(&mut shown.view, request).unwrap();
             shown.renderer.wait_idle(&mut shown.view).unwrap();
             let pointed = shown.view.pointed().expect("it is over");
             pointed.surface.map(|surface| surface.object.0)

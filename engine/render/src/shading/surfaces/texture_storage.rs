@@ -4,8 +4,9 @@
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum TextureStorage {
     /// An image for each, as large as it is, which shaders find by its number: for devices with
-    /// [`OptionalFeature::DescriptorIndexing`](gpu::Optional::DescriptorIndexing). Textures of any
-    /// size come while a renderer runs, and none needs [room](crate::SpareCapacity::textures).
+    /// [`OptionalFeature::DescriptorIndexing`](gpu::OptionalFeature::DescriptorIndexing). Textures
+    /// of any size come while a renderer runs, and none needs
+    /// [room](crate::SpareCapacity::textures).
     #[default]
     Bindless,
     /// Pages: at most [`MAX_PAGES`](scene::limits::MAX_PAGES) arrays of images of one size and

@@ -1,0 +1,40 @@
+//! The end of a walk: its last frame, with what it shows.
+
+use gpu::Readback;
+
+use crate::error::Error;
+use crate::last_frame::LastFrame;
+use crate::render_view::RenderView;
+use crate::renderer::Renderer;
+use crate::rgba_image::RgbaImage;
+use crate::views::finish_image;
+
+impl Renderer {
+    /// Waits until every frame is over, and returns the newest one with its statistics and its
+    /// image. Not for a frame loop: it counts as a blocking wait.
+    ///
+    /// # Errors
+    /// [`gpu::Error::NoImage`] before the first frame, and after one that failed; a view of another
+    /// renderer, no memory, a lost device, or a frame that takes too long.
+    pub fn finish(&mut self, state: &mut RenderView) -> Result<LastFrame, Error> {
+        self.check_view(state)?;
+        self.passes.target.finished()?;
+        let size = self.size();
+        let image = Readback::new(&self.device, size)?;
+        let mut frame = self.frames.begin()?;
+        finish_image(&mut frame, &mut self.passes, None, Some(&image))?;
+        let tick = frame.submit(None)?;
+        self.submitted(tick);
+        self.wait_idle(state)?;
+        let stats = state.newest_stats();
+        let in_frustum = state.seen_from.as_ref();
+        let in_frustum = in_frustum.map_or(0, |view| self.hierarchy.objects_in_frustum(view));
+        let pixels = image.rgba8()?.to_vec();
+        Ok(LastFrame {
+            drawn: stats.map_or(0, |stats| stats.draws),
+            triangles: stats.map_or(0, |stats| stats.triangles),
+            in_frustum: u64::from(in_frustum),
+            image: RgbaImage { size, pixels },
+        })
+    }
+}

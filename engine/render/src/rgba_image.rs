@@ -1,0 +1,29 @@
+//! An image on the CPU.
+
+/// An image on the CPU: rows from the top, four bytes per pixel, red first, sRGB.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct RgbaImage {
+    /// Width and height, in pixels.
+    pub size: [u32; 2],
+    /// The bytes.
+    pub pixels: Vec<u8>,
+}
+
+#[cfg(feature = "png")]
+impl RgbaImage {
+    /// Writes a PNG file.
+    ///
+    /// # Errors
+    /// A file that cannot be written; no pixels, or others than the size says.
+    pub fn save_png(&self, file: impl AsRef<std::path::Path>) -> std::io::Result<()> {
+        let [width, height] = self.size;
+        let file = std::io::BufWriter::new(std::fs::File::create(file)?);
+        let mut encoder = png::Encoder::new(file, width, height);
+        encoder.set_color(png::ColorType::Rgba);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(&self.pixels)?;
+        Ok(writer.finish()?)
+    }
+}
