@@ -91,7 +91,7 @@ pub enum FragmentChoice {
     #[default]
     All,
     /// One at least, which is enough for a flag, on devices with
-    /// [`OptionalFeature::RepresentativeFragments`](crate::OptionalFeature::RepresentativeFragments);
+    /// [`RepresentativeFragments`](crate::OptionalFeature::RepresentativeFragments);
     /// else all. For early tests alone, and never within a query that counts.
     Representative,
     /// Those that cover the first sample of their pixel. Fragments of objects that meet in a pixel
