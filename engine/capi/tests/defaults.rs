@@ -98,7 +98,7 @@ fn required(layout: &StructLayout, fields: &[Field]) -> Vec<u8> {
     for (field, place) in fields.iter().zip(layout.fields) {
         if place.name == "struct_size" {
             bytes[..4].copy_from_slice(&(layout.size as u32).to_le_bytes());
-        } else if field.doc.contains("RequiredFeature") {
+        } else if field.doc.contains("Required") {
             bytes[place.offset] = 1;
         }
     }
@@ -126,7 +126,7 @@ fn zero_is_the_default_of_every_field() {
                 assert!(field.doc.contains("Size of this struct in bytes"), "{name}");
             } else if place.name.starts_with("reserved") {
                 assert_eq!(field.doc, "Must be 0.", "{name}");
-            } else if field.doc.contains("RequiredFeature") {
+            } else if field.doc.contains("Required") {
                 assert!(!field.doc.contains("Default"), "{name}");
                 let mut without = good.clone();
                 without[place.offset..place.offset + place.size].fill(0);
