@@ -123,7 +123,7 @@ impl<'a> ComparedScene<'a> {
         let target = &images[0][0].0;
         let passes = images[0][0].3.as_ref();
         let attachments = attachments_of(target, passes);
-        let quirks = DriverQuirks::without(options.disabled);
+        let quirks = DriverQuirks::new(options.disabled);
         let passes = OcclusionPasses::with_quirks(device, &shaders, attachments, quirks).unwrap();
         let info = BucketTableInfo {
             bucket_count: BUCKETS,

@@ -20,10 +20,11 @@ pub enum ScenePlace {
     /// The place that the file gives it.
     #[default]
     AsInFile,
-    /// Near the origin, along each axis in which a glTF file has it at least 16 m away and farther
-    /// away than it is wide: single precision would round places of parts and cameras there. The
-    /// scene is moved by whole metres ([`GltfScene::origin_m`](crate::GltfScene::origin_m)), which
-    /// rounds nothing. A scene whose root nodes are animated stays where the file has it.
+    /// Near the origin, along each axis in which a glTF file has its nodes with meshes at least 16
+    /// m away, and twice as far as they are apart: single precision would round places of parts and
+    /// cameras there. The scene is moved by whole metres
+    /// ([`GltfScene::origin_m`](crate::GltfScene::origin_m)), which rounds nothing. A scene whose
+    /// root nodes are animated stays where the file has it.
     NearOrigin,
 }
 

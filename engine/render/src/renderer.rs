@@ -237,7 +237,7 @@ impl Renderer {
         // First what fails on bad input, then what takes long.
         let target = Target::multisampled(device, options.size, options.samples, "target")?;
         let attachments = target.attachments();
-        let quirks = DriverQuirks::without(&options.disabled);
+        let quirks = DriverQuirks::new(&options.disabled);
         quirks.texts().iter().for_each(|text| tracing::warn!("{text}"));
         let shadows =
             usable_shadows(&quirks, options.shadows, |predication| can_skip(device, predication));

@@ -11,19 +11,20 @@ pub struct RgbaImage {
 
 #[cfg(feature = "png")]
 impl RgbaImage {
-    /// Writes a PNG file.
+    /// Writes a PNG file. Nothing is written unless the image is whole.
     ///
     /// # Errors
-    /// A file that cannot be written; no pixels, or others than the size says.
+    /// No pixels, or others than the size says; a file that cannot be written.
     pub fn save_png(&self, file: impl AsRef<std::path::Path>) -> std::io::Result<()> {
         let [width, height] = self.size;
-        let file = std::io::BufWriter::new(std::fs::File::create(file)?);
-        let mut encoder = png::Encoder::new(file, width, height);
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, width, height);
         encoder.set_color(png::ColorType::Rgba);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         let mut writer = encoder.write_header()?;
         writer.write_image_data(&self.pixels)?;
-        Ok(writer.finish()?)
+        writer.finish()?;
+        std::fs::write(file, bytes)
     }
 }

@@ -139,6 +139,7 @@ mod tests {
         assert_eq!(hour_of(&[]), None);
         assert_eq!(hour_of(&["--shadows", "maps"]), Some(Hour::AFTERNOON));
         assert_eq!(hour_of(&["--time-of-day", "22"]), Some(Hour::NIGHT));
+        assert_eq!(hour_of(&["--hour", "22"]), Some(Hour::NIGHT), "its former name");
         let line = ["--shadows", "maps_uncached", "--filter", "pcss", "--bias", "midpoint"];
         let shadows = parse(&line).unwrap().shadows;
         assert_eq!(shadows.bias.name(), "midpoint");

@@ -1,8 +1,11 @@
 //! The tree of parts of a file: its nodes, as far as they hold something that is shown.
 
+use std::collections::HashMap;
+
 use antumbra::ObjectId;
-use antumbra::animation::RigNode;
+use antumbra::animation::{RigNode, RigNodeId};
 use antumbra::import::GltfScene;
+use antumbra::scene::{MeshId, Object};
 use scenes::{PartId, PartNode, PartTree};
 
 /// Returns the parts of a file in the groups of its nodes. A node that holds one object and nothing
@@ -47,6 +50,22 @@ pub fn file_parts(file: &GltfScene) -> PartTree {
     PartTree { nodes: tree }
 }
 
+/// Returns the body of each object of a file: the primitives of one mesh at one place are a body,
+/// and each instance of it is another.
+pub fn file_bodies(file: &GltfScene) -> Vec<u32> {
+    let mut count_of_mesh: HashMap<(RigNodeId, [u32; 12], MeshId), u32> = HashMap::new();
+    let mut body_at: HashMap<(RigNodeId, [u32; 12], u32), u32> = HashMap::new();
+    let objects = (0..).zip(file.scene.objects.iter().zip(&file.object_nodes));
+    let body_of = |(number, (object, node)): (u32, (&Object, &RigNodeId))| {
+        let place = object.transform.to_cols_array().map(f32::to_bits);
+        // Two objects with one mesh at one place are two instances.
+        let count = count_of_mesh.entry((*node, place, object.mesh)).or_default();
+        let instance = std::mem::replace(count, *count + 1);
+        *body_at.entry((*node, place, instance)).or_insert(number)
+    };
+    objects.map(body_of).collect()
+}
+
 /// Returns the part of an object, with the name of its node or else of its mesh.
 fn part(file: &GltfScene, object: ObjectId, node: Option<&RigNode>) -> PartNode {
     let of_node = node.map(|node| node.name.clone()).filter(|name| !name.is_empty());
@@ -79,6 +98,39 @@ mod tests {
     use super::*;
     use crate::document::Document;
     use crate::export::glb;
+
+    #[test]
+    fn primitives_of_a_mesh_stay_together_and_its_instances_do_not() {
+        let made = scenes::waffle_maker();
+        let bytes = glb(&Document::new(made.scene, made.parts, None)).unwrap();
+        let mut progress = |_| ControlFlow::Continue(());
+        let mut file = load_bytes(bytes, None, &LoadOptions::default(), &mut progress).unwrap();
+        let mut first = file.scene.objects[0];
+        let second = Object { mesh: MeshId(1), ..first };
+        let aside = antumbra::glam::Affine3A::from_translation(antumbra::glam::Vec3::X);
+        let there = Object { transform: aside, ..first };
+        first.mesh = MeshId(0);
+        // A mesh of two primitives, twice at one place, and its first primitive at another.
+        file.scene.objects =
+            vec![first, second, first, second, Object { mesh: MeshId(0), ..there }];
+        file.object_nodes = vec![RigNodeId(0); 5];
+        assert_ne!(first.transform, there.transform);
+        let bodies = file_bodies(&file);
+        assert_eq!(bodies, [0, 0, 2, 2, 4]);
+        let tree = file_parts(&file);
+        let mut document = Document::new(file.scene, tree, None);
+        document.bodies = bodies;
+        document.explode(0.01);
+        let bodies = document.shown_bodies();
+        assert_eq!(bodies.iter().map(|body| body.objects.len()).collect::<Vec<_>>(), [2, 2, 1]);
+        let by = |object: u32| {
+            document.transform(ObjectId(object)).translation
+                - document.scene.objects[object as usize].transform.translation
+        };
+        assert_eq!(by(0), by(1));
+        assert_eq!(by(2), by(3));
+        assert!(by(0) != by(2), "instances at one place part");
+    }
 
     #[test]
     fn a_model_that_was_exported_has_the_same_tree() {

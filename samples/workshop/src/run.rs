@@ -16,7 +16,7 @@ use bench::terminal::output::say_wrote;
 
 use crate::args::WorkshopArguments;
 use crate::document::{CurvedPart, Document, Lid};
-use crate::file_parts::file_parts;
+use crate::file_parts::{file_bodies, file_parts};
 use crate::inputs::{files_of, keep_inputs, keep_outputs};
 use crate::report::{CommandOutcome, ScriptReport, ScriptStep};
 use crate::script::{self, ScriptLine};
@@ -171,7 +171,7 @@ pub(crate) fn model(arguments: &WorkshopArguments) -> Result<Model, RunError> {
                 );
             }
             let parts = file_parts(&loaded);
-            let bodies = loaded.object_nodes.iter().map(|node| node.0).collect();
+            let bodies = file_bodies(&loaded);
             let mut document = Document::new(loaded.scene, parts, None);
             document.origin_m = loaded.origin_m;
             document.bodies = bodies;

@@ -202,7 +202,7 @@ fn transparent_objects_are_drawn_untested_where_flags_are_distrusted() {
         let mut random = Random(7);
         let buckets = 3;
 
-        let quirks = DriverQuirks::without(&[DriverAssumption::FlagWrites]);
+        let quirks = DriverQuirks::new(&[DriverAssumption::FlagWrites]);
         let mut host = furnish(
             Host::with_quirks(
                 device,

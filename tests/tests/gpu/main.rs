@@ -30,6 +30,7 @@ mod exactness;
 mod explain;
 mod far_away;
 mod feature_soup;
+mod finish;
 mod flares;
 mod frame_loop;
 mod golden;

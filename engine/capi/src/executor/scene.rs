@@ -273,7 +273,7 @@ impl HostedScene {
         let mut frames = FrameRing::new(&device, frames_in_flight)?;
         frames.set_resubmission(resubmission);
         let shaders = ShaderSet::embedded()?;
-        let quirks = DriverQuirks::without(&assumptions(desc.disabled)?);
+        let quirks = DriverQuirks::new(&assumptions(desc.disabled)?);
         quirks.texts().iter().for_each(|text| tracing::warn!("{text}"));
         let passes = OcclusionPasses::with_quirks(&device, &shaders, attachments, quirks)?;
         let info = BucketTableInfo {

@@ -24,7 +24,7 @@ use crate::{Cause, ImportError};
 const FARTHEST_M: f32 = 1e15;
 
 /// The memory that a corner takes at most while its part is made, in bytes.
-const CORNER_BYTES: u64 = 160;
+const CORNER_BYTES: u64 = 224;
 
 /// Returns a scene made of a file.
 pub(crate) fn convert_mesh_file(

@@ -21,8 +21,8 @@ use crate::notes::Notes;
 use crate::{Cause, ImportError, Source};
 
 /// The most memory in bytes that a vertex, and a corner of a triangle, take while they are made:
-/// their numbers as they are read, split at edges, and packed.
-const VERTEX_BYTES: u64 = 256;
+/// their numbers as they are read, welded, split at edges, and packed.
+const VERTEX_BYTES: u64 = 320;
 const CORNER_BYTES: u64 = 32;
 
 /// The variant of a primitive that is made.

@@ -8,36 +8,34 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 
-/// The distance along an axis within which positions are one, as a share of the largest
-/// coordinate: two steps of single precision there.
+/// The distance along an axis within which two positions are one, as a share of the largest
+/// coordinate of either: two steps of single precision there. What is farther apart may be a
+/// feature, such as one of a small part beside a hall in the same mesh.
 const WELD_SHARE: f32 = 2.0 * f32::EPSILON;
 
-/// The width of the cells in which positions are looked for, in distances of welding.
+/// The width of the cells in which positions are looked for, in the largest distance of welding of
+/// their scale.
 const CELL: f64 = 4.0;
 
-/// Moves each position to the first one that lies within the rounding of the largest coordinate.
+/// A cell of the positions whose largest coordinates have one binary exponent.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+struct Cell {
+    exponent: i32,
+    place: [i64; 3],
+}
+
+/// Moves each position to the first one that lies within its rounding.
 pub(super) fn weld(positions: &mut [Vec3]) {
-    let largest = positions.iter().fold(0.0_f32, |most, at| most.max(at.abs().max_element()));
-    let tolerance = largest * WELD_SHARE;
-    if !tolerance.is_normal() {
-        return;
-    }
     // The first position of each cell, and the next one in its cell of each position.
-    let mut first_of_cell: HashMap<[i64; 3], u32> = HashMap::with_capacity(positions.len() / 4);
+    let mut first_of_cell: HashMap<Cell, u32> = HashMap::with_capacity(positions.len() / 4);
     let mut next_of: Vec<Option<u32>> = vec![None; positions.len()];
-    let width = f64::from(tolerance) * CELL;
-    let cell_at = |coordinate: f32, offset: f32| {
-        ((f64::from(coordinate) + f64::from(offset)) / width).floor() as i64
-    };
     for index in 0..positions.len() {
         let at = positions[index];
-        let low = at.to_array().map(|coordinate| cell_at(coordinate, -tolerance));
-        let high = at.to_array().map(|coordinate| cell_at(coordinate, tolerance));
-        let near = cells_between(low, high).find_map(|cell| {
+        let near = cells_near(at).find_map(|cell| {
             let mut candidate = first_of_cell.get(&cell).copied();
             while let Some(number) = candidate {
                 let place = positions[number as usize];
-                if (place - at).abs().max_element() <= tolerance {
+                if (place - at).abs().max_element() <= tolerance(at).max(tolerance(place)) {
                     return Some(place);
                 }
                 candidate = next_of[number as usize];
@@ -46,18 +44,50 @@ pub(super) fn weld(positions: &mut [Vec3]) {
         });
         match near {
             Some(place) => positions[index] = place,
-            None => {
-                let cell = at.to_array().map(|coordinate| cell_at(coordinate, 0.0));
-                next_of[index] = first_of_cell.insert(cell, index as u32);
-            }
+            None => next_of[index] = first_of_cell.insert(cell_of(at), index as u32),
         }
     }
 }
 
-/// Returns the cells from one to another, both included: at most two along an axis.
-fn cells_between(low: [i64; 3], high: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
-    (low[0]..=high[0]).flat_map(move |x| {
-        (low[1]..=high[1]).flat_map(move |y| (low[2]..=high[2]).map(move |z| [x, y, z]))
+/// Returns the distance within which a position and another one are one.
+fn tolerance(at: Vec3) -> f32 {
+    at.abs().max_element() * WELD_SHARE
+}
+
+fn exponent_of(largest: f32) -> i32 {
+    // Those of numbers that are not normal are one.
+    ((largest.to_bits() >> 23) & 0xff) as i32
+}
+
+/// Returns the place of a coordinate among the cells of an exponent.
+fn place_of(coordinate: f64, exponent: i32) -> i64 {
+    // The largest number of this exponent is below 2^(exponent - 126).
+    let width = f64::from(WELD_SHARE) * CELL * f64::from(exponent - 126).exp2();
+    (coordinate / width).floor() as i64
+}
+
+fn cell_of(at: Vec3) -> Cell {
+    let exponent = exponent_of(at.abs().max_element());
+    let place = at.to_array().map(|coordinate| place_of(f64::from(coordinate), exponent));
+    Cell { exponent, place }
+}
+
+/// Returns the cells of all positions that may be one with this: at most two along an axis, and of
+/// two exponents where the largest coordinate is near a power of two.
+fn cells_near(at: Vec3) -> impl Iterator<Item = Cell> {
+    let largest = at.abs().max_element();
+    let reach = 2.0 * tolerance(at);
+    (exponent_of(largest - reach)..=exponent_of(largest + reach)).flat_map(move |exponent| {
+        let along = at.to_array().map(|coordinate| {
+            let low = place_of(f64::from(coordinate) - f64::from(reach), exponent);
+            low..=place_of(f64::from(coordinate) + f64::from(reach), exponent)
+        });
+        let [across, up, deep] = along;
+        across.flat_map(move |x| {
+            let deep = deep.clone();
+            up.clone()
+                .flat_map(move |y| deep.clone().map(move |z| Cell { exponent, place: [x, y, z] }))
+        })
     })
 }
 
@@ -81,6 +111,28 @@ mod tests {
         assert_eq!(positions[4], positions[0]);
         assert_eq!(positions[2].y, 1.0e-6, "a millionth of the size is a feature");
         assert_eq!(positions[3].y, 0.0);
+    }
+
+    #[test]
+    fn a_small_part_beside_a_large_one_keeps_its_features() {
+        let small = [Vec3::new(0.01, 0.0, 0.0), Vec3::new(0.01, 1.0e-6, 0.0), Vec3::ZERO];
+        let mut positions = vec![Vec3::splat(1.0e4)];
+        positions.extend(small);
+        weld(&mut positions);
+        assert_eq!(positions[1..], small);
+    }
+
+    #[test]
+    fn positions_on_both_sides_of_a_power_of_two_are_one() {
+        for power in [1.0_f32, 2.0, 0.25, 1024.0] {
+            let mut positions = [Vec3::new(power, 0.0, 0.3 * power), Vec3::ZERO];
+            positions[1] = Vec3::new(power.next_down(), -0.0, 0.3 * power);
+            weld(&mut positions);
+            assert_eq!(positions[1], positions[0]);
+            positions[1] = Vec3::new(power.next_up(), 0.0, 0.3 * power);
+            weld(&mut positions);
+            assert_eq!(positions[1], positions[0]);
+        }
     }
 
     #[test]

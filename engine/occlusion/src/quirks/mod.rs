@@ -11,16 +11,16 @@ use driver_assumption::Support;
 
 use crate::error::Error;
 
-/// The parts of a driver that may be used, given the assumptions about it that do not hold. By
-/// default all of them.
+/// The assumptions about a driver that do not hold, and what may be used all the same. By default
+/// all of them hold.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DriverQuirks {
     broken: Vec<DriverAssumption>,
 }
 
 impl DriverQuirks {
-    /// Creates the trust that is left without `broken`, which a self-test found.
-    pub fn without(broken: &[DriverAssumption]) -> Self {
+    /// Creates the quirks of a driver of which a self-test found `broken`.
+    pub fn new(broken: &[DriverAssumption]) -> Self {
         Self { broken: broken.to_vec() }
     }
 
@@ -143,7 +143,7 @@ mod tests {
     };
 
     fn testers(broken: &[DriverAssumption]) -> VisibilityTestSupport {
-        DriverQuirks::without(broken).testers(ALL, PredicationMode::Conditional)
+        DriverQuirks::new(broken).testers(ALL, PredicationMode::Conditional)
     }
 
     #[test]
@@ -192,7 +192,7 @@ mod tests {
 
     #[test]
     fn nothing_is_tested_that_only_a_broken_executor_would_skip() {
-        let quirks = DriverQuirks::without(&[DriverAssumption::DrawCounts]);
+        let quirks = DriverQuirks::new(&[DriverAssumption::DrawCounts]);
         for executor in [PredicationMode::Counts, PredicationMode::Compacted] {
             assert_eq!(quirks.testers(ALL, executor), VisibilityTestSupport::NONE);
         }
@@ -202,7 +202,7 @@ mod tests {
     #[test]
     fn a_broken_executor_is_replaced_by_one_that_the_device_has() {
         use DriverAssumption::{ConditionalRendering, DrawCounts, InstanceCounts};
-        let quirks = DriverQuirks::without(&[ConditionalRendering]);
+        let quirks = DriverQuirks::new(&[ConditionalRendering]);
         let wanted = PredicationMode::Conditional;
         let counts = PredicationMode::Counts;
         let instances = PredicationMode::Instances;
@@ -210,25 +210,25 @@ mod tests {
         assert_eq!(quirks.executors(wanted, |_| true), [counts, instances, compacted]);
         let has = |predication| predication != PredicationMode::Counts;
         assert_eq!(quirks.executors(wanted, has), [instances, compacted]);
-        let nothing = DriverQuirks::without(&[ConditionalRendering, DrawCounts, InstanceCounts]);
+        let nothing = DriverQuirks::new(&[ConditionalRendering, DrawCounts, InstanceCounts]);
         assert!(nothing.executors(wanted, |_| true).is_empty());
-        let quirks = DriverQuirks::without(&[DrawCounts]);
+        let quirks = DriverQuirks::new(&[DrawCounts]);
         let compacted = PredicationMode::Compacted;
         assert_eq!(quirks.executor(compacted, |_| true), Some(wanted), "it counts, too");
-        let quirks = DriverQuirks::without(&[DriverAssumption::CompactedLists]);
+        let quirks = DriverQuirks::new(&[DriverAssumption::CompactedLists]);
         assert_eq!(quirks.executor(compacted, |_| true), Some(wanted));
         assert_eq!(
             quirks.executor(PredicationMode::Counts, |_| true),
             Some(PredicationMode::Counts)
         );
-        let quirks = DriverQuirks::without(&[ConditionalRendering, InstanceCounts]);
+        let quirks = DriverQuirks::new(&[ConditionalRendering, InstanceCounts]);
         assert_eq!(quirks.executor(wanted, |quirks| quirks == compacted), Some(compacted));
     }
 
     #[test]
     fn every_assumption_says_what_is_done() {
         for assumption in DriverAssumption::ALL {
-            let text = DriverQuirks::without(&[assumption]).texts().concat();
+            let text = DriverQuirks::new(&[assumption]).texts().concat();
             assert!(text.contains(assumption.name()) && text.contains(assumption.remedy()));
         }
         let names: std::collections::BTreeSet<_> =

@@ -82,7 +82,7 @@ pub fn self_test(device: &Device, options: &RendererOptions) -> Result<SelfTest,
 
 /// Returns the strategy with the safest tester, if there is one.
 fn safest(broken: &[DriverAssumption], device: &Device) -> Option<Strategy> {
-    let quirks = DriverQuirks::without(broken);
+    let quirks = DriverQuirks::new(broken);
     let has = |executor: PredicationMode| executor.is_supported(device);
     let executor = quirks.executor(PredicationMode::Conditional, has)?;
     let testers = quirks.testers(walk::offered(device), executor);
@@ -256,7 +256,7 @@ impl Checks {
         let broken: Vec<DriverAssumption> =
             SelfTest { findings: self.findings.clone(), safest: None }.broken();
         // With the executor that would be used, or each walk would find its faults again.
-        let quirks = DriverQuirks::without(&broken);
+        let quirks = DriverQuirks::new(&broken);
         let has = |executor: PredicationMode| executor.is_supported(&self.device);
         let Some(executor) =
             quirks.executor(PredicationMode::best(self.device.capabilities()), has)

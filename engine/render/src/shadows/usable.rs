@@ -47,7 +47,7 @@ mod tests {
         let counts = PredicationMode::Counts;
         let compacted = PredicationMode::Compacted;
         assert_eq!(caster_executor(&DriverQuirks::default(), compacted, |_| true), Some(counts));
-        let quirks = DriverQuirks::without(&[ConditionalRendering, InstanceCounts]);
+        let quirks = DriverQuirks::new(&[ConditionalRendering, InstanceCounts]);
         assert_eq!(caster_executor(&quirks, PredicationMode::Conditional, |_| true), Some(counts));
         let shadows = usable_shadows(&quirks, culled, |_| true);
         assert_eq!(shadows.culling, CasterCulling::Culled);

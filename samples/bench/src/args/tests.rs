@@ -250,6 +250,15 @@ fn a_threshold_cannot_be_compared_by_conditional_rendering() {
 }
 
 #[test]
+fn former_names_of_options_and_strategies_still_work() {
+    let former =
+        ["--costs=ignored", "--trust=driver", "--moving=10", "--strategy=coherent,pyramid"];
+    let now = ["--cost-model=off", "--quirks=none", "--moving-percent=10", "--strategy=chc,hzb"];
+    assert_eq!(parse(&former).unwrap(), parse(&now).unwrap());
+    assert_eq!(parse(&["--trust=tested"]).unwrap().quirks, QuirksChoice::Tested);
+}
+
+#[test]
 fn options_that_no_strategy_heeds_are_refused() {
     let said = refusal(&["--threshold=4", "--strategy=frustum,hzb"]);
     assert!(said.contains("--threshold 4 changes nothing for --strategy frustum and hzb"));
