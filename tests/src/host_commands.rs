@@ -84,16 +84,16 @@ impl<'a> HostCommands<'a> {
 }
 
 /// Records a frame of a ring into a command buffer that was [begun](HostCommands::begin). Returns
-/// its number and what `record` returns.
+/// its number and what `record` returns beside the frame.
 pub fn record_frame<R>(
     ring: &mut FrameRing,
     commands: vk::CommandBuffer,
     numbers: FrameNumbers,
-    record: impl FnOnce(&mut Frame<'_>) -> R,
+    record: impl for<'ring> FnOnce(Frame<'ring>) -> (Frame<'ring>, R),
 ) -> (Tick, R) {
     // SAFETY: the command buffer is being recorded; the frames up to the safe one were waited for.
-    let mut frame = unsafe { ring.begin_in(commands, numbers) }.unwrap();
-    let recorded = record(&mut frame);
+    let frame = unsafe { ring.begin_in(commands, numbers) }.unwrap();
+    let (frame, recorded) = record(frame);
     (frame.end().unwrap(), recorded)
 }
 

@@ -1,4 +1,4 @@
-//! The boxes of a host in a [`HostScene`]: drawn under the engine's answers, and again by brute
+//! The boxes of a host in a [`CulledScene`]: drawn under the engine's answers, and again by brute
 //! force, in frames of the host. The images must be the same.
 
 use std::collections::BTreeMap;
@@ -8,12 +8,12 @@ use cull::{Aabb, Camera, CullConfig, CullView, DrawPhases, ObjectId, Strategy};
 use glam::Vec3;
 use gpu::{
     Attachments, Commands, Device, Frame, HostImage, HostImages, ImageState, IndirectDraw,
-    NearDepth, PredicationMode, RenderTarget, SlotIndex, Target, Tick,
+    NearDepth, PredicationMode, RenderTarget, SlotIndex, Target, Tick, Viewport,
 };
 use occlusion::{
-    BucketDraw, BucketId, BucketTableInfo, DeviceCosts, DrawList, DriverAssumption, DriverQuirks,
-    Error, HostObject, HostScene, ObjectPass, ObjectRenderer, OcclusionPasses, OcclusionState,
-    ProxyBox, Rendering, ShaderSet, execute, list_draws,
+    BucketDraw, BucketId, BucketTableInfo, CulledScene, DeviceCosts, DrawList, DrawRequest,
+    DriverAssumption, DriverQuirks, Error, HostObject, ObjectRenderer, OcclusionPasses,
+    OcclusionState, ProxyBox, Rendering, ShaderSet,
 };
 
 use crate::host_commands::Runs;
@@ -83,8 +83,7 @@ pub struct ComparedScene<'a> {
     host: &'a Host,
     device: Device,
     /// The scene.
-    pub scene: HostScene,
-    shaders: ShaderSet,
+    pub scene: CulledScene,
     draw_phases: DrawPhases,
     views: Vec<ComparedView>,
     /// The boxes by instance; those that are gone are nowhere.
@@ -132,8 +131,8 @@ impl<'a> ComparedScene<'a> {
             frames_in_flight: IN_FLIGHT,
         };
         let scene = match options.costs {
-            None => HostScene::new(device, passes, options.room, info),
-            Some(costs) => HostScene::with_costs(device, passes, options.room, info, costs),
+            None => CulledScene::new(device, passes, options.room, info),
+            Some(costs) => CulledScene::with_costs(device, passes, options.room, info, costs),
         };
         let scene = scene.unwrap();
         let view = |images: [_; 2]| {
@@ -150,7 +149,6 @@ impl<'a> ComparedScene<'a> {
             host,
             device: device.clone(),
             scene,
-            shaders,
             draw_phases: options.draw_phases,
             views,
             boxes: Vec::new(),
@@ -168,7 +166,7 @@ impl<'a> ComparedScene<'a> {
     /// Adds boxes in bulk.
     ///
     /// # Errors
-    /// That of [`HostScene::add`]: nothing of it is drawn by brute force then.
+    /// That of [`CulledScene::add`]: nothing of it is drawn by brute force then.
     pub fn add(&mut self, boxes: &[Aabb]) -> Result<Vec<ObjectId>, Error> {
         let mut instance = || {
             self.unused.pop().unwrap_or_else(|| {
@@ -225,41 +223,39 @@ impl<'a> ComparedScene<'a> {
         self.scene.move_to(&moved).unwrap();
     }
 
-    /// Records the views into a frame, a camera each.
+    /// Records the views into a frame, a camera each, and gives the frame back.
     ///
     /// # Errors
-    /// Those of [`execute`].
-    pub fn record(
+    /// The errors of [`CulledScene::begin`] and of [`occlusion::FrameScope::record`].
+    pub fn record<'ring>(
         &mut self,
-        frame: &mut Frame<'_>,
+        mut frame: Frame<'ring>,
         cameras: &[Camera],
         strategy: Strategy,
-    ) -> Result<(), Error> {
+    ) -> Result<Frame<'ring>, Error> {
         let boxes = frame.uploads().push_iter(self.boxes.iter().copied().map(ProxyBox::from))?;
-        self.scene.upload(frame)?;
-        let (hierarchy, executor) = self.scene.parts_mut();
-        let completed = self.device.completed()?;
         let bits = self.device.adapter().limits.sub_pixel_precision_bits;
+        let mut scope = self.scene.begin(frame)?;
         for (ComparedView { state, culled, all, .. }, camera) in self.views.iter_mut().zip(cameras)
         {
             let view = CullView::new(camera, SIZE, bits);
             culled.boxes.set_boxes(boxes);
             all.boxes.set_boxes(boxes);
-            state.collect(completed, hierarchy, &executor.leaves);
-            state.plan_frame(hierarchy, &executor.leaves, strategy, &view, 4096);
-            let shaders = &self.shaders;
+            let request = DrawRequest { strategy, ..DrawRequest::from(&view) };
+            let planned = scope.plan(state, request)?;
             match self.draw_phases {
-                DrawPhases::PerRound => execute(frame, executor, state, culled, shaders, &view)?,
+                DrawPhases::PerRound => scope.record(planned, culled)?,
                 DrawPhases::Two => {
-                    let tests = list_draws(frame, executor, state, &view)?;
-                    culled.draw_lists(frame, state.visible_lists(), &view, Rendering::First);
-                    tests.record(frame, executor, state, &mut culled.target, shaders)?;
-                    culled.draw_lists(frame, state.revealed_lists(), &view, Rendering::Next);
+                    let listed = scope.list(planned)?;
+                    let revealed = listed.revealed().to_vec();
+                    culled.draw_lists(scope.commands(), listed.visible(), &view, Rendering::First);
+                    listed.record(&mut scope, &mut culled.target)?;
+                    culled.draw_lists(scope.commands(), &revealed, &view, Rendering::Next);
+                    culled.target.restore(scope.commands());
                 }
             }
-            culled.target.restore(frame.commands());
         }
-        Ok(())
+        Ok(scope.into_frame())
     }
 
     /// Records the same views again, by brute force, and the copies of all images. The frame runs
@@ -278,7 +274,7 @@ impl<'a> ComparedScene<'a> {
             let view = CullView::new(camera, SIZE, bits);
             all.target.prepare(commands);
             all.begin_rendering(commands, &view, Rendering::First);
-            all.bind(commands, &view, BucketId(0), ObjectPass::Visibility);
+            all.bind(commands, &view, BucketId(0));
             commands.draw_indexed(&every_box);
             all.end_rendering(commands);
             all.target.restore(commands);
@@ -291,8 +287,8 @@ impl<'a> ComparedScene<'a> {
 
     /// Notes that the frame was ended; its images are compared later if it runs.
     pub fn ended(&mut self, tick: Tick, SlotIndex(slot): SlotIndex, runs: Runs) {
-        let leaves = &self.scene.executor().leaves;
-        self.views.iter_mut().for_each(|view| view.state.submitted(tick, leaves, None));
+        let scene = &self.scene;
+        self.views.iter_mut().for_each(|view| view.state.submitted(tick, scene, None));
         self.scene.submitted(tick);
         self.is_drawn[slot] = runs == Runs::Once;
     }
@@ -318,10 +314,9 @@ impl<'a> ComparedScene<'a> {
 
     /// Takes the fewest draws of a frame of any view that drew: one that never ran is not known to.
     pub fn fewest_draws(&mut self) -> Option<u64> {
-        let (hierarchy, executor) = self.scene.parts_mut();
         let completed = self.device.completed().unwrap();
         let drawn = self.views.iter_mut().flat_map(|view| {
-            view.state.collect(completed, hierarchy, &executor.leaves);
+            view.state.collect(completed, &self.scene);
             view.state.drain_stats().map(|outcome| outcome.draws).filter(|draws| *draws > 0)
         });
         drawn.min()
@@ -393,26 +388,25 @@ fn attachments_of(target: &Target, passes: Option<&OwnPasses>) -> Attachments {
 }
 
 impl BoxImages {
-    fn new(device: &Device, scene: &HostScene, images: HostTarget) -> Self {
+    fn new(device: &Device, scene: &CulledScene, images: HostTarget) -> Self {
         let (target, colour, depth, passes, resolved) = images;
         let attachments = attachments_of(&target, passes.as_ref());
-        let boxes = NumberedBoxes::new(device, &scene.executor().leaves, attachments);
+        let boxes = NumberedBoxes::new(device, scene.leaves(), attachments);
         Self { target, boxes, colour, depth, resolved, passes }
     }
 
     /// Draws lists in a rendering of the host.
     fn draw_lists(
         &mut self,
-        frame: &Frame<'_>,
+        commands: &Commands,
         lists: &[DrawList],
         view: &CullView,
         rendering: Rendering,
     ) {
-        let commands = frame.commands();
         self.target.prepare(commands);
         self.begin_rendering(commands, view, rendering);
         for list in lists {
-            self.bind(commands, view, list.bucket, ObjectPass::Visibility);
+            self.bind(commands, view, list.bucket);
             match list.count {
                 Some(count) => commands.draw_indirect_count(list.commands, count),
                 None => commands.draw_indirect(list.commands),
@@ -441,7 +435,7 @@ impl ObjectRenderer for BoxImages {
             return commands.begin_rendering(self.rendering(view, rendering));
         };
         passes.begin(commands.raw(), rendering);
-        commands.set_viewport(&self.viewport(view));
+        commands.set_viewport(&Viewport::covering(view.origin, view.size));
         true
     }
 
@@ -452,7 +446,7 @@ impl ObjectRenderer for BoxImages {
         }
     }
 
-    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId, _pass: ObjectPass) {
+    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId) {
         self.boxes.bind(commands, view);
     }
 }

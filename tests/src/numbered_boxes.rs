@@ -1,11 +1,14 @@
 //! Boxes drawn by a pipeline that is not the renderer's, each in a colour of its own.
 
-use cull::CullView;
+use cull::{Aabb, CullView, Hierarchy};
 use gpu::{
     Attachments, Blend, Buffer, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
-    GraphicsPipelineInfo, StorageLayout, vk,
+    GraphicsPipelineInfo, IndirectDraw, PredicationMode, StorageLayout, vk,
 };
-use occlusion::{LeafTable, ProxyBox, ShaderSet};
+use occlusion::{
+    CulledScene, LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, OcclusionPasses, ProxyBox,
+    ShaderSet,
+};
 
 /// The indices of a box as `box.glsl` makes it up: three faces of two triangles.
 pub const BOX_INDICES: u32 = 18;
@@ -19,6 +22,25 @@ void main() {
     colour = vec4(vec3(bytes) / 255.0, 1.0);
 }
 ";
+
+/// Returns a scene of boxes, each a leaf with one draw, for two frames in flight.
+pub fn scene_of_boxes(
+    device: &Device,
+    boxes: &[Aabb],
+    attachments: Attachments,
+    predication: Option<PredicationMode>,
+) -> CulledScene {
+    let shaders = ShaderSet::embedded().unwrap();
+    let passes = OcclusionPasses::new(device, &shaders, attachments).unwrap();
+    let draw = IndirectDraw { index_count: BOX_INDICES, instance_count: 1, ..Default::default() };
+    let info = LeafTableInfo {
+        mesh_draws: [MeshDraw { draw, triangles: BOX_INDICES / 3 }].into(),
+        predication,
+        frames_in_flight: 2,
+    };
+    let hierarchy = Hierarchy::build(boxes).unwrap();
+    CulledScene::of_meshes(device, passes, hierarchy, info, |_| MeshDrawId(0)).unwrap()
+}
 
 /// A pipeline that draws the box of a leaf, and its buffers.
 pub struct NumberedBoxes {

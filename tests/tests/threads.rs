@@ -44,8 +44,10 @@ fn a_host_that_draws_has_the_threads_that_it_had_before() {
         for frame in 0..8 {
             let (buffer, numbers) = commands.begin();
             let (tick, slot) = record_frame(&mut ring, buffer, numbers, |recorded| {
-                scene.record(recorded, &[camera(frame)], Strategy::ANTUMBRA).unwrap();
-                recorded.slot()
+                let cameras = [camera(frame)];
+                let recorded = scene.record(recorded, &cameras, Strategy::ANTUMBRA).unwrap();
+                let slot = recorded.slot();
+                (recorded, slot)
             });
             scene.ended(tick, slot, Runs::Never);
             commands.end(Runs::Once).unwrap();

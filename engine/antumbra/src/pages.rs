@@ -38,20 +38,36 @@ struct ShadowsPage;
 /// From docs/embedding.md.
 ///
 /// ```no_run
-/// # use antumbra::cull::{CullView, Hierarchy, QueryShares};
-/// # use antumbra::occlusion::{PlanExecutor, OcclusionState};
-/// # fn plan(
-/// #     shares: &mut QueryShares,
-/// #     mut states: Vec<OcclusionState>,
-/// #     hierarchy: &Hierarchy,
-/// #     executor: &PlanExecutor,
-/// #     views: &[CullView],
-/// # ) {
-/// # let strategy = antumbra::Strategy::ANTUMBRA;
-/// let used = |state: &OcclusionState| state.plan().query_count();
-/// shares.plan_views(4096, &mut states, used, |number, state, share| {
-///     state.plan_frame(hierarchy, &executor.leaves, strategy, &views[number], share);
-/// });
+/// # use antumbra::cull::CullView;
+/// # use antumbra::occlusion::{CulledScene, Error, ObjectRenderer, OcclusionState};
+/// # fn record(
+/// #     scene: &mut CulledScene,
+/// #     frame: antumbra::gpu::Frame<'_>,
+/// #     state: &mut OcclusionState,
+/// #     view: &CullView,
+/// #     objects: &mut dyn ObjectRenderer,
+/// # ) -> Result<(), Error> {
+/// let mut scope = scene.begin(frame)?; // uploads changes
+/// scope.draw(state, view, objects)?; // reads results, plans, records
+/// scope.end()?;
+/// # Ok(())
+/// # }
+/// ```
+///
+/// ```no_run
+/// # use antumbra::occlusion::{DrawRequest, Error, FrameScope, ObjectRenderer, OcclusionState};
+/// # fn record<'a>(
+/// #     scope: &mut FrameScope<'a, '_>,
+/// #     states: &'a mut [OcclusionState],
+/// #     requests: &[DrawRequest<'_>],
+/// #     objects: &mut [&mut dyn ObjectRenderer],
+/// # ) -> Result<(), Error> {
+/// let views = states.iter_mut().zip(requests.iter().copied());
+/// let planned = scope.plan_all(views, 4096)?;
+/// for (view, objects) in planned.into_iter().zip(objects) {
+///     scope.record(view, *objects)?;
+/// }
+/// # Ok(())
 /// # }
 /// ```
 struct EmbeddingPage;

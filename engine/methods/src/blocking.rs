@@ -23,9 +23,9 @@ use gpu::{
     QueryIndex, Tick,
 };
 use occlusion::{
-    BucketId, Error, LeafTable, Method, MethodConstructor, MethodRequest, MethodScene, MethodState,
-    MethodStats, MethodSupport, ObjectPass, OcclusionState, ProxyBox, ProxyIo, Rendering,
-    UpcomingDraws, render,
+    BucketId, CulledScene, Error, LeafTable, Method, MethodConstructor, MethodRequest, MethodState,
+    MethodStats, MethodSupport, ObjectPass, OcclusionState, ProxyBox, ProxyIo, ProxyPass,
+    Rendering, ShadedObjects, ShaderSet, UpcomingDraws, render,
 };
 
 const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
@@ -71,7 +71,7 @@ impl Method for BlockingMethod {
 
     fn supports(&self, strategy: Strategy, support: &MethodSupport<'_>) -> Result<(), Error> {
         support.needs_one_draw_per_leaf(strategy)?;
-        let is_precise = support.device.capabilities().has(OptionalFeature::PreciseQueries);
+        let is_precise = support.scene.device().capabilities().has(OptionalFeature::PreciseQueries);
         match self.counting() {
             Counting::Samples if !is_precise => {
                 Err(support.missing(OptionalFeature::PreciseQueries, strategy))
@@ -80,37 +80,48 @@ impl Method for BlockingMethod {
         }
     }
 
-    fn prepare(&mut self, scene: &mut MethodScene<'_>) -> Result<(), Error> {
-        if !self.is_depth_first(scene) {
+    fn prepare(
+        &mut self,
+        _scene: &CulledScene,
+        objects: &mut dyn ShadedObjects,
+        shaders: &ShaderSet,
+    ) -> Result<(), Error> {
+        if !self.is_depth_first(objects) {
             return Ok(());
         }
-        scene.objects.prepare(ObjectPass::Depth, scene.shaders)?;
-        scene.objects.prepare(ObjectPass::Colour, scene.shaders)
+        objects.prepare(ObjectPass::Depth, shaders)?;
+        objects.prepare(ObjectPass::Colour, shaders)
     }
 
     fn record(
         &mut self,
         frame: &mut Frame<'_>,
         state: &mut OcclusionState,
-        scene: &mut MethodScene<'_>,
+        scene: &mut CulledScene,
+        objects: &mut dyn ShadedObjects,
         request: &MethodRequest<'_>,
     ) -> Result<MethodStats, Error> {
-        state.check(&scene.executor.leaves)?;
-        state.begin_unplanned(frame, scene.hierarchy, &scene.executor.leaves)?;
+        state.check(scene)?;
+        state.begin_unplanned(frame, scene, request.view)?;
         let mut kept = state.take_method_state::<BlockingState>().unwrap_or_else(|| {
             let slots = state.frames_in_flight();
             let name = "blocking queries";
-            let queries = BlockingQueryPool::new(scene.device, slots, name);
+            let queries = BlockingQueryPool::new(scene.device(), slots, name);
             Box::new(BlockingState { cullers: Vec::new(), queries })
         });
-        let stats = self.record_batches(frame, state, &mut kept, scene, request);
+        let stats = self.record_batches(frame, state, &mut kept, scene, objects, request);
         state.put_method_state(kept);
         let stats = stats?;
         state.note_samples_below_threshold(stats.samples_below_threshold);
         Ok(MethodStats { tests: stats.boxes, queries: stats.boxes + stats.visible_draw_queries })
     }
 
-    fn reloaded(&self, _scene: &mut MethodScene<'_>) -> Result<Box<dyn Method>, Error> {
+    fn reloaded(
+        &self,
+        _scene: &CulledScene,
+        _objects: &mut dyn ShadedObjects,
+        _shaders: &ShaderSet,
+    ) -> Result<Box<dyn Method>, Error> {
         Ok(Box::new(*self))
     }
 }
@@ -123,8 +134,8 @@ impl BlockingMethod {
 
     /// Returns true if the batches draw depth alone and the colour comes last, as an option demands
     /// it in scenes that are not drawn so anyway.
-    fn is_depth_first(&self, scene: &MethodScene<'_>) -> bool {
-        self.kind.first_pass() == FirstPass::DepthOnly && !scene.objects.shades_later()
+    fn is_depth_first(&self, objects: &dyn ShadedObjects) -> bool {
+        self.kind.first_pass() == FirstPass::DepthOnly && !objects.shades_later()
     }
 
     /// Records a frame up to its last batch, which is not submitted yet.
@@ -133,13 +144,14 @@ impl BlockingMethod {
         frame: &mut Frame<'_>,
         state: &mut OcclusionState,
         kept: &mut BlockingState,
-        scene: &mut MethodScene<'_>,
+        scene: &CulledScene,
+        objects: &mut dyn ShadedObjects,
         request: &MethodRequest<'_>,
     ) -> Result<BlockingStats, Error> {
         let BlockingState { cullers, queries } = kept;
-        let mut decisions = culler_of(self.kind, cullers).begin(scene.hierarchy, request.view);
+        let mut decisions = culler_of(self.kind, cullers).begin(scene.hierarchy(), request.view);
         queries.begin(frame.slot());
-        scene.objects.prepare_draws(frame.commands(), UpcomingDraws::All);
+        objects.prepare_draws(frame.commands(), UpcomingDraws::All);
         let plan = state.plan_mut();
         let mut batch = Batch::default();
         let mut answers = Vec::new();
@@ -149,10 +161,12 @@ impl BlockingMethod {
             let step = decisions.next(&answers, &mut batch);
             plan.draws.extend(batch.draws.iter().map(|draw| draw.leaf));
             if is_first || !batch.is_empty() {
-                let io = BatchIo::write(frame, &batch, queries, &scene.executor.leaves)?;
+                let io = BatchIo::write(frame, &batch, queries, scene.leaves())?;
                 let rendering = if is_first { Rendering::First } else { Rendering::Next };
                 let recorded = RecordedBatch { batch: &batch, io: &io, rendering };
-                self.record_batch(frame.commands(), &recorded, queries, scene, request.view);
+                let proxies = &scene.passes().proxies;
+                let commands = frame.commands();
+                self.record_batch(commands, &recorded, queries, proxies, objects, request.view);
                 is_first = false;
                 if step != NextAction::Done {
                     let tick = frame.flush(request.after)?;
@@ -164,7 +178,7 @@ impl BlockingMethod {
                 NextAction::Submit => {}
                 NextAction::Wait(token) => wait(frame, &under_way, token)?,
             }
-            collect(scene.device.completed()?, &mut under_way, queries, &mut answers);
+            collect(scene.device().completed()?, &mut under_way, queries, &mut answers);
         }
         let stats = decisions.stats();
         plan.stats = PlanStats {
@@ -174,7 +188,7 @@ impl BlockingMethod {
             too_near: stats.too_near,
             ..PlanStats::default()
         };
-        self.record_end(frame, &plan.draws, scene, request)?;
+        self.record_end(frame, &plan.draws, scene, objects, request.view)?;
         Ok(stats)
     }
 
@@ -184,20 +198,22 @@ impl BlockingMethod {
         commands: &Commands,
         recorded: &RecordedBatch<'_>,
         queries: &BlockingQueryPool,
-        scene: &mut MethodScene<'_>,
+        proxies: &ProxyPass,
+        objects: &mut dyn ShadedObjects,
         view: &CullView,
     ) {
         let RecordedBatch { batch, io, rendering } = *recorded;
         let counting = self.counting();
-        let is_depth_first = self.is_depth_first(scene);
-        let pass = if is_depth_first { ObjectPass::Depth } else { ObjectPass::Visibility };
-        let MethodScene { executor, objects, .. } = scene;
-        let proxies = &executor.passes.proxies;
+        let is_depth_first = self.is_depth_first(objects);
         objects.target().prepare(commands);
         commands.pass("draw and query", |commands| {
-            render(*objects, commands, view, rendering, |commands, objects| {
+            render(objects, commands, view, rendering, |commands, objects| {
                 if !batch.draws.is_empty() {
-                    objects.bind(commands, view, BucketId(0), pass);
+                    if is_depth_first {
+                        objects.bind_pass(commands, view, BucketId(0), ObjectPass::Depth);
+                    } else {
+                        objects.bind(commands, view, BucketId(0));
+                    }
                     draw(commands, &batch.draws, io.draws, queries, counting);
                 }
                 if !batch.tests.is_empty() {
@@ -218,19 +234,18 @@ impl BlockingMethod {
         &self,
         frame: &mut Frame<'_>,
         drawn: &[LeafIndex],
-        scene: &mut MethodScene<'_>,
-        request: &MethodRequest<'_>,
+        scene: &CulledScene,
+        objects: &mut dyn ShadedObjects,
+        view: &CullView,
     ) -> Result<(), Error> {
-        let is_depth_first = self.is_depth_first(scene);
-        let MethodScene { executor, objects, .. } = scene;
+        let is_depth_first = self.is_depth_first(objects);
         if !is_depth_first && !objects.shades_later() {
             return Ok(());
         }
-        let draws = drawn.iter().map(|leaf| executor.leaves.draw(*leaf));
+        let draws = drawn.iter().map(|leaf| scene.leaves().draw(*leaf));
         let draws = frame.uploads().push_iter(draws)?.part(0, drawn.len() as u64 * DRAW_BYTES);
         let commands = frame.commands();
-        let view = request.view;
-        objects.shade(executor, commands, view, &|commands, bind| {
+        objects.shade(scene, commands, view, &|commands, bind| {
             bind(commands, BucketId(0));
             commands.draw_indirect(draws);
         });
@@ -238,7 +253,7 @@ impl BlockingMethod {
             objects.target().prepare(commands);
             commands.pass("shade", |commands| {
                 commands.rendering(objects.colour_rendering(view), |commands| {
-                    objects.bind(commands, view, BucketId(0), ObjectPass::Colour);
+                    objects.bind_pass(commands, view, BucketId(0), ObjectPass::Colour);
                     commands.draw_indirect(draws);
                 });
             });

@@ -25,9 +25,9 @@ use gpu::{
     OptionalFeature, vk,
 };
 use occlusion::{
-    BucketId, Error, Method, MethodConstructor, MethodRequest, MethodScene, MethodStats,
-    MethodSupport, ObjectPass, ObjectRenderer, OcclusionState, PlanExecutor, Rect, Rendering,
-    ShaderSet, UpcomingDraws, render, render_last,
+    BucketId, CulledScene, Error, Method, MethodConstructor, MethodRequest, MethodStats,
+    MethodSupport, OcclusionState, Rect, Rendering, ShadedObjects, ShaderSet, UpcomingDraws,
+    render, render_last,
 };
 
 pub use build::{HzbLevel, HzbPass, hzb_levels};
@@ -56,12 +56,17 @@ impl Method for HzbMethod {
 
     fn supports(&self, strategy: Strategy, support: &MethodSupport<'_>) -> Result<(), Error> {
         support.needs_one_draw_per_leaf(strategy)?;
-        HzbFrame::check(support.device, support.hierarchy, support.size)
+        HzbFrame::check(support.scene.device(), support.scene.hierarchy(), support.size)
     }
 
-    fn prepare(&mut self, scene: &mut MethodScene<'_>) -> Result<(), Error> {
+    fn prepare(
+        &mut self,
+        scene: &CulledScene,
+        objects: &mut dyn ShadedObjects,
+        shaders: &ShaderSet,
+    ) -> Result<(), Error> {
         if self.frame.is_none() {
-            self.frame = Some(HzbFrame::of(scene)?);
+            self.frame = Some(HzbFrame::of(scene, objects, shaders)?);
         }
         Ok(())
     }
@@ -70,17 +75,23 @@ impl Method for HzbMethod {
         &mut self,
         frame: &mut Frame<'_>,
         state: &mut OcclusionState,
-        scene: &mut MethodScene<'_>,
+        scene: &mut CulledScene,
+        objects: &mut dyn ShadedObjects,
         request: &MethodRequest<'_>,
     ) -> Result<MethodStats, Error> {
         if let Some(pyramid) = &self.frame {
-            pyramid.record(frame, state, scene, request.view)?;
+            pyramid.record(frame, state, scene, objects, request.view)?;
         }
         Ok(MethodStats::default())
     }
 
-    fn reloaded(&self, scene: &mut MethodScene<'_>) -> Result<Box<dyn Method>, Error> {
-        let frame = self.frame.as_ref().map(|_| HzbFrame::of(scene));
+    fn reloaded(
+        &self,
+        scene: &CulledScene,
+        objects: &mut dyn ShadedObjects,
+        shaders: &ShaderSet,
+    ) -> Result<Box<dyn Method>, Error> {
+        let frame = self.frame.as_ref().map(|_| HzbFrame::of(scene, objects, shaders));
         Ok(Box::new(Self { frame: frame.transpose()? }))
     }
 
@@ -118,10 +129,14 @@ const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 const MOST_ALIGNMENT_BYTES: u64 = 256;
 
 impl HzbFrame {
-    fn of(scene: &mut MethodScene<'_>) -> Result<Self, Error> {
-        let lists = if scene.objects.shades_later() { Lists::Both } else { Lists::One };
-        let size = scene.objects.target().size();
-        Self::new(scene.device, scene.shaders, scene.hierarchy, size, lists)
+    fn of(
+        scene: &CulledScene,
+        objects: &mut dyn ShadedObjects,
+        shaders: &ShaderSet,
+    ) -> Result<Self, Error> {
+        let lists = if objects.shades_later() { Lists::Both } else { Lists::One };
+        let size = objects.target().size();
+        Self::new(scene.device(), shaders, scene.hierarchy(), size, lists)
     }
 
     /// Compiles the passes and makes room for the leaves of `hierarchy`.
@@ -187,17 +202,20 @@ impl HzbFrame {
         &self,
         frame: &mut Frame<'_>,
         state: &mut OcclusionState,
-        scene: &mut MethodScene<'_>,
+        scene: &CulledScene,
+        objects: &mut dyn ShadedObjects,
         view: &CullView,
     ) -> Result<(), Error> {
-        let MethodScene { device, hierarchy, executor, objects, .. } = scene;
-        state.check(&executor.leaves)?;
-        state.begin_unplanned(frame, hierarchy, &executor.leaves)?;
+        state.check(scene)?;
+        state.begin_unplanned(frame, scene, view)?;
         let mut kept = match state.take_method_state::<HzbState>() {
             Some(kept) => kept,
-            None => Box::new(HzbState::new(device, hierarchy, state.frames_in_flight())?),
+            None => {
+                let slots = state.frames_in_flight();
+                Box::new(HzbState::new(scene.device(), scene.hierarchy(), slots)?)
+            }
         };
-        kept.begin(device, hierarchy, state.plan().frame, frame.slot())?;
+        kept.begin(scene.device(), scene.hierarchy(), state.plan().frame, frame.slot())?;
         let commands = frame.commands();
         objects.prepare_draws(commands, UpcomingDraws::All);
         // The frames before, on this view or another, may still read what is written here.
@@ -210,7 +228,7 @@ impl HzbFrame {
             &[Access::CopyWrite, Access::ComputeWrite],
             &[Access::ComputeRead, Access::ComputeWrite],
         ));
-        self.record_phases(commands, &kept, executor, *objects, view);
+        self.record_phases(commands, &kept, scene, objects, view);
         state.put_method_state(kept);
         Ok(())
     }
@@ -219,13 +237,13 @@ impl HzbFrame {
         &self,
         commands: &Commands,
         kept: &HzbState,
-        executor: &PlanExecutor,
-        objects: &mut dyn ObjectRenderer,
+        scene: &CulledScene,
+        objects: &mut dyn ShadedObjects,
         view: &CullView,
     ) {
         let io = HzbCullIo {
-            boxes: executor.leaves.boxes(),
-            leaves: executor.leaves.predicates().draws(),
+            boxes: scene.leaves().boxes(),
+            leaves: scene.leaves().predicates().draws(),
             seen: kept.seen(),
             list: self.list(Phase::First),
             counters: self.counters.whole(),
@@ -239,7 +257,7 @@ impl HzbFrame {
         objects.target().prepare(commands);
         commands.pass("draw visible", |commands| {
             render(objects, commands, view, Rendering::First, |commands, objects| {
-                objects.bind(commands, view, BucketId(0), ObjectPass::Visibility);
+                objects.bind(commands, view, BucketId(0));
                 self.draw(commands, Phase::First);
             });
         });
@@ -256,11 +274,11 @@ impl HzbFrame {
         objects.target().prepare(commands);
         commands.pass("draw revealed", |commands| {
             render_last(objects, commands, view, Rendering::Next, |commands, objects| {
-                objects.bind(commands, view, BucketId(0), ObjectPass::Visibility);
+                objects.bind(commands, view, BucketId(0));
                 self.draw(commands, Phase::Second);
             });
         });
-        objects.shade(executor, commands, view, &|commands, bind| {
+        objects.shade(scene, commands, view, &|commands, bind| {
             bind(commands, BucketId(0));
             self.draw(commands, Phase::First);
             self.draw(commands, Phase::Second);

@@ -5,8 +5,8 @@
 use cull::Strategy;
 use gpu::{Frame, OptionalFeature};
 use occlusion::{
-    Error, Method, MethodConstructor, MethodRequest, MethodScene, MethodStats, MethodSupport,
-    OcclusionState, execute,
+    CulledScene, Error, Method, MethodConstructor, MethodRequest, MethodStats, MethodSupport,
+    OcclusionState, ShadedObjects, ShaderSet, execute,
 };
 
 /// The strategy of this method.
@@ -28,7 +28,7 @@ impl Method for Ideal {
 
     /// Checks that fragment shaders can write to buffers, which finding the visible objects takes.
     fn supports(&self, strategy: Strategy, support: &MethodSupport<'_>) -> Result<(), Error> {
-        if support.device.capabilities().has(OptionalFeature::FragmentStores) {
+        if support.scene.device().capabilities().has(OptionalFeature::FragmentStores) {
             return Ok(());
         }
         Err(support.missing(OptionalFeature::FragmentStores, strategy))
@@ -38,16 +38,21 @@ impl Method for Ideal {
         &mut self,
         frame: &mut Frame<'_>,
         state: &mut OcclusionState,
-        scene: &mut MethodScene<'_>,
+        scene: &mut CulledScene,
+        objects: &mut dyn ShadedObjects,
         request: &MethodRequest<'_>,
     ) -> Result<MethodStats, Error> {
-        let MethodScene { hierarchy, executor, objects, shaders, .. } = scene;
-        state.plan_known(hierarchy, &executor.leaves, request.visible);
-        execute(frame, executor, state, *objects, shaders, request.view)?;
+        state.plan_known(scene, request.view, request.visible);
+        execute(frame, scene, state, objects)?;
         Ok(MethodStats::default())
     }
 
-    fn reloaded(&self, _scene: &mut MethodScene<'_>) -> Result<Box<dyn Method>, Error> {
+    fn reloaded(
+        &self,
+        _scene: &CulledScene,
+        _objects: &mut dyn ShadedObjects,
+        _shaders: &ShaderSet,
+    ) -> Result<Box<dyn Method>, Error> {
         Ok(Box::new(Self))
     }
 }

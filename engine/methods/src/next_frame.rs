@@ -4,8 +4,8 @@
 use cull::Strategy;
 use gpu::Frame;
 use occlusion::{
-    Error, Method, MethodConstructor, MethodRequest, MethodScene, MethodStats, OcclusionState,
-    execute,
+    CulledScene, Error, Method, MethodConstructor, MethodRequest, MethodStats, OcclusionState,
+    ShadedObjects, ShaderSet, execute,
 };
 
 /// The strategy of this method.
@@ -29,16 +29,21 @@ impl Method for NextFrame {
         &mut self,
         frame: &mut Frame<'_>,
         state: &mut OcclusionState,
-        scene: &mut MethodScene<'_>,
+        scene: &mut CulledScene,
+        objects: &mut dyn ShadedObjects,
         request: &MethodRequest<'_>,
     ) -> Result<MethodStats, Error> {
-        let MethodScene { hierarchy, executor, objects, shaders, .. } = scene;
-        state.plan_next_frame(hierarchy, &executor.leaves, request.view);
-        execute(frame, executor, state, *objects, shaders, request.view)?;
+        state.plan_next_frame(scene, request.view);
+        execute(frame, scene, state, objects)?;
         Ok(MethodStats::of(state.plan()))
     }
 
-    fn reloaded(&self, _scene: &mut MethodScene<'_>) -> Result<Box<dyn Method>, Error> {
+    fn reloaded(
+        &self,
+        _scene: &CulledScene,
+        _objects: &mut dyn ShadedObjects,
+        _shaders: &ShaderSet,
+    ) -> Result<Box<dyn Method>, Error> {
         Ok(Box::new(Self))
     }
 }

@@ -4,11 +4,14 @@
 use cull::Strategy;
 use gpu::{Frame, OptionalFeature};
 
+use crate::culled_scene::CulledScene;
 use crate::error::{CannotCount, Error};
 use crate::execution::execute;
-use crate::method::{Method, MethodRequest, MethodScene, MethodStats, MethodSupport};
+use crate::method::{Method, MethodRequest, MethodStats, MethodSupport};
 use crate::occlusion_state::OcclusionState;
 use crate::passes::ComputeTest;
+use crate::shaded_objects::ShadedObjects;
+use crate::shader_set::ShaderSet;
 
 /// The method that plans a frame and executes the plan.
 #[derive(Clone, Copy, Debug, Default)]
@@ -20,15 +23,15 @@ impl Method for AntumbraMethod {
     }
 
     fn supports(&self, strategy: Strategy, support: &MethodSupport<'_>) -> Result<(), Error> {
-        let MethodSupport { device, executor, size, threshold_samples, .. } = *support;
+        let MethodSupport { scene, size, threshold_samples } = *support;
         let counts_nothing = strategy.culls_occluded() && !strategy.has_sample_threshold();
         if counts_nothing && threshold_samples > 0 {
             return Err(CannotCount { strategy, threshold_samples }.into());
         }
         if strategy == Strategy::ANTUMBRA_COMPUTE {
-            ComputeTest::check(device, size)?;
+            ComputeTest::check(&scene.device, size)?;
         }
-        if strategy == Strategy::ANTUMBRA_FLAGS && !executor.passes.proxies.can_flag() {
+        if strategy == Strategy::ANTUMBRA_FLAGS && !scene.passes.proxies.can_flag() {
             return Err(support.missing(OptionalFeature::FragmentStores, strategy));
         }
         Ok(())
@@ -37,28 +40,31 @@ impl Method for AntumbraMethod {
     fn plan(
         &mut self,
         state: &mut OcclusionState,
-        scene: &mut MethodScene<'_>,
+        scene: &CulledScene,
         request: &MethodRequest<'_>,
         query_budget: usize,
     ) {
-        let MethodRequest { strategy, view, .. } = *request;
-        let leaves = &scene.executor.leaves;
-        state.plan_frame(scene.hierarchy, leaves, strategy, view, query_budget);
+        state.plan_frame(scene, request.strategy, request.view, query_budget);
     }
 
     fn record(
         &mut self,
         frame: &mut Frame<'_>,
         state: &mut OcclusionState,
-        scene: &mut MethodScene<'_>,
-        request: &MethodRequest<'_>,
+        scene: &mut CulledScene,
+        objects: &mut dyn ShadedObjects,
+        _request: &MethodRequest<'_>,
     ) -> Result<MethodStats, Error> {
-        let MethodScene { executor, objects, shaders, .. } = scene;
-        execute(frame, executor, state, *objects, shaders, request.view)?;
+        execute(frame, scene, state, objects)?;
         Ok(MethodStats::of(state.plan()))
     }
 
-    fn reloaded(&self, _scene: &mut MethodScene<'_>) -> Result<Box<dyn Method>, Error> {
+    fn reloaded(
+        &self,
+        _scene: &CulledScene,
+        _objects: &mut dyn ShadedObjects,
+        _shaders: &ShaderSet,
+    ) -> Result<Box<dyn Method>, Error> {
         Ok(Box::new(*self))
     }
 }

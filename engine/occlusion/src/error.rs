@@ -14,17 +14,19 @@ pub enum Error {
     /// A strategy that does not count samples, and a threshold.
     #[error(transparent)]
     CannotCount(#[from] CannotCount),
-    /// A view and the leaves of another scene.
+    /// A view and another scene.
     #[error(
-        "this view was made for another scene's leaves: each view goes with the `LeafTable` that it was made for"
+        "this view was made for another scene: each view goes with the `CulledScene` that it was made for"
     )]
     ForeignView,
     /// A frame without the changes of the scene that it draws.
     #[error(transparent)]
     NotUploaded(#[from] NotUploaded),
-    /// A view without a plan that can be executed.
-    #[error(transparent)]
-    Plan(#[from] PlanError),
+    /// A view without a plan for the scene as it is.
+    #[error(
+        "the view has no plan for the scene as it is: plan it once before each `execute`, after all changes of the scene"
+    )]
+    NoPlan,
     /// Buckets where there are none, or others.
     #[error(transparent)]
     Buckets(#[from] BucketError),
@@ -59,36 +61,16 @@ pub struct CannotCount {
 /// A plan with draws among its tests, and a host that draws before and after them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "the plan of this frame has draws among its tests, and the host takes them as lists: create the view's `Culler` with `DrawPhases::Two`"
+    "the plan of this frame has draws among its tests, and the host takes them as lists: create the view with `DrawPhases::Two`"
 )]
 pub struct DrawsAmongTests;
 
 /// A frame without the changes of the scene that it draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "the scene has changes that this frame does not upload: call `HostScene::upload` (or `LeafTable::upload`) once in each frame, and execute no plan in a frame where it fails"
+    "the scene has changes that this frame does not upload: call `LeafTable::upload` once in each frame, and execute no plan in a frame where it fails"
 )]
 pub struct NotUploaded;
-
-/// An error about the plan of a view.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum PlanError {
-    /// No plan, or none that was not executed.
-    #[error(
-        "the view has no plan that was not executed yet: call `OcclusionState::plan_frame` once before each `execute` or `list_draws`"
-    )]
-    Missing,
-    /// A scene that changed after the plan was made.
-    #[error(
-        "the scene has changed since the frame was planned: change it and call `HostScene::upload` first, then `OcclusionState::plan_frame`"
-    )]
-    SceneChanged,
-    /// Views that the plan was not made for.
-    #[error(
-        "the plan was made for other views: give `execute` the views that `OcclusionState::plan_frame` got"
-    )]
-    OtherViews,
-}
 
 /// An error about the buckets of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -162,7 +144,7 @@ pub enum TargetError {
     },
     /// A plan with tests by compute shader, and a depth that cannot be copied.
     #[error(
-        "the plan has tests by compute shader, and the depth of the target cannot be copied: create the `Culler` with `PlanExecutor::testers`"
+        "the plan has tests by compute shader, and the depth of the target cannot be copied: create the view by `CulledScene::new_view`, for this target"
     )]
     CannotCopyDepth,
 }

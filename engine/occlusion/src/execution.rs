@@ -4,63 +4,59 @@ mod io;
 mod listing;
 mod recording;
 
-use cull::{CullView, MultiView};
+use cull::CullView;
 use gpu::{Frame, PredicationMode, Target};
 
+use crate::culled_scene::CulledScene;
 use crate::error::{Error, TargetError, WrongAttachments};
-use crate::executor::PlanExecutor;
-use crate::object_renderer::ObjectRenderer;
 use crate::occlusion_state::OcclusionState;
-use crate::passes::{ComputeTest, ListDrawsPass};
-use crate::shader_set::ShaderSet;
+use crate::shaded_objects::ShadedObjects;
 use io::FrameIo;
-pub use listing::{ListedTests, list_draws};
+pub(crate) use listing::{ListedTests, list_draws};
 use recording::Recording;
 
-/// Executes the newest plan of `state`, which was made for `views`: one, or several that are drawn
-/// at once to the layers of the target. The owner of the objects is called with the first.
+/// Executes the newest plan of `state`, for the views that it was made for. The owner of the
+/// objects is called with the first of them.
 ///
 /// # Errors
-/// [`Error::Plan`]; a view of another scene; [`Error::NotUploaded`]; a target with other
+/// [`Error::NoPlan`]; a view of another scene; [`Error::NotUploaded`]; a target with other
 /// attachments than the passes were compiled for, or with another number of views; a depth that the
 /// plan's tests cannot read; no memory, a failed call.
-pub fn execute<'v>(
+pub fn execute(
     frame: &mut Frame<'_>,
-    executor: &mut PlanExecutor,
+    scene: &mut CulledScene,
     state: &mut OcclusionState,
-    objects: &mut dyn ObjectRenderer,
-    shaders: &ShaderSet,
-    views: impl Into<MultiView<'v>>,
+    objects: &mut dyn ShadedObjects,
 ) -> Result<(), Error> {
-    let views: MultiView<'_> = views.into();
-    state.check_plan(&executor.leaves, views)?;
-    check_target(executor, state, objects.target(), views)?;
-    make_compute_test(executor, state, shaders, objects.target().size())?;
-    let mut io = FrameIo::write(frame, state, &mut executor.leaves, views)?;
-    if executor.leaves.predicates.predication() == PredicationMode::Compacted {
-        make_list_pass(executor, state, shaders)?;
-        io.lists = state.compact(frame, &executor.leaves)?;
+    let planned = state.take_planned_views(scene)?;
+    let view = planned.first().ok_or(Error::NoPlan)?;
+    check_target(scene, state, objects.target(), &planned)?;
+    prepare_compute_test(scene, state, objects.target().size())?;
+    let mut io = FrameIo::write(frame, state, &mut scene.leaves, &planned)?;
+    if scene.leaves.predicates.predication() == PredicationMode::Compacted {
+        io.lists = state.compact(frame, &scene.leaves)?;
     }
-    Recording { executor, state, view: views.first(), io: &io }.record(frame.commands(), objects);
+    Recording { scene, state, view, io: &io }.record(frame.commands(), objects);
+    state.keep_planned_views(planned);
     Ok(())
 }
 
 /// Refuses a target that does not fit the passes, the views or the tests of the plan.
 fn check_target(
-    executor: &PlanExecutor,
+    scene: &CulledScene,
     state: &OcclusionState,
     target: &Target,
-    views: MultiView<'_>,
+    views: &[CullView],
 ) -> Result<(), Error> {
-    let passes = executor.passes.attachments();
+    let passes = scene.passes.attachments();
     let attachments = target.attachments();
     if !passes.fit(&attachments) {
         let passes = Box::new(passes);
         let target = Box::new(attachments);
         return Err(WrongAttachments { passes, target }.into());
     }
-    if views.as_slice().len() as u64 != u64::from(attachments.views) {
-        let views = views.as_slice().len();
+    if views.len() as u64 != u64::from(attachments.views) {
+        let views = views.len();
         let target = attachments.views;
         return Err(TargetError::Views { views, target }.into());
     }
@@ -68,7 +64,7 @@ fn check_target(
         let end = |side: usize| u64::from(view.origin[side]) + u64::from(view.size[side]);
         (0..2).all(|side| end(side) <= u64::from(target.size()[side]))
     };
-    if let Some(view) = views.as_slice().iter().find(|view| !is_inside(view)) {
+    if let Some(view) = views.iter().find(|view| !is_inside(view)) {
         let size = view.size;
         let origin = view.origin;
         let target = target.size();
@@ -80,29 +76,15 @@ fn check_target(
     Ok(())
 }
 
-/// Creates the pass that tests boxes by a compute shader, for the first plan with such tests.
-fn make_compute_test(
-    executor: &mut PlanExecutor,
+/// Makes room for the depth that boxes are tested against by a compute shader, in the first frame
+/// of a size with such tests.
+fn prepare_compute_test(
+    scene: &mut CulledScene,
     state: &OcclusionState,
-    shaders: &ShaderSet,
     size: [u32; 2],
 ) -> Result<(), Error> {
-    if executor.passes.compute_test.is_none() && state.layout.tests_by_compute() {
-        let test = ComputeTest::new(state.device(), shaders, size)?;
-        let samples = executor.passes.attachments().samples;
-        executor.passes.compute_test = Some(test.of_samples(samples));
-    }
-    Ok(())
-}
-
-/// Creates the passes that list draws, for the first frame with lists.
-fn make_list_pass(
-    executor: &mut PlanExecutor,
-    state: &OcclusionState,
-    shaders: &ShaderSet,
-) -> Result<(), Error> {
-    if executor.passes.list_draws.is_none() {
-        executor.passes.list_draws = Some(ListDrawsPass::new(state.device(), shaders)?);
+    if state.layout.tests_by_compute() {
+        scene.passes.compute_test.resize(&scene.device, size)?;
     }
     Ok(())
 }

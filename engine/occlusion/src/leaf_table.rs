@@ -12,7 +12,7 @@ mod upload_frames;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use cull::{Aabb, Hierarchy, HierarchyId, LeafIndex, LeafRange, ObjectId, SceneCosts};
+use cull::{Aabb, Hierarchy, LeafIndex, LeafRange, ObjectId, SceneCosts};
 use gpu::{
     Buffer, BufferSlice, Device, DrawLink, Frame, IndirectDraw, Predicates, PredicationMode,
     RecordingId, Tick, vk,
@@ -57,7 +57,6 @@ impl LeafTableId {
 /// The leaves of one scene. Changed leaves are marked; the next frame uploads them.
 pub struct LeafTable {
     pub(crate) id: LeafTableId,
-    pub(crate) hierarchy: HierarchyId,
     /// The number of changes, after each of which older plans cannot be executed.
     pub(crate) version: u64,
     device: Device,
@@ -121,7 +120,6 @@ impl LeafTable {
             (0..count).map(|leaf| draws.draw(LeafIndex(leaf))).collect();
         Ok(Self {
             id: LeafTableId::new(),
-            hierarchy: hierarchy.id().clone(),
             version: 0,
             device: device.clone(),
             boxes: device.upload("leaf boxes", &boxes, vk::BufferUsageFlags::STORAGE_BUFFER)?,

@@ -7,53 +7,49 @@
 //!
 //! | type | purpose |
 //! |---|---|
-//! | [`LeafTable`] | box, draws and counts per leaf of the hierarchy, on the CPU and the GPU |
-//! | [`HostScene`] | objects of a host, with any number of draws in its own pipelines |
-//! | [`TransparentList`] | objects that hide nothing, drawn in their order where they show |
-//! | [`PlanExecutor`] | records the rounds of a plan: draws, tests, predicates, results |
-//! | [`list_draws`] | hands the draws of a plan to a host that records them itself |
+//! | [`CulledScene`] | hierarchy, draws per leaf and passes of a scene; adds, moves, removes objects |
+//! | [`FrameScope`] | a frame of a scene: uploads, plans, records, ends |
 //! | [`OcclusionState`] | one view: its culler, its tests on their way, its newest plan |
+//! | [`ObjectRenderer`] | the seam to the owner of the objects |
+//! | [`TransparentList`] | objects that hide nothing, drawn in their order where they show |
+//! | [`LeafTable`] | box, draws and counts per leaf of the hierarchy, on the CPU and the GPU |
 //! | [`Method`] | the trait of all methods: [`AntumbraMethod`] is Antumbra's own |
 //! | [`CostModel`], [`measure`] | costs of tests and draws on this device |
 //! | [`DriverQuirks`] | the parts of a driver that may be used, after a self-test |
 //!
-//! A frame of somebody's own objects, each a box and an indexed draw:
+//! Frames of somebody's own objects, which draw themselves in one pipeline:
 //!
 //! ```no_run
 //! # use antumbra_occlusion as occlusion;
-//! use cull::{Aabb, Camera, CullConfig, Culler, DrawPhases, Hierarchy, Strategy, CullView};
+//! use cull::{Camera, CullConfig, CullView, DrawPhases};
 //! use occlusion::*;
 //!
 //! fn walk(
 //!     device: &gpu::Device,
-//!     boxes: &[Aabb],
-//!     draw: MeshDraw,
+//!     boxes: &[HostObject<'_>],
 //!     objects: &mut dyn ObjectRenderer,
 //!     cameras: &[Camera],
 //! ) -> Result<(), Box<dyn std::error::Error>> {
-//!     let (shaders, size, slots) = (ShaderSet::embedded()?, objects.target().size(), 2);
-//!     let hierarchy = Hierarchy::build(boxes)?;
-//!     let info = LeafTableInfo {
-//!         mesh_draws: [draw].into(),
-//!         predication: None,
-//!         frames_in_flight: slots,
-//!     };
-//!     let leaves = LeafTable::new(device, &hierarchy, info, |_object| MeshDrawId(0))?;
+//!     let shaders = ShaderSet::embedded()?;
 //!     let passes = OcclusionPasses::new(device, &shaders, objects.target().attachments())?;
-//!     let mut executor = PlanExecutor { passes, leaves };
-//!     let testers = executor.testers(device, objects.target(), DrawPhases::PerRound);
-//!     let culler = Culler::with_testers(CullConfig::default(), testers);
-//!     let mut state = OcclusionState::new(device, &hierarchy, &executor.leaves, slots, culler)?;
-//!     let mut frames = gpu::FrameRing::new(device, slots)?;
+//!     let info = BucketTableInfo {
+//!         bucket_count: 1,
+//!         draw_capacity: boxes.len() as u32,
+//!         predication: None,
+//!         frames_in_flight: 2,
+//!     };
+//!     let mut scene = CulledScene::new(device, passes, boxes.len(), info)?;
+//!     scene.add(boxes, &mut Vec::new())?;
+//!     let phases = DrawPhases::PerRound;
+//!     let mut state = scene.new_view(objects.target(), CullConfig::default(), phases)?;
+//!     let mut frames = gpu::FrameRing::new(device, 2)?;
 //!     for camera in cameras {
 //!         let bits = device.adapter().limits.sub_pixel_precision_bits;
-//!         let view = CullView::new(camera, size, bits);
-//!         let mut frame = frames.begin()?; // waits for the frame of two frames ago
-//!         state.collect(device.completed()?, &hierarchy, &executor.leaves);
-//!         state.plan_frame(&hierarchy, &executor.leaves, Strategy::ANTUMBRA, &view, 4096);
-//!         execute(&mut frame, &mut executor, &mut state, objects, &shaders, &view)?;
-//!         let tick = frame.submit(None)?;
-//!         state.submitted(tick, &executor.leaves, None);
+//!         let view = CullView::new(camera, objects.target().size(), bits);
+//!         let frame = frames.begin()?; // waits for the frame of two frames ago
+//!         let mut scope = scene.begin(frame)?; // uploads changes
+//!         scope.draw(&mut state, &view, objects)?; // reads results, plans, records
+//!         scope.submit(None)?;
 //!     }
 //!     Ok(())
 //! }
@@ -62,11 +58,11 @@
 
 mod antumbra_method;
 mod costs;
+mod culled_scene;
 mod draw_lists;
 mod error;
 mod execution;
-mod executor;
-mod host_scene;
+mod frame_scope;
 mod leaf_table;
 mod method;
 mod method_state;
@@ -76,6 +72,7 @@ mod outcomes;
 mod passes;
 mod quirks;
 mod rect;
+mod shaded_objects;
 mod shader_set;
 mod test_layout;
 mod transparent_list;
@@ -88,25 +85,20 @@ pub use costs::device_costs::{
 };
 pub use costs::frame_times::FrameTimes;
 pub use costs::skipped_ranges::SkippedRanges;
+pub use culled_scene::{CulledScene, HostObject, ScenePartsMut};
 pub use draw_lists::DrawList;
 pub use error::{
-    BucketError, CannotCount, DrawsAmongTests, Error, NotUploaded, PlanError, TargetError,
-    WrongAttachments,
+    BucketError, CannotCount, DrawsAmongTests, Error, NotUploaded, TargetError, WrongAttachments,
 };
-pub use execution::{ListedTests, execute, list_draws};
-pub use executor::PlanExecutor;
-pub use host_scene::{HostObject, HostScene};
+pub use execution::execute;
+pub use frame_scope::{DrawRequest, FrameScope, ListedView, PerView, PlannedView};
 pub use leaf_table::{
     BucketDraw, BucketId, BucketTableInfo, LeafCount, LeafElements, LeafTable, LeafTableInfo,
     MAX_BUCKETS, MeshDraw, MeshDrawId,
 };
-pub use method::{
-    Method, MethodConstructor, MethodRequest, MethodScene, MethodStats, MethodSupport,
-};
+pub use method::{Method, MethodConstructor, MethodRequest, MethodStats, MethodSupport};
 pub use method_state::MethodState;
-pub use object_renderer::{
-    DrawBuckets, ObjectPass, ObjectRenderer, Rendering, UpcomingDraws, render, render_last,
-};
+pub use object_renderer::{ObjectRenderer, Rendering};
 pub use occlusion_state::OcclusionState;
 pub use outcomes::{FrameStats, Outcomes};
 pub use passes::{
@@ -117,5 +109,8 @@ pub use passes::{
 };
 pub use quirks::{DriverAssumption, DriverQuirks};
 pub use rect::Rect;
+pub use shaded_objects::{
+    DrawBuckets, ObjectPass, ShadedObjects, UpcomingDraws, render, render_last,
+};
 pub use shader_set::{SectionShaders, ShaderSet};
 pub use transparent_list::TransparentList;

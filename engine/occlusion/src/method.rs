@@ -3,13 +3,13 @@
 use std::fmt;
 use std::sync::Arc;
 
-use cull::{CullView, FramePlan, Hierarchy, LeafIndex, Strategy};
-use gpu::{Device, Frame, OptionalFeature, Tick, Timeline};
+use cull::{CullView, FramePlan, LeafIndex, Strategy};
+use gpu::{Frame, OptionalFeature, Tick, Timeline};
 
+use crate::culled_scene::CulledScene;
 use crate::error::{BucketError, Error};
-use crate::executor::PlanExecutor;
-use crate::object_renderer::ObjectRenderer;
 use crate::occlusion_state::OcclusionState;
+use crate::shaded_objects::ShadedObjects;
 use crate::shader_set::ShaderSet;
 
 /// A method to decide what a view draws. One method serves all views of a scene; its data per view
@@ -30,17 +30,22 @@ pub trait Method: Send {
     ///
     /// # Errors
     /// No memory, a shader that does not compile, a failed call.
-    fn prepare(&mut self, _scene: &mut MethodScene<'_>) -> Result<(), Error> {
+    fn prepare(
+        &mut self,
+        _scene: &CulledScene,
+        _objects: &mut dyn ShadedObjects,
+        _shaders: &ShaderSet,
+    ) -> Result<(), Error> {
         Ok(())
     }
 
-    /// Plans one view's frame with at most `query_budget` queries, after the results that are there
-    /// were read. All views of a frame are planned before the first is recorded, in any order
+    /// Plans one view's frame with at most `query_budget` queries, after all available results were
+    /// read. All views of a frame are planned before the first is recorded, in any order
     /// ([`QueryShares`](cull::QueryShares)). Methods that decide while they record do nothing here.
     fn plan(
         &mut self,
         _state: &mut OcclusionState,
-        _scene: &mut MethodScene<'_>,
+        _scene: &CulledScene,
         _request: &MethodRequest<'_>,
         _query_budget: usize,
     ) {
@@ -54,15 +59,21 @@ pub trait Method: Send {
         &mut self,
         frame: &mut Frame<'_>,
         state: &mut OcclusionState,
-        scene: &mut MethodScene<'_>,
+        scene: &mut CulledScene,
+        objects: &mut dyn ShadedObjects,
         request: &MethodRequest<'_>,
     ) -> Result<MethodStats, Error>;
 
-    /// Returns the same method with the shaders of `scene`.
+    /// Returns the same method with other shaders.
     ///
     /// # Errors
     /// A shader that does not fit its pass, a failed call.
-    fn reloaded(&self, scene: &mut MethodScene<'_>) -> Result<Box<dyn Method>, Error>;
+    fn reloaded(
+        &self,
+        scene: &CulledScene,
+        objects: &mut dyn ShadedObjects,
+        shaders: &ShaderSet,
+    ) -> Result<Box<dyn Method>, Error>;
 
     /// Drops its objects that depend on the size of the target, after a change of it.
     fn resized(&mut self) {}
@@ -90,15 +101,11 @@ impl fmt::Debug for MethodConstructor {
     }
 }
 
-/// The device and the scene that a method must support.
+/// The scene and the image that a method must support.
 #[derive(Clone, Copy)]
 pub struct MethodSupport<'a> {
-    /// The device that frames are recorded for.
-    pub device: &'a Device,
-    /// The hierarchy over the scene.
-    pub hierarchy: &'a Hierarchy,
-    /// The executor of plans.
-    pub executor: &'a PlanExecutor,
+    /// The scene.
+    pub scene: &'a CulledScene,
     /// Size of the target in pixels.
     pub size: [u32; 2],
     /// The most samples of a test that still counts as hidden in the plans of the scene's views.
@@ -111,7 +118,7 @@ impl MethodSupport<'_> {
     /// # Errors
     /// [`BucketError::HasBuckets`].
     pub fn needs_one_draw_per_leaf(&self, strategy: Strategy) -> Result<(), Error> {
-        if self.executor.leaves.has_one_draw_per_leaf() {
+        if self.scene.leaves.has_one_draw_per_leaf() {
             Ok(())
         } else {
             Err(BucketError::HasBuckets(strategy).into())
@@ -120,23 +127,9 @@ impl MethodSupport<'_> {
 
     /// Returns the error for a strategy that the device lacks something for.
     pub fn missing(&self, missing: OptionalFeature, strategy: Strategy) -> Error {
-        let device = self.device.adapter().name.clone();
+        let device = self.scene.device.adapter().name.clone();
         gpu::Error::Unsupported { device, missing: missing.name(), wanted: strategy.name() }.into()
     }
-}
-
-/// The scene of a method.
-pub struct MethodScene<'a> {
-    /// The device that frames are recorded for.
-    pub device: &'a Device,
-    /// The shaders for the method's own passes.
-    pub shaders: &'a ShaderSet,
-    /// The hierarchy over the scene.
-    pub hierarchy: &'a Hierarchy,
-    /// The executor of plans, with the table of leaves.
-    pub executor: &'a mut PlanExecutor,
-    /// The owner of the objects.
-    pub objects: &'a mut dyn ObjectRenderer,
 }
 
 /// The request for a frame of one view.

@@ -15,6 +15,7 @@ use gpu::{
 };
 
 use crate::costs::sent_frames::SentFrames;
+use crate::culled_scene::CulledScene;
 use crate::draw_lists::{DrawList, DrawLists, ListedStep};
 use crate::error::Error;
 use crate::leaf_table::{LeafCount, LeafTable, LeafTableId};
@@ -36,9 +37,9 @@ pub struct OcclusionState {
     plan: FramePlan,
     /// The generation of the hierarchy that the plan is for.
     generation: Generation,
-    /// The scene that the plan was made for, until it is executed.
-    planned: Option<PlannedScene>,
-    /// The views that it was made for; none for any.
+    /// The number of changes of the scene that the plan was made after, until it is executed.
+    planned: Option<u64>,
+    /// The views that it was made for.
     planned_views: Vec<CullView>,
     pub(crate) layout: TestLayout,
     /// The state of methods without plans.
@@ -53,15 +54,6 @@ pub struct OcclusionState {
     newest: Vec<Answer>,
     outcomes: Outcomes,
     lists: DrawLists,
-}
-
-/// The scene of a plan.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum PlannedScene {
-    /// That of the view, after so many changes.
-    Own { version: u64 },
-    /// Another one.
-    Foreign,
 }
 
 /// The data on its way between a view and the GPU, a slot per frame in flight.
@@ -93,17 +85,10 @@ impl Rings {
 }
 
 impl OcclusionState {
-    /// Creates a view that knows nothing yet, of the scene of `leaves` and `hierarchy`.
-    ///
-    /// # Errors
-    /// A failed call.
-    pub fn new(
-        device: &Device,
-        hierarchy: &Hierarchy,
-        leaves: &LeafTable,
-        frames_in_flight: usize,
-        mut culler: Culler,
-    ) -> Result<Self, Error> {
+    /// Creates a view of a scene that knows nothing yet.
+    pub(crate) fn new(scene: &CulledScene, mut culler: Culler) -> Result<Self, Error> {
+        let CulledScene { device, hierarchy, leaves, .. } = scene;
+        let frames_in_flight = scene.frames_in_flight();
         culler.reserve(hierarchy)?;
         Ok(Self {
             table: leaves.id,
@@ -127,23 +112,20 @@ impl OcclusionState {
         })
     }
 
-    /// Creates the rings again where another number of frames is in flight. Tests on their way
-    /// never have a result then, and the culler tests again.
+    /// Creates the rings again where another number of frames is in flight in the scene. Tests on
+    /// their way never have a result then, and the culler tests again.
     ///
     /// # Errors
-    /// The leaves of another scene, a failed call.
-    pub fn set_frames_in_flight(
-        &mut self,
-        frames_in_flight: usize,
-        leaves: &LeafTable,
-    ) -> Result<(), Error> {
-        self.check(leaves)?;
+    /// [`Error::ForeignView`], a failed call.
+    pub fn follow_frames_in_flight(&mut self, scene: &CulledScene) -> Result<(), Error> {
+        self.check(scene)?;
+        let frames_in_flight = scene.frames_in_flight();
         if self.frames_in_flight == frames_in_flight {
             return Ok(());
         }
         self.rings = Rings::new(&self.device, frames_in_flight)?;
         self.method_states.clear();
-        self.seen_changes = leaves.changes.count();
+        self.seen_changes = scene.leaves.changes.count();
         self.outcomes.forget_pending();
         self.sent = SentFrames::new(frames_in_flight);
         self.lists = DrawLists::new(frames_in_flight);
@@ -151,13 +133,12 @@ impl OcclusionState {
         Ok(())
     }
 
-    /// Refuses the leaves of another scene: the rings have room for the leaves of the view's own
-    /// scene.
+    /// Refuses another scene than the view's own, whose leaves the rings have room for.
     ///
     /// # Errors
     /// [`Error::ForeignView`].
-    pub fn check(&self, leaves: &LeafTable) -> Result<(), Error> {
-        if self.table == leaves.id { Ok(()) } else { Err(Error::ForeignView) }
+    pub fn check(&self, scene: &CulledScene) -> Result<(), Error> {
+        if self.table == scene.leaves.id { Ok(()) } else { Err(Error::ForeignView) }
     }
 
     /// Returns the device of the view.
@@ -260,13 +241,13 @@ impl OcclusionState {
     }
 
     /// Returns the visible draws of the newest frame, a list per bucket, if they were
-    /// [listed](crate::list_draws).
+    /// [listed](crate::FrameScope::list).
     pub fn visible_lists(&self) -> &[DrawList] {
         self.lists.visible()
     }
 
     /// Returns the draws that the tests of the newest frame reveal, a list per bucket, if they were
-    /// [listed](crate::list_draws).
+    /// [listed](crate::FrameScope::list).
     pub fn revealed_lists(&self) -> &[DrawList] {
         self.lists.revealed()
     }
@@ -284,7 +265,8 @@ impl OcclusionState {
     }
 
     /// Reads every available result and updates the history. Never waits.
-    pub fn collect(&mut self, completed: Tick, hierarchy: &Hierarchy, leaves: &LeafTable) {
+    pub fn collect(&mut self, completed: Tick, scene: &CulledScene) {
+        let CulledScene { hierarchy, leaves, .. } = scene;
         self.read(completed, hierarchy, leaves);
         let Self { culler, method_states, reader, newest: kept, outcomes, sent, .. } = self;
         for result in reader.results().iter().filter(|result| result.answer.samples > 0) {
@@ -375,7 +357,7 @@ impl OcclusionState {
 
     /// Notes that the newest frame was submitted; it is timed if `timed_views` holds the number of
     /// views that it showed.
-    pub fn submitted(&mut self, tick: Tick, leaves: &LeafTable, timed_views: Option<usize>) {
+    pub fn submitted(&mut self, tick: Tick, scene: &CulledScene, timed_views: Option<usize>) {
         if let Some(views) = timed_views {
             self.sent.submitted(tick, &self.plan, views);
         }
@@ -390,7 +372,7 @@ impl OcclusionState {
             samples_below_threshold: std::mem::take(&mut self.samples_below_threshold),
         };
         for first in taken {
-            let count = leaves.count(LeafRange { first, count: 1 });
+            let count = scene.leaves.count(LeafRange { first, count: 1 });
             outcome.draws += count.draws;
             outcome.triangles += count.triangles;
         }

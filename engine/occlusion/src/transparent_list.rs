@@ -178,20 +178,14 @@ impl TransparentList {
     }
 
     /// Tests the boxes against the finished depth, which is being rendered to.
-    pub fn test(
-        &self,
-        passes: &OcclusionPasses,
-        commands: &Commands,
-        view: &CullView,
-        viewport: Viewport,
-    ) {
+    pub fn test(&self, passes: &OcclusionPasses, commands: &Commands, view: &CullView) {
         let (Some((_, tested, leaf_draws)), Some(pass)) = (self.tested(), &passes.leaf_boxes)
         else {
             return;
         };
         commands.label("transparent boxes", |commands| {
             // The owner may have drawn with another.
-            commands.set_viewport(&viewport);
+            commands.set_viewport(&Viewport::covering(view.origin, view.size));
             let links = Some(tested.links);
             pass.bind(commands, &LeafBoxIo { boxes: tested.boxes, leaf_draws, links }, view);
             commands.draw_instances(BOX_VERTICES, 0..tested.object_count);

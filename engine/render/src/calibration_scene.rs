@@ -7,8 +7,8 @@ use gpu::{
     CancellationToken, Commands, Device, IndirectDraw, PredicationMode, RenderTarget, Target,
 };
 use occlusion::{
-    BucketId, CalibrationScene, CostModel, DeviceCosts, ObjectPass, ObjectRenderer,
-    OcclusionPasses, PATCH_TRIANGLES, Rendering, ShaderSet,
+    BucketId, CalibrationScene, CostModel, DeviceCosts, ObjectRenderer, OcclusionPasses,
+    PATCH_TRIANGLES, Rendering, ShaderSet,
 };
 use scene::{Mesh, MeshId, Object, Scene, Vertex, bounds_of_vertices, pack_normal, pack_unorm};
 
@@ -31,7 +31,7 @@ const _: () = assert!(2 * QUADS * QUADS == PATCH_TRIANGLES);
 /// Measures the costs of tests and draws on a device, and of the executors that it has and that
 /// can be trusted ([`RendererOptions::disabled`]; the usual one where none can, and one alone where
 /// [`RendererOptions::predication`] names it), for scenes of hosts that draw themselves
-/// (`occlusion::HostScene::with_costs`). A [renderer](crate::Renderer) measures by itself. Size,
+/// (`occlusion::CulledScene::with_costs`). A [renderer](crate::Renderer) measures by itself. Size,
 /// samples and shaders are those of `options`. Takes as long as [`CostModel::Measured`] says, and
 /// waits for the device again and again: call it before the first frame.
 ///
@@ -41,12 +41,12 @@ const _: () = assert!(2 * QUADS * QUADS == PATCH_TRIANGLES);
 pub fn measure_costs(device: &Device, options: &RendererOptions) -> Result<DeviceCosts, Error> {
     let untested = RendererOptions { cost_model: CostModel::Off, ..options.clone() };
     let mut renderer = Renderer::new(device, &scene(), &untested)?;
-    let Renderer { passes, executor, shaders, .. } = &mut renderer;
-    let quirks = executor.passes.quirks();
+    let Renderer { passes, scene, shaders, .. } = &mut renderer;
+    let quirks = scene.passes().quirks();
 
     let executors =
         quirks.usable_executors(device, options.predication, 1, options.threshold_samples)?;
-    measure(passes, &executor.passes, &executors, shaders, &options.cancellation)
+    measure(passes, scene.passes(), &executors, shaders, &options.cancellation)
 }
 
 /// Measures the costs of tests and draws on the device of `passes`, and of these executors.
@@ -94,11 +94,7 @@ impl ObjectRenderer for CalibrationObjects<'_> {
         self.passes.rendering(view, rendering)
     }
 
-    fn colour_rendering(&self, view: &CullView) -> RenderTarget {
-        self.passes.colour_rendering(view)
-    }
-
-    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId, _pass: ObjectPass) {
+    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId) {
         let io = OpaqueIo {
             section: None,
             vertices: self.geometry.vertices.whole(),

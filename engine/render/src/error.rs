@@ -260,9 +260,9 @@ pub enum Error {
     /// A frame without the changes of the scene that it draws.
     #[error(transparent)]
     NotUploaded(#[from] occlusion::NotUploaded),
-    /// A view without a plan that can be executed.
-    #[error(transparent)]
-    Plan(#[from] occlusion::PlanError),
+    /// A method that executed a plan which it had not made for the scene as it is.
+    #[error("a method executed a plan that it had not made: plan each view once per frame")]
+    NoPlan,
     /// A plan with draws among its tests, and a host that takes its draws as lists.
     #[error(transparent)]
     DrawsAmongTests(#[from] occlusion::DrawsAmongTests),
@@ -284,7 +284,7 @@ impl From<occlusion::Error> for Error {
             occlusion::Error::Target(error) => Self::Target(error),
             occlusion::Error::DrawsAmongTests(error) => Self::DrawsAmongTests(error),
             occlusion::Error::NotUploaded(error) => Self::NotUploaded(error),
-            occlusion::Error::Plan(error) => Self::Plan(error),
+            occlusion::Error::NoPlan => Self::NoPlan,
             occlusion::Error::ForeignView => Self::ForeignRenderer { thing: FOREIGN_VIEW },
             occlusion::Error::NoShaderCompiler(folder) => Self::NoShaderCompiler(folder),
         }

@@ -6,9 +6,10 @@ use ::shadows::{ShadowMethod, ShadowOptions};
 use cull::{Aabb, Containment, CullView, Hierarchy, PlaneMask, Strategy};
 use glam::Affine3A;
 use gpu::{Commands, Device, Frame, RenderTarget, Target, Tick};
+use occlusion::ScenePartsMut;
 use occlusion::{
-    BucketId, DrawBuckets, Error, ObjectPass, ObjectRenderer, PlanExecutor, Rendering,
-    SectionShaders, ShaderSet, UpcomingDraws,
+    BucketId, CulledScene, DrawBuckets, Error, ObjectPass, ObjectRenderer, Rendering,
+    SectionShaders, ShadedObjects, ShaderSet, UpcomingDraws,
 };
 use scene::{Light, Scene, TransparentId};
 
@@ -83,6 +84,12 @@ impl ObjectRenderer for FramePasses {
         if self.pipelines.shading.is_some() { target.depth_only() } else { target }
     }
 
+    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId) {
+        self.bind_visibility(commands, view);
+    }
+}
+
+impl ShadedObjects for FramePasses {
     fn begin_last_rendering(
         &mut self,
         commands: &Commands,
@@ -103,11 +110,8 @@ impl ObjectRenderer for FramePasses {
         self.target_of(view, None)
     }
 
-    fn prepare(&mut self, pass: ObjectPass, shaders: &ShaderSet) -> Result<(), Error> {
-        match pass {
-            ObjectPass::Visibility => Ok(()),
-            _ => self.pipelines.depth_first.prepare(&self.device, shaders),
-        }
+    fn prepare(&mut self, _pass: ObjectPass, shaders: &ShaderSet) -> Result<(), Error> {
+        self.pipelines.depth_first.prepare(&self.device, shaders)
     }
 
     fn has_draws_to_prepare(&self) -> bool {
@@ -122,11 +126,13 @@ impl ObjectRenderer for FramePasses {
         }
     }
 
-    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId, pass: ObjectPass) {
-        let pass = match (pass, self.pipelines.depth_first.get()) {
-            (ObjectPass::Depth, Some(DepthFirst { depth, .. })) => depth,
-            (ObjectPass::Colour, Some(DepthFirst { colour, .. })) => colour,
-            _ => return self.bind_visibility(commands, view),
+    fn bind_pass(&self, commands: &Commands, view: &CullView, bucket: BucketId, pass: ObjectPass) {
+        let Some(DepthFirst { depth, colour }) = self.pipelines.depth_first.get() else {
+            return self.bind(commands, view, bucket);
+        };
+        let pass = match pass {
+            ObjectPass::Depth => depth,
+            ObjectPass::Colour => colour,
         };
         pass.bind(commands, &self.opaque_io(), view, &self.light);
     }
@@ -137,14 +143,14 @@ impl ObjectRenderer for FramePasses {
 
     fn shade(
         &mut self,
-        executor: &PlanExecutor,
+        scene: &CulledScene,
         commands: &Commands,
         view: &CullView,
         draw: DrawBuckets<'_>,
     ) {
         // Bound already: there is one bucket.
         let draw = |commands: &Commands| draw(commands, &|_, _| {});
-        self.shade_surfaces(executor, commands, view, &draw);
+        self.shade_surfaces(scene, commands, view, &draw);
     }
 
     fn prepare_to_shade_within(&mut self, commands: &Commands) -> bool {
@@ -161,19 +167,19 @@ impl ObjectRenderer for FramePasses {
 
     fn shade_within(
         &mut self,
-        executor: &PlanExecutor,
+        scene: &CulledScene,
         commands: &Commands,
         view: &CullView,
         draw: DrawBuckets<'_>,
     ) {
         let draw = |commands: &Commands| draw(commands, &|_, _| {});
         commands.label("shade surfaces", |commands| {
-            self.draw_colours(executor, commands, view, &draw);
+            self.draw_colours(scene, commands, view, &draw);
         });
     }
 
-    fn finish_shading(&mut self, executor: &PlanExecutor, commands: &Commands, view: &CullView) {
-        self.record_transparent(executor, commands, view);
+    fn finish_shading(&mut self, scene: &CulledScene, commands: &Commands, view: &CullView) {
+        self.record_transparent(scene, commands, view);
     }
 }
 
@@ -332,13 +338,13 @@ impl FramePasses {
     pub(crate) fn gather_transparent(
         &mut self,
         frame: &mut Frame<'_>,
-        executor: &PlanExecutor,
+        scene: &CulledScene,
         view: &CullView,
         strategy: Strategy,
     ) -> Result<u32, crate::Error> {
         let Some(transparent) = &mut self.transparent else { return Ok(0) };
 
-        transparent.gather(frame, &self.geometry, &executor.passes, view, strategy.culls_occluded())
+        transparent.gather(frame, &self.geometry, scene.passes(), view, strategy.culls_occluded())
     }
 
     /// Changes a transparent object, if it is there, and finds its lights again.
@@ -366,26 +372,28 @@ impl FramePasses {
     pub(crate) fn upload_changes(
         &mut self,
         frame: &mut Frame<'_>,
-        hierarchy: &Hierarchy,
-        executor: &mut PlanExecutor,
+        scene: &mut CulledScene,
         uploads: PoseUploads<'_>,
         views: &[CullView],
         uses: MapUses,
     ) -> Result<(), crate::Error> {
-        self.geometry.relight(hierarchy, &mut executor.leaves);
+        let ScenePartsMut { hierarchy, leaves, .. } = scene.parts_mut();
+        self.geometry.relight(hierarchy, leaves);
         if let Some(fragments) = self.fragments_mut() {
             fragments.begin_frame(frame)?;
         }
+        let hierarchy = scene.hierarchy();
         let opaque = hierarchy.root().map_or(Aabb::EMPTY, |root| hierarchy.bounds(root));
         let transparent = self.transparent.as_ref().filter(|_| self.shadows.culls_casters());
         let transparent = transparent.map_or(Aabb::EMPTY, Transparent::bounds);
         let opaque_and_transparent = opaque.union(&transparent);
         self.shadows.plan(&self.geometry, hierarchy, opaque_and_transparent, views, uses)?;
-        self.geometry.upload_changes(frame, hierarchy, executor)?;
-        self.edges.upload(frame, executor, &self.geometry, hierarchy)?;
+        self.geometry.upload_changes(frame, scene)?;
+        let hierarchy = scene.hierarchy();
+        self.edges.upload(frame, scene, &self.geometry)?;
         self.upload_poses(frame, hierarchy, uploads)?;
         let Self { geometry, pipelines, shadows, section, .. } = self;
-        let predicates = executor.leaves.predicates();
+        let predicates = scene.leaves().predicates();
         shadows.record(frame, geometry, hierarchy, section, pipelines, predicates)
     }
 

@@ -59,6 +59,7 @@ mod shading;
 mod shadows;
 mod tessellation;
 mod update;
+mod view_pass;
 mod views;
 
 #[cfg(feature = "loaded")]

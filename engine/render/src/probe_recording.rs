@@ -2,7 +2,7 @@
 
 use cull::CullView;
 use gpu::{Access, Commands, Load, MemoryBarrier};
-use occlusion::{BucketId, ObjectPass, ObjectRenderer};
+use occlusion::{BucketId, ObjectRenderer};
 
 use crate::frame_passes::FramePasses;
 
@@ -27,7 +27,7 @@ pub(crate) fn rendering(
 
 /// Binds the pass that rounds draw objects with.
 pub(crate) fn bind(passes: &FramePasses, commands: &Commands, view: &CullView) {
-    passes.bind(commands, view, BucketId(0), ObjectPass::Visibility);
+    passes.bind(commands, view, BucketId(0));
 }
 
 /// Waits until the results of the frame are cleared.

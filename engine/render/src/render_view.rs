@@ -2,9 +2,9 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use cull::{Corrections, CullView, FramePlan, Hierarchy, ObjectId};
+use cull::{Corrections, CullView, FramePlan, ObjectId};
 use gpu::Tick;
-use occlusion::{FrameStats, LeafTable, OcclusionState};
+use occlusion::{CulledScene, FrameStats, OcclusionState};
 
 use crate::debug::pointer::{Pointed, Pointer, check_pointer};
 use crate::debug::sample_counts::{COUNTING, SampleCounts, VisibleSamples, check_counts};
@@ -123,21 +123,20 @@ impl RenderView {
     }
 
     /// Reads every available result and updates the history. Never waits.
-    pub(crate) fn collect(&mut self, completed: Tick, hierarchy: &Hierarchy, leaves: &LeafTable) {
-        self.visibility.collect(completed, hierarchy, leaves);
-        self.counts.collect(completed, hierarchy, self.visibility.plan().frame);
+    pub(crate) fn collect(&mut self, completed: Tick, scene: &CulledScene) {
+        self.visibility.collect(completed, scene);
+        self.counts.collect(completed, scene.hierarchy(), self.visibility.plan().frame);
         self.pointer.collect(completed);
         self.flares.collect(completed);
     }
 
     /// Creates the rings again where another number of frames is in flight.
-    pub(crate) fn set_frames_in_flight(
+    pub(crate) fn follow_frames_in_flight(
         &mut self,
-        frames_in_flight: usize,
-        leaves: &LeafTable,
+        scene: &CulledScene,
     ) -> Result<(), occlusion::Error> {
-        if self.visibility.frames_in_flight() != frames_in_flight {
-            self.visibility.set_frames_in_flight(frames_in_flight, leaves)?;
+        if self.visibility.frames_in_flight() != scene.frames_in_flight() {
+            self.visibility.follow_frames_in_flight(scene)?;
             self.counts.forget_ring();
             self.pointer.forget_ring();
             self.flares.forget_ring();
@@ -146,8 +145,13 @@ impl RenderView {
     }
 
     /// Notes that the newest frame was submitted.
-    pub(crate) fn submitted(&mut self, tick: Tick, leaves: &LeafTable, timed_views: Option<usize>) {
-        self.visibility.submitted(tick, leaves, timed_views);
+    pub(crate) fn submitted(
+        &mut self,
+        tick: Tick,
+        scene: &CulledScene,
+        timed_views: Option<usize>,
+    ) {
+        self.visibility.submitted(tick, scene, timed_views);
         let now = self.visibility.plan().frame;
         let slots = self.visibility.frames_in_flight();
         self.counts.submitted(tick, now, slots);

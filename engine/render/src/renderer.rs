@@ -10,9 +10,9 @@ use gpu::{
     Target, Tick,
 };
 use occlusion::{
-    AntumbraMethod, CostModel, CullingSetup, DriverAssumption, DriverQuirks, FrameTimes, LeafTable,
-    LeafTableInfo, Method, MethodConstructor, MethodSupport, OcclusionPasses, OcclusionState,
-    PlanExecutor, Rect, ShaderSet,
+    AntumbraMethod, CostModel, CulledScene, CullingSetup, DriverAssumption, DriverQuirks,
+    FrameTimes, LeafTableInfo, Method, MethodConstructor, MethodSupport, OcclusionPasses, Rect,
+    ShaderSet,
 };
 use scene::{LensFlare, Scene};
 
@@ -171,9 +171,8 @@ pub struct Renderer {
     pub(crate) id: RendererId,
     pub(crate) device: Device,
     pub(crate) frames: FrameRing,
-    pub(crate) hierarchy: Hierarchy,
+    pub(crate) scene: CulledScene,
     pub(crate) passes: FramePasses,
-    pub(crate) executor: PlanExecutor,
     pub(crate) shaders: ShaderSet,
     /// The object whose box is outlined.
     pub(crate) outlined: Option<ObjectId>,
@@ -195,7 +194,6 @@ pub struct Renderer {
     pub(crate) transparency: TransparencyOptions,
     pub(crate) query_budget: usize,
     pub(crate) query_shares: QueryShares,
-    choice: CullingSetup,
 }
 
 impl Renderer {
@@ -258,26 +256,24 @@ impl Renderer {
         let draws = hierarchy.leaf_objects().len() as u64;
         let threshold_samples = options.threshold_samples;
 
-        let choice = decide(&mut passes, &occlusion_passes, &shaders, draws, options)?;
-        let leaves = LeafTableInfo {
+        let setup = decide(&mut passes, &occlusion_passes, &shaders, draws, options)?;
+        let meshes = LeafTableInfo {
             mesh_draws: passes.geometry.mesh_draws().clone(),
-            predication: Some(choice.predication),
+            predication: Some(setup.predication),
             frames_in_flight: slots,
         };
         let draw_of = |object| passes.geometry.draw_of(object);
-        let leaves = LeafTable::new(device, &hierarchy, leaves, draw_of)?;
-        let executor = PlanExecutor { passes: occlusion_passes, leaves };
+        let scene = CulledScene::of_meshes(device, occlusion_passes, hierarchy, meshes, draw_of)?;
         let id = RendererId::new();
         let mut frames = FrameRing::new(device, slots)?;
-        let frame_times = FrameTimes::new(device, choice.table.as_ref());
+        let frame_times = FrameTimes::new(device, setup.table.as_ref());
         frame_times.enable(&mut frames)?;
         Ok(Self {
             id,
             device: device.clone(),
             frames,
-            hierarchy,
+            scene: scene.with_setup(setup),
             passes,
-            executor,
             shaders,
             outlined: None,
             flares: Vec::new(),
@@ -295,7 +291,6 @@ impl Renderer {
             transparency: options.transparency,
             query_budget: options.query_budget,
             query_shares: QueryShares::default(),
-            choice,
         })
     }
 
@@ -306,33 +301,29 @@ impl Renderer {
     pub fn new_view(&self) -> Result<RenderView, Error> {
         let mut culler = Culler::with_testers(self.cull_config, self.testers());
         culler.set_sample_threshold(self.threshold_samples);
-        let leaves = &self.executor.leaves;
-        self.choice.steer(&mut culler, leaves.scene_costs(&self.hierarchy));
-        let slots = self.frames_in_flight();
-        let visibility = OcclusionState::new(&self.device, &self.hierarchy, leaves, slots, culler)?;
-        Ok(RenderView::new(self.id, visibility))
+        Ok(RenderView::new(self.id, self.scene.view_of(culler)?))
     }
 
     /// Returns the costs on this device, as given or measured.
     pub fn costs(&self) -> Option<CostTable> {
-        self.choice.table
+        self.culling_setup().table
     }
 
     /// Returns what was decided about the device and the scene when the renderer was made: the way
     /// that hidden draws are skipped, and by which costs.
     pub fn culling_setup(&self) -> &CullingSetup {
-        &self.choice
+        self.scene.culling_setup()
     }
 
     /// Returns the tester that is expected to cost least in a frame of the scene.
     pub fn cheapest_tester(&self) -> VisibilityTest {
-        let work = SkippedWork::of_leaves(self.hierarchy.leaf_objects().len() as u32);
-        self.choice.tester(&work, self.size(), self.testers())
+        let work = SkippedWork::of_leaves(self.scene.hierarchy().leaf_objects().len() as u32);
+        self.culling_setup().tester(&work, self.size(), self.testers())
     }
 
     /// Returns the testers that plans may use on this device.
     fn testers(&self) -> VisibilityTestSupport {
-        self.executor.testers(&self.device, &self.passes.target, DrawPhases::PerRound)
+        self.scene.testers(&self.passes.target, DrawPhases::PerRound)
     }
 
     /// Returns the strategy to use in place of the wanted one, which the device supports, on a
@@ -345,7 +336,7 @@ impl Renderer {
     /// used instead; none on a driver that is trusted
     /// ([`RendererOptions::disabled`]).
     pub fn driver_quirks(&self) -> Vec<String> {
-        self.executor.passes.quirks().texts()
+        self.scene.passes().quirks().texts()
     }
 
     /// Refuses a strategy that the device lacks something for, with this scene and size.
@@ -369,9 +360,7 @@ impl Renderer {
             });
         }
         let support = MethodSupport {
-            device: &self.device,
-            hierarchy: &self.hierarchy,
-            executor: &self.executor,
+            scene: &self.scene,
             size: self.size(),
             threshold_samples: self.threshold_samples,
         };
@@ -407,12 +396,12 @@ impl Renderer {
 
     /// Returns the hierarchy over the scene's objects.
     pub fn hierarchy(&self) -> &Hierarchy {
-        &self.hierarchy
+        self.scene.hierarchy()
     }
 
     /// Returns the way that hidden draws are skipped.
     pub fn predication(&self) -> PredicationMode {
-        self.executor.leaves.predicates().predication()
+        self.scene.leaves().predicates().predication()
     }
 
     /// Draws a debug overlay over the images from now on; an empty one costs nothing.
@@ -433,8 +422,8 @@ impl Renderer {
 
     /// Returns the box that is outlined.
     pub(crate) fn outlined_bounds(&self) -> Option<Aabb> {
-        let node = self.hierarchy.node_of(self.outlined?)?;
-        Some(self.hierarchy.bounds(node)).filter(|bounds| !bounds.is_empty())
+        let node = self.scene.hierarchy().node_of(self.outlined?)?;
+        Some(self.scene.hierarchy().bounds(node)).filter(|bounds| !bounds.is_empty())
     }
 
     /// Returns the debug overlay in use.
@@ -445,7 +434,7 @@ impl Renderer {
     /// Notes that the frame recorded last was submitted.
     pub(crate) fn submitted(&mut self, tick: Tick) {
         self.passes.submitted(tick);
-        self.executor.leaves.submitted(tick);
+        self.scene.submitted(tick);
         self.show_arrived();
     }
 
@@ -470,7 +459,7 @@ impl Renderer {
         self.check_view(state)?;
         self.device.wait_idle()?;
         let completed = self.device.completed()?;
-        state.collect(completed, &self.hierarchy, &self.executor.leaves);
+        state.collect(completed, &self.scene);
         if let Some(fragments) = self.passes.fragments_mut() {
             fragments.collect(completed);
         }

@@ -111,7 +111,7 @@ impl From<render::Error> for RunError {
             | render::Error::CapacityExceeded { .. }
             | render::Error::DrawsAmongTests(_)
             | render::Error::NotUploaded(_)
-            | render::Error::Plan(_)
+            | render::Error::NoPlan
             | render::Error::Flare { .. }
             | render::Error::Change { .. } => Self::machine(error),
         }

@@ -1,19 +1,14 @@
 //! The executor with another owner of objects than the renderer: a host that draws boxes by a
 //! pipeline of its own, with neither meshes nor materials.
 
-use std::sync::Arc;
-
-use cull::{
-    Aabb, Camera, CullConfig, CullView, Culler, DrawPhases, Hierarchy, Projection, Strategy,
-};
+use cull::{Aabb, Camera, CullConfig, CullView, DrawPhases, Projection, Strategy};
 use glam::{Vec3, vec3};
-use gpu::{Commands, Device, FrameRing, IndirectDraw, Readback, RenderTarget, Target};
+use gpu::{Commands, Device, FrameRing, Readback, RenderTarget, Target};
 use occlusion::{
-    AntumbraMethod, BucketId, Error, LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, Method,
-    MethodRequest, MethodScene, ObjectPass, ObjectRenderer, OcclusionPasses, OcclusionState,
-    PlanExecutor, Rendering, ShaderSet, execute, list_draws,
+    AntumbraMethod, BucketId, CulledScene, Error, Method, MethodRequest, ObjectRenderer,
+    OcclusionState, Rendering, ShadedObjects,
 };
-use tests::numbered_boxes::{BOX_INDICES, NumberedBoxes};
+use tests::numbered_boxes::{NumberedBoxes, scene_of_boxes};
 use tests::walk::pixels_that_differ;
 use tests::{Driver, run};
 
@@ -26,13 +21,6 @@ struct Boxes {
     boxes: NumberedBoxes,
 }
 
-impl Boxes {
-    fn new(device: &Device, leaves: &LeafTable) -> Self {
-        let target = Target::new(device, SIZE, "bare boxes").unwrap();
-        Self { boxes: NumberedBoxes::new(device, leaves, target.attachments()), target }
-    }
-}
-
 impl ObjectRenderer for Boxes {
     fn target(&mut self) -> &mut Target {
         &mut self.target
@@ -43,18 +31,18 @@ impl ObjectRenderer for Boxes {
         self.target.render_target(clear).within(view.origin, view.size)
     }
 
-    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId, _pass: ObjectPass) {
+    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId) {
         self.boxes.bind(commands, view);
     }
 }
 
+impl ShadedObjects for Boxes {}
+
 /// Everything that a host keeps to draw its boxes by our answers.
 struct Host {
     device: Device,
-    shaders: ShaderSet,
     frames: FrameRing,
-    hierarchy: Hierarchy,
-    executor: PlanExecutor,
+    scene: CulledScene,
     objects: Boxes,
     state: OcclusionState,
     images: Vec<Readback>,
@@ -62,49 +50,36 @@ struct Host {
 
 impl Host {
     fn new(device: &Device, boxes: &[Aabb]) -> Self {
-        let shaders = ShaderSet::embedded().unwrap();
-        let hierarchy = Hierarchy::build(boxes).unwrap();
-        let draw =
-            IndirectDraw { index_count: BOX_INDICES, instance_count: 1, ..Default::default() };
-        let info = LeafTableInfo {
-            mesh_draws: Arc::new([MeshDraw { draw, triangles: BOX_INDICES / 3 }]),
-            predication: None,
-            frames_in_flight: 2,
-        };
-        let leaves = LeafTable::new(device, &hierarchy, info, |_| MeshDrawId(0)).unwrap();
-        let objects = Boxes::new(device, &leaves);
-        let passes = OcclusionPasses::new(device, &shaders, objects.target.attachments()).unwrap();
-        let executor = PlanExecutor { passes, leaves };
-        let testers = executor.testers(device, &objects.target, DrawPhases::PerRound);
-        let culler = Culler::with_testers(CullConfig::default(), testers);
-        let state = OcclusionState::new(device, &hierarchy, &executor.leaves, 2, culler).unwrap();
+        let target = Target::new(device, SIZE, "bare boxes").unwrap();
+        let attachments = target.attachments();
+        let scene = scene_of_boxes(device, boxes, attachments, None);
+        let boxes = NumberedBoxes::new(device, scene.leaves(), attachments);
+        let phases = DrawPhases::PerRound;
         Self {
             device: device.clone(),
             frames: FrameRing::new(device, 2).unwrap(),
             images: Vec::new(),
-            shaders,
-            hierarchy,
-            executor,
-            objects,
-            state,
+            state: scene.new_view(&target, CullConfig::default(), phases).unwrap(),
+            scene,
+            objects: Boxes { target, boxes },
         }
     }
 
-    /// Draws a frame, whose results and image come back when it is over.
+    /// Draws a frame by the method of plans, as a renderer does; its results and image come back
+    /// when it is over.
     fn draw(&mut self, strategy: Strategy, camera: &Camera) {
-        let Self { device, shaders, frames, hierarchy, executor, objects, state, images } = self;
+        let Self { device, frames, scene, objects, state, images } = self;
         let view = CullView::new(camera, SIZE, device.adapter().limits.sub_pixel_precision_bits);
         let mut frame = frames.begin().unwrap();
-        state.collect(device.completed().unwrap(), hierarchy, &executor.leaves);
-        let mut scene = MethodScene { device, shaders, hierarchy, executor, objects };
+        state.collect(device.completed().unwrap(), scene);
         let request = MethodRequest { strategy, view: &view, visible: &[], after: None };
-        AntumbraMethod.plan(state, &mut scene, &request, 4096);
-        AntumbraMethod.record(&mut frame, state, &mut scene, &request).unwrap();
+        AntumbraMethod.plan(state, scene, &request, 4096);
+        AntumbraMethod.record(&mut frame, state, scene, objects, &request).unwrap();
         let image = Readback::new(device, SIZE).unwrap();
         objects.target.copy_to(frame.commands(), &image);
         images.push(image);
         let tick = frame.submit(None).unwrap();
-        state.submitted(tick, &executor.leaves, None);
+        state.submitted(tick, scene, None);
     }
 }
 
@@ -146,7 +121,7 @@ fn an_owner_of_bare_boxes_gets_the_same_image_and_draws_less() {
         }
         for host in [&mut plain, &mut culled] {
             let completed = host.device.completed().unwrap();
-            host.state.collect(completed, &host.hierarchy, &host.executor.leaves);
+            host.state.collect(completed, &host.scene);
         }
         let drawn = |host: &mut Host| host.state.drain_stats().next_back().unwrap().draws;
         let [all, few] = [&mut plain, &mut culled].map(drawn);
@@ -154,12 +129,10 @@ fn an_owner_of_bare_boxes_gets_the_same_image_and_draws_less() {
     });
 }
 
-/// Checks that a plan with draws among its tests is not listed, but still executed in its frame.
 #[test]
-fn a_plan_of_many_rounds_is_refused_as_lists_and_drawn_by_the_engine() {
+fn a_plan_of_many_rounds_is_refused_as_lists() {
     run(Driver::Lavapipe, |device| {
         let mut host = Host::new(device, &boxes());
-        let Host { shaders, frames, hierarchy, executor, objects, state, .. } = &mut host;
         let camera = Camera {
             eye: vec3(0.0, 0.0, 3.0),
             forward: Vec3::NEG_Z,
@@ -168,19 +141,19 @@ fn a_plan_of_many_rounds_is_refused_as_lists_and_drawn_by_the_engine() {
             near: 0.1,
         };
         let view = CullView::new(&camera, SIZE, device.adapter().limits.sub_pixel_precision_bits);
-        let mut frame = frames.begin().unwrap();
-        state.plan_frame(hierarchy, &executor.leaves, Strategy::ANTUMBRA, &view, 4096);
-        assert!(state.plan().rounds.len() > 1, "{:?}", state.plan().rounds);
-        let refused = list_draws(&mut frame, executor, state, &view).err().unwrap();
+        let mut scope = host.scene.begin(host.frames.begin().unwrap()).unwrap();
+        let planned = scope.plan(&mut host.state, &view).unwrap();
+        assert!(planned.state().plan().rounds.len() > 1, "{:?}", planned.state().plan().rounds);
+        let refused = scope.list(planned).err().unwrap();
         assert!(matches!(refused, Error::DrawsAmongTests(_)), "{refused}");
         assert!(refused.to_string().contains("DrawPhases::Two"), "{refused}");
-        assert!(state.visible_lists().is_empty() && state.revealed_lists().is_empty());
-        execute(&mut frame, executor, state, objects, &*shaders, &view).unwrap();
-        let tick = frame.submit(None).unwrap();
-        state.submitted(tick, &executor.leaves, None);
+        scope.submit(None).unwrap();
+        assert!(host.state.visible_lists().is_empty() && host.state.revealed_lists().is_empty());
+        // The next frame draws.
+        host.draw(Strategy::ANTUMBRA, &camera);
         device.wait_idle().unwrap();
-        state.collect(device.completed().unwrap(), hierarchy, &executor.leaves);
-        let draws: u64 = state.drain_stats().map(|outcome| outcome.draws).sum();
+        host.state.collect(device.completed().unwrap(), &host.scene);
+        let draws: u64 = host.state.drain_stats().map(|outcome| outcome.draws).sum();
         assert!(draws > 0 && draws < 900, "{draws} drawn");
     });
 }

@@ -129,8 +129,7 @@ fn compare_in(device: &Device, mut target: Target, worlds: &[World]) -> Vec<(u32
     let shaders = ShaderSet::embedded().unwrap();
     let occluder_pass = DepthBoxes::of(device, attachments);
     let proxies = ProxyPass::new(device, &shaders, attachments).unwrap();
-    let tester = ComputeTest::new(device, &shaders, size).unwrap();
-    let tester = tester.of_samples(attachments.samples);
+    let tester = ComputeTest::sized(device, &shaders, attachments.samples, size).unwrap();
     let mut ring = FrameRing::new(device, 2).unwrap();
     let mut queries = QueryRing::<usize>::new(device, 2, "proxies").unwrap();
     let storage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_SRC;

@@ -355,7 +355,7 @@ const _: () = {
     is_send::<render::RenderView>();
     is_send_and_sync::<cull::Hierarchy>();
     is_send_and_sync::<cull::Culler>();
-    is_send::<occlusion::HostScene>();
+    is_send::<occlusion::CulledScene>();
     is_send::<occlusion::LeafTable>();
     is_send::<occlusion::OcclusionState>();
     is_send::<occlusion::TransparentList>();

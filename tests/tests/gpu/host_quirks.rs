@@ -42,16 +42,17 @@ fn walk(host: &Host, options: &BoxOptions<'_>, strategy: Strategy) -> Walked {
         queries: 0,
         has_counts: false,
         has_costs: scene.states().all(|state| state.has_cost_model()),
-        has_leaf_boxes: scene.scene.executor().passes.leaf_boxes.is_some(),
+        has_leaf_boxes: scene.scene.passes().leaf_boxes.is_some(),
     };
     for frame in 0..12 {
         let (buffer, numbers) = commands.begin();
         let cameras = [camera(frame)];
         let (tick, slot) = record_frame(&mut ring, buffer, numbers, |recorded| {
             scene.compare(recorded.slot().0, &format!("a frame before {frame}"));
-            scene.record(recorded, &cameras, strategy).unwrap();
-            scene.record_all(recorded, &cameras);
-            recorded.slot()
+            let recorded = scene.record(recorded, &cameras, strategy).unwrap();
+            scene.record_all(&recorded, &cameras);
+            let slot = recorded.slot();
+            (recorded, slot)
         });
         for state in scene.states() {
             walked.testers.extend(state.plan().tests.iter().map(|test| test.tester));

@@ -74,13 +74,14 @@ impl Rings {
         let turn = ring as u64;
         let safe = if safe == Tick::ZERO { safe } else { Tick(2 * safe.0 + turn) };
         let numbers = FrameNumbers { current: Tick(2 * current.0 + turn), safe };
-        let (tick, slot) = record_frame(&mut self.0[ring], raw, numbers, |recorded| {
+        let (tick, slot) = record_frame(&mut self.0[ring], raw, numbers, |mut recorded| {
             for scene in &mut *scenes {
                 scene.compare(recorded.slot().0, &format!("frame {}", frame - IN_FLIGHT as u64));
-                scene.record(recorded, &cameras(frame), Strategy::ANTUMBRA).unwrap();
-                scene.record_all(recorded, &cameras(frame));
+                recorded = scene.record(recorded, &cameras(frame), Strategy::ANTUMBRA).unwrap();
+                scene.record_all(&recorded, &cameras(frame));
             }
-            recorded.slot()
+            let slot = recorded.slot();
+            (recorded, slot)
         });
         scenes.iter_mut().for_each(|scene| scene.ended(tick, slot, runs));
     }

@@ -4,23 +4,18 @@
 //! On SwiftShader alone: Mesa 22.3's lavapipe draws most of the later views to the first layer,
 //! culled or not, so its multiview is not used.
 
-use std::sync::Arc;
-
-use cull::{
-    Aabb, Camera, CullConfig, CullView, Culler, DrawPhases, Hierarchy, MultiView, Projection,
-    Strategy,
-};
+use cull::{Aabb, Camera, CullConfig, CullView, DrawPhases, MultiView, Projection, Strategy};
 use glam::{Vec3, vec3};
 use gpu::{
-    Attachments, Commands, Device, Features, FrameRing, HostDevice, IndirectDraw, OptionalFeature,
-    Predicates, PredicationMode, Purpose, Readback, RenderTarget, Target,
+    Attachments, Commands, Device, Features, FrameRing, HostDevice, OptionalFeature, Predicates,
+    PredicationMode, Purpose, Readback, RenderTarget, Target,
 };
 use occlusion::{
-    BucketId, Error, LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, ObjectPass, ObjectRenderer,
-    OcclusionPasses, OcclusionState, PlanExecutor, Rendering, ShaderSet, TargetError, execute,
+    BucketId, CulledScene, DrawRequest, Error, ObjectRenderer, OcclusionPasses, OcclusionState,
+    Rendering, ShaderSet, TargetError,
 };
 use tests::host_device::Host as HostsDevice;
-use tests::numbered_boxes::{BOX_INDICES, NumberedBoxes};
+use tests::numbered_boxes::{NumberedBoxes, scene_of_boxes};
 use tests::walk::pixels_that_differ;
 use tests::{Driver, run};
 
@@ -43,7 +38,7 @@ impl ObjectRenderer for Boxes {
         self.target.render_target(clear)
     }
 
-    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId, _pass: ObjectPass) {
+    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId) {
         self.boxes.bind(commands, view);
     }
 }
@@ -51,10 +46,8 @@ impl ObjectRenderer for Boxes {
 /// Everything that a host keeps to draw its boxes in some views at once.
 struct Host {
     device: Device,
-    shaders: ShaderSet,
     frames: FrameRing,
-    hierarchy: Hierarchy,
-    executor: PlanExecutor,
+    scene: CulledScene,
     objects: Boxes,
     state: OcclusionState,
     images: Vec<Readback>,
@@ -62,61 +55,43 @@ struct Host {
 
 impl Host {
     fn new(device: &Device, boxes: &[Aabb], views: u32, predication: PredicationMode) -> Self {
-        let shaders = ShaderSet::embedded().unwrap();
-        let hierarchy = Hierarchy::build(boxes).unwrap();
-        let draw =
-            IndirectDraw { index_count: BOX_INDICES, instance_count: 1, ..Default::default() };
-        let info = LeafTableInfo {
-            mesh_draws: Arc::new([MeshDraw { draw, triangles: BOX_INDICES / 3 }]),
-            predication: Some(predication),
-            frames_in_flight: 2,
-        };
-        let leaves = LeafTable::new(device, &hierarchy, info, |_| MeshDrawId(0)).unwrap();
         let target = Target::layered(device, SIZE, views, "layers").unwrap();
         let attachments = target.attachments();
-        let boxes = NumberedBoxes::new(device, &leaves, attachments);
-        let passes = OcclusionPasses::new(device, &shaders, attachments).unwrap();
-        let executor = PlanExecutor { passes, leaves };
-        let testers = executor.testers(device, &target, DrawPhases::PerRound);
-        assert_eq!(testers.compute, views == 1);
-        let culler = Culler::with_testers(CullConfig::default(), testers);
-        let state = OcclusionState::new(device, &hierarchy, &executor.leaves, 2, culler).unwrap();
+        let scene = scene_of_boxes(device, boxes, attachments, Some(predication));
+        let boxes = NumberedBoxes::new(device, scene.leaves(), attachments);
+        let phases = DrawPhases::PerRound;
+        assert_eq!(scene.testers(&target, phases).compute, views == 1);
         Self {
             device: device.clone(),
             frames: FrameRing::new(device, 2).unwrap(),
-            objects: Boxes { target, boxes },
             images: Vec::new(),
-            shaders,
-            hierarchy,
-            executor,
-            state,
+            state: scene.new_view(&target, CullConfig::default(), phases).unwrap(),
+            scene,
+            objects: Boxes { target, boxes },
         }
     }
 
     /// Draws a frame, whose results and image come back when it is over.
     fn draw(&mut self, strategy: Strategy, views: &[CullView]) {
-        let Self { device, shaders, frames, hierarchy, executor, objects, state, images } = self;
+        let Self { device, frames, scene, objects, state, images } = self;
         if views.len() > 1 {
             objects.boxes.take_views(device, views);
         }
         let views = MultiView::new(views).unwrap();
-        let mut frame = frames.begin().unwrap();
-        state.collect(device.completed().unwrap(), hierarchy, &executor.leaves);
-        state.plan_frame(hierarchy, &executor.leaves, strategy, views, 4096);
-        execute(&mut frame, executor, state, objects, &*shaders, views).unwrap();
+        let request = DrawRequest { strategy, ..DrawRequest::from(views) };
+        let mut scope = scene.begin(frames.begin().unwrap()).unwrap();
+        scope.draw(state, request, objects).unwrap();
         let [width, height] = SIZE;
         let layers = views.as_slice().len() as u32;
         let image = Readback::new(device, [width, height * layers]).unwrap();
-        objects.target.copy_to(frame.commands(), &image);
+        objects.target.copy_to(scope.commands(), &image);
         images.push(image);
-        let tick = frame.submit(None).unwrap();
-        state.submitted(tick, &executor.leaves, None);
+        scope.submit(None).unwrap();
     }
 
     /// Returns the draws of all frames, each counted once for all views.
     fn draws(&mut self) -> u64 {
-        let completed = self.device.completed().unwrap();
-        self.state.collect(completed, &self.hierarchy, &self.executor.leaves);
+        self.state.collect(self.device.completed().unwrap(), &self.scene);
         self.state.drain_stats().map(|outcome| outcome.draws).sum()
     }
 }
@@ -246,11 +221,9 @@ fn views_without_a_layer_each_are_refused() {
     run(Driver::SwiftShader, |device| {
         let mut host = Host::new(device, &boxes(), 1, executors(device)[0]);
         let pair = views(device, 2, 0);
-        let Host { shaders, frames, hierarchy, executor, objects, state, .. } = &mut host;
-        let mut frame = frames.begin().unwrap();
         let pair = MultiView::new(&pair).unwrap();
-        state.plan_frame(hierarchy, &executor.leaves, Strategy::ANTUMBRA, pair, 4096);
-        let refused = execute(&mut frame, executor, state, objects, &*shaders, pair);
+        let mut scope = host.scene.begin(host.frames.begin().unwrap()).unwrap();
+        let refused = scope.draw(&mut host.state, pair, &mut host.objects);
         assert!(matches!(refused, Err(Error::Target(TargetError::Views { views: 2, target: 1 }))));
         assert!(Target::layered(device, SIZE, 7, "too many").is_err());
     });

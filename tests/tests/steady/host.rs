@@ -84,8 +84,9 @@ fn made_and_allocated(
         }
         let before = (made(), allocations());
         let (tick, slot) = record_frame(&mut ring, buffer, numbers, |recorded| {
-            scene.record(recorded, &[camera(8), camera(14)], strategy).unwrap();
-            recorded.slot()
+            let recorded = scene.record(recorded, &[camera(8), camera(14)], strategy).unwrap();
+            let slot = recorded.slot();
+            (recorded, slot)
         });
         // Nothing is compared here.
         scene.ended(tick, slot, Runs::Never);

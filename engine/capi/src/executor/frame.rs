@@ -2,11 +2,9 @@
 
 use std::ffi::c_void;
 
-use cull::{CullConfig, CullView, DrawPhases, QueryShares};
-use gpu::{Attachments, Commands, Device, Frame, FrameNumbers, RenderTarget, Target, Tick, vk};
-use occlusion::{
-    BucketId, HostScene, ObjectPass, ObjectRenderer, Rendering, ShaderSet, execute, list_draws,
-};
+use cull::{CullConfig, CullView, DrawPhases, Strategy};
+use gpu::{Attachments, Commands, FrameNumbers, RenderTarget, Target, Tick, Viewport, vk};
+use occlusion::{BucketId, DrawRequest, ObjectRenderer, PerView, Rendering};
 
 use super::scene::{AntumbraView, HostedScene, HostedView};
 use super::target::{AntumbraTargetDesc, near_depth};
@@ -15,7 +13,7 @@ use crate::decisions::culler::{QUERY_BUDGET, queries, strategy};
 use crate::error::Failure;
 use crate::layout::{layout, pointers, versioned};
 use crate::pointers::{read, slice};
-use crate::table::Table;
+use crate::table::Shared;
 
 /// The draws that follow a call of [`AntumbraBindCallback`].
 #[repr(C)]
@@ -164,7 +162,7 @@ impl ObjectRenderer for HostObjects<'_> {
             return commands.begin_rendering(self.rendering(view, rendering));
         };
         self.call(callback, commands, rendering);
-        commands.set_viewport(&self.viewport(view));
+        commands.set_viewport(&Viewport::covering(view.origin, view.size));
         true
     }
 
@@ -175,7 +173,7 @@ impl ObjectRenderer for HostObjects<'_> {
         }
     }
 
-    fn bind(&self, commands: &Commands, _view: &CullView, bucket: BucketId, _pass: ObjectPass) {
+    fn bind(&self, commands: &Commands, _view: &CullView, bucket: BucketId) {
         let binding = AntumbraBinding {
             struct_size: size_of::<AntumbraBinding>() as u32,
             bucket: bucket.0,
@@ -187,201 +185,132 @@ impl ObjectRenderer for HostObjects<'_> {
     }
 }
 
+/// A view of a frame as C gave it, checked.
+struct ViewFrame {
+    view: AntumbraView,
+    eye: CullView,
+    strategy: Strategy,
+    query_budget: usize,
+    target: AntumbraTargetDesc,
+}
+
+impl ViewFrame {
+    /// Reads the view.
+    ///
+    /// # Safety
+    /// As [`record`].
+    unsafe fn read(
+        pointer: *const AntumbraViewFrame,
+        attachments: &Attachments,
+    ) -> Result<Self, Failure> {
+        // SAFETY: the caller's promise.
+        let frame = unsafe { read("a view of desc.views", pointer) }?;
+        // SAFETY: as above.
+        let target = unsafe { read("view.target", frame.target) }?;
+        // SAFETY: as above.
+        let camera = unsafe { read("view.camera", frame.camera) }?;
+        if [camera.width, camera.height] != [target.width, target.height] {
+            return Err(Failure::argument("view.camera and view.target have different sizes"));
+        }
+        if near_depth(camera.depth)? != attachments.near_depth {
+            let message = "view.camera has another ANTUMBRA_DEPTH_.. than the scene's attachments";
+            return Err(Failure::argument(message));
+        }
+        Ok(Self {
+            view: frame.view,
+            eye: camera.view()?,
+            strategy: strategy(frame.strategy)?,
+            query_budget: queries(frame.query_budget),
+            target,
+        })
+    }
+
+    fn request(&self) -> DrawRequest<'_> {
+        let Self { strategy, query_budget, .. } = *self;
+        DrawRequest { strategy, query_budget, ..DrawRequest::from(&self.eye) }
+    }
+}
+
 /// Records a frame.
 ///
 /// # Safety
 /// As the rules of the interface, [`gpu::FrameRing::begin_in`] and [`Target::of_host`].
 pub(crate) unsafe fn record(
-    scene: &mut HostedScene,
+    hosted: &mut HostedScene,
     desc: &AntumbraFrameDesc,
 ) -> Result<(), Failure> {
+    let HostedScene { scene, frames, attachments, draw_phases, views, .. } = hosted;
+    check(desc, attachments, *draw_phases)?;
     // SAFETY: the caller's promise.
-    let views = unsafe { slice("desc.views", desc.views, desc.view_count as usize) }?;
+    let pointers = unsafe { slice("desc.views", desc.views, desc.view_count as usize) }?;
+    let mut requests = PerView::new();
+    let mut found = PerView::new();
+    for pointer in pointers {
+        // SAFETY: as above.
+        let request = unsafe { ViewFrame::read(*pointer, attachments) }?;
+        if requests.iter().any(|other: &ViewFrame| other.view == request.view) {
+            return Err(Failure::argument("desc.views has a view twice"));
+        }
+        found.push(views.find(request.view)?);
+        requests.push(request);
+    }
+    let mut locked = found.iter().map(Shared::write).collect::<Result<PerView<_>, _>>()?;
+    let mut states = PerView::new();
+    let mut targets = PerView::new();
+    for (view, request) in locked.iter_mut().zip(&requests) {
+        let HostedView { state, target, lists, .. } = &mut **view;
+        lists.clear();
+        // SAFETY: as above.
+        let target = unsafe { target.update(scene.device(), &request.target, attachments) }?;
+        let state = match state {
+            Some(state) => state,
+            None => state.insert(scene.new_view(target, CullConfig::default(), *draw_phases)?),
+        };
+        states.push((state, request.request()));
+        targets.push((request.view, target));
+    }
+    let numbers = FrameNumbers { current: Tick(desc.current), safe: Tick(desc.safe) };
+    // SAFETY: as above.
+    let frame = unsafe { frames.begin_in(desc.commands, numbers) }?;
+    let mut scope = scene.begin(frame)?;
+    let planned = if desc.query_budget == 0 {
+        states
+            .into_iter()
+            .map(|(state, request)| scope.plan(state, request))
+            .collect::<Result<PerView<_>, _>>()?
+    } else {
+        scope.plan_all(states, queries(desc.query_budget))?
+    };
+    for (planned, (view, target)) in planned.into_iter().zip(targets) {
+        match desc.bind.filter(|_| *draw_phases == DrawPhases::PerRound) {
+            Some(bind) => scope.record(planned, &mut HostObjects { desc, bind, view, target })?,
+            None => scope.list(planned)?.record(&mut scope, target)?,
+        }
+    }
+    scope.end()?;
+    for view in locked.iter_mut().filter(|_| *draw_phases == DrawPhases::Two) {
+        let HostedView { state, lists, .. } = &mut **view;
+        state.iter().for_each(|state| lists.update(state));
+    }
+    Ok(())
+}
+
+/// Refuses callbacks that do not fit each other or the scene.
+fn check(
+    desc: &AntumbraFrameDesc,
+    attachments: &Attachments,
+    draw_phases: DrawPhases,
+) -> Result<(), Failure> {
     if desc.begin_rendering.is_some() != desc.end_rendering.is_some() {
         let message = "desc has one of begin_rendering and end_rendering: give both or none";
         return Err(Failure::argument(message));
     }
-    if scene.attachments.pass.is_some() && desc.begin_rendering.is_none() {
+    if attachments.pass.is_some() && desc.begin_rendering.is_none() {
         let message = "the scene has a render pass of yours: desc.begin_rendering must begin it";
         return Err(Failure::argument(message));
     }
-    for (number, view) in views.iter().enumerate() {
-        // SAFETY: the caller's promise, here and below.
-        let view = unsafe { read("a view of desc.views", *view) }?.view;
-        for other in &views[..number] {
-            // SAFETY: as above.
-            if unsafe { read("a view of desc.views", *other) }?.view == view {
-                return Err(Failure::argument("desc.views has a view twice"));
-            }
-        }
+    if draw_phases == DrawPhases::PerRound && desc.view_count > 0 && desc.bind.is_none() {
+        return Err(Failure::null("desc.bind"));
     }
-    let numbers = FrameNumbers { current: Tick(desc.current), safe: Tick(desc.safe) };
-    // SAFETY: as above.
-    let mut frame = unsafe { scene.frames.begin_in(desc.commands, numbers) }?;
-    scene.scene.upload(&mut frame)?;
-    let mut parts = Parts {
-        device: &scene.device,
-        scene: &mut scene.scene,
-        views: &scene.views,
-        shaders: &scene.shaders,
-        attachments: &scene.attachments,
-        draw_phases: scene.draw_phases,
-    };
-    // SAFETY: as above.
-    unsafe {
-        plan_views(&mut parts, &mut scene.shared_budget, desc, views)?;
-        for view in views {
-            record_view(&mut frame, &mut parts, desc, &read("a view of desc.views", *view)?)?;
-        }
-    }
-    let tick = frame.end()?;
-    for view in views {
-        // SAFETY: as above.
-        let view = unsafe { read("a view of desc.views", *view) }?.view;
-        let hosted = scene.views.find(view)?;
-        if let Some(state) = &mut hosted.write()?.state {
-            state.submitted(tick, &scene.scene.executor().leaves, None);
-        }
-    }
-    scene.scene.submitted(tick);
-    Ok(())
-}
-
-/// The parts of a scene that planning and recording a view need.
-struct Parts<'a> {
-    device: &'a Device,
-    scene: &'a mut HostScene,
-    views: &'a Table<HostedView, AntumbraView>,
-    shaders: &'a ShaderSet,
-    attachments: &'a Attachments,
-    draw_phases: DrawPhases,
-}
-
-/// One budget of queries for the views of a scene.
-#[derive(Default)]
-pub(crate) struct SharedBudget {
-    shares: QueryShares,
-    /// The queries in the newest plan of each view of a frame.
-    used: Vec<usize>,
-}
-
-/// Plans the views of a frame, by budgets of their own or by that of the frame.
-///
-/// # Safety
-/// As [`record`].
-unsafe fn plan_views(
-    parts: &mut Parts<'_>,
-    SharedBudget { shares, used }: &mut SharedBudget,
-    desc: &AntumbraFrameDesc,
-    views: &[*const AntumbraViewFrame],
-) -> Result<(), Failure> {
-    used.clear();
-    for view in views {
-        // SAFETY: the caller's promise.
-        let view = unsafe { read("a view of desc.views", *view) }?;
-        used.push(match desc.query_budget {
-            // SAFETY: as above.
-            0 => unsafe { plan_view(parts, &view, queries(view.query_budget)) }?,
-            _ => parts.views.find(view.view)?.write()?.query_count(),
-        });
-    }
-    if desc.query_budget == 0 {
-        return Ok(());
-    }
-    let mut outcome = Ok(());
-    shares.plan_views(
-        queries(desc.query_budget),
-        used,
-        |used| *used,
-        |number, used, share| {
-            // SAFETY: as above.
-            let planned = unsafe {
-                read("a view of desc.views", views[number])
-                    .and_then(|view| plan_view(parts, &view, share))
-            };
-            match planned {
-                Ok(queries) => *used = queries,
-                Err(failure) => outcome = Err(failure),
-            }
-        },
-    );
-    outcome
-}
-
-/// Plans a view, and returns the number of its queries.
-///
-/// # Safety
-/// As [`record`].
-unsafe fn plan_view(
-    parts: &mut Parts<'_>,
-    view: &AntumbraViewFrame,
-    query_budget: usize,
-) -> Result<usize, Failure> {
-    let Parts { device, scene, views, attachments, draw_phases, .. } = parts;
-    // SAFETY: the caller's promise, here and below.
-    let (camera, target) = unsafe {
-        let target = read("view.target", view.target)?;
-        (read("view.camera", view.camera)?, target)
-    };
-    if [camera.width, camera.height] != [target.width, target.height] {
-        return Err(Failure::argument("view.camera and view.target have different sizes"));
-    }
-    if near_depth(camera.depth)? != attachments.near_depth {
-        let message = "view.camera has another ANTUMBRA_DEPTH_.. than the scene's attachments";
-        return Err(Failure::argument(message));
-    }
-    let eye = camera.view()?;
-    let strategy = strategy(view.strategy)?;
-    let hosted = views.find(view.view)?;
-    let mut hosted = hosted.write()?;
-    let HostedView { state, target: cached, lists, .. } = &mut *hosted;
-    lists.clear();
-    // SAFETY: as above.
-    let target = unsafe { cached.update(device, &target, attachments) }?;
-    let state = match state {
-        Some(state) => state,
-        None => state.insert(scene.new_view(target, CullConfig::default(), *draw_phases)?),
-    };
-    let (hierarchy, executor) = scene.parts_mut();
-    state.collect(device.completed()?, hierarchy, &executor.leaves);
-    state.plan_frame(hierarchy, &executor.leaves, strategy, &eye, query_budget);
-    Ok(state.plan().query_count())
-}
-
-/// Records a planned view into a frame.
-///
-/// # Safety
-/// As [`record`].
-unsafe fn record_view(
-    frame: &mut Frame<'_>,
-    Parts { device, scene, views, shaders, attachments, draw_phases, .. }: &mut Parts<'_>,
-    desc: &AntumbraFrameDesc,
-    view: &AntumbraViewFrame,
-) -> Result<(), Failure> {
-    let hosted = views.find(view.view)?;
-    let mut hosted = hosted.write()?;
-    let HostedView { state: Some(state), target: cached, lists, .. } = &mut *hosted else {
-        return Ok(());
-    };
-    // SAFETY: the caller's promise.
-    let (eye, target) = unsafe {
-        let target = read("view.target", view.target)?;
-        let eye = read("view.camera", view.camera)?.view()?;
-        (eye, cached.update(device, &target, attachments)?)
-    };
-    let (_, executor) = scene.parts_mut();
-    match draw_phases {
-        DrawPhases::PerRound => {
-            let bind = desc.bind.ok_or_else(|| Failure::null("desc.bind"))?;
-            let mut objects = HostObjects { desc, bind, view: view.view, target };
-            execute(frame, executor, state, &mut objects, shaders, &eye)?;
-        }
-        DrawPhases::Two => {
-            let tests = list_draws(frame, executor, state, &eye)?;
-            tests.record(frame, executor, state, target, shaders)?;
-            lists.update(state);
-        }
-    }
-    target.restore(frame.commands());
     Ok(())
 }

@@ -3,13 +3,12 @@
 use cull::{Aabb, DrawPhases, ObjectId};
 use gpu::{Attachments, Device, FrameRing, IndirectDraw, PredicationMode, Resubmission};
 use occlusion::{
-    BucketDraw, BucketId, BucketTableInfo, DeviceCosts, DriverQuirks, HostObject, HostScene,
+    BucketDraw, BucketId, BucketTableInfo, CulledScene, DeviceCosts, DriverQuirks, HostObject,
     OcclusionPasses, OcclusionState, ShaderSet,
 };
 
 use super::device::AntumbraDevice;
 use super::device_costs::AntumbraDeviceCosts;
-use super::frame::SharedBudget;
 use super::lists::{ANTUMBRA_DRAWS_BY_CALLBACK, ANTUMBRA_DRAWS_BY_LISTS, KeptLists};
 use super::quirks::assumptions;
 use super::target::{AntumbraAttachments, CachedTarget};
@@ -228,15 +227,12 @@ impl HostedView {
 
 /// A scene, its views, and its frames.
 pub(crate) struct HostedScene {
-    pub device: Device,
-    pub scene: HostScene,
+    pub scene: CulledScene,
     pub frames: FrameRing,
-    pub shaders: ShaderSet,
     pub attachments: Attachments,
     /// Two where the host draws from lists.
     pub draw_phases: DrawPhases,
     pub views: Table<HostedView, AntumbraView>,
-    pub shared_budget: SharedBudget,
     objects: Vec<ObjectId>,
 }
 
@@ -284,19 +280,16 @@ impl HostedScene {
         };
         let capacity = desc.object_capacity as usize;
         let scene = match costs {
-            Some(costs) => HostScene::with_costs(&device, passes, capacity, info, costs)?,
-            None => HostScene::new(&device, passes, capacity, info)?,
+            Some(costs) => CulledScene::with_costs(&device, passes, capacity, info, costs)?,
+            None => CulledScene::new(&device, passes, capacity, info)?,
         };
         Ok(Self {
             scene,
             frames,
-            shaders,
             attachments,
             draw_phases,
             views: Table::new(0),
-            shared_budget: SharedBudget::default(),
             objects: Vec::new(),
-            device,
         })
     }
 

@@ -1,8 +1,6 @@
 //! The owner of the objects: boxes, and the pipeline that draws their depth in every bucket.
 
-use antumbra_occlusion::{
-    BucketId, Error, ObjectPass, ObjectRenderer, ProxyBox, Rendering, ShaderSet,
-};
+use antumbra_occlusion::{BucketId, Error, ObjectRenderer, ProxyBox, Rendering, ShaderSet};
 use cull::{Aabb, CullView};
 use gpu::{
     Buffer, Commands, DepthMode, Device, GraphicsPipeline, GraphicsPipelineInfo, RenderTarget,
@@ -47,7 +45,7 @@ impl ObjectRenderer for Boxes {
         self.target.render_target((rendering == Rendering::First).then_some([0.0; 4]))
     }
 
-    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId, _pass: ObjectPass) {
+    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId) {
         let [x, y, z, w] = view.view_proj.to_cols_array_2d();
         commands.bind(&self.pipeline, &[self.boxes.whole()]);
         // The shader makes its vertices of the boxes: any buffer does.

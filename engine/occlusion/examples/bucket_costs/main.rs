@@ -8,12 +8,12 @@ use std::error::Error;
 use std::time::{Duration, Instant};
 
 use antumbra_occlusion::{
-    BucketDraw, BucketId, BucketTableInfo, HostObject, HostScene, LeafTable, ObjectRenderer,
-    OcclusionPasses, ShaderSet, execute,
+    BucketDraw, BucketId, BucketTableInfo, CulledScene, HostObject, LeafTable, ObjectRenderer,
+    OcclusionPasses, ShaderSet,
 };
 use boxes::{Boxes, INDICES};
 use cap::Cap;
-use cull::{Aabb, Camera, CullConfig, CullView, DrawPhases, Projection, Strategy};
+use cull::{Aabb, Camera, CullConfig, CullView, DrawPhases, Projection};
 use glam::{Vec3, vec3};
 use gpu::{Device, FrameRing, IndirectDraw};
 
@@ -94,7 +94,7 @@ fn measure(
     let host_objects: Vec<HostObject<'_>> =
         host_objects.map(|(bounds, draws)| HostObject { bounds: *bounds, draws }).collect();
     let used = HEAP.allocated();
-    let mut scene = HostScene::new(device, passes, objects, info)?;
+    let mut scene = CulledScene::new(device, passes, objects, info)?;
     let begun = Instant::now();
     scene.add(&host_objects, &mut Vec::new())?;
     let added = begun.elapsed();
@@ -112,21 +112,16 @@ fn measure(
             owner.target().size(),
             device.adapter().limits.sub_pixel_precision_bits,
         );
-        let mut frame = ring.begin()?;
+        let frame = ring.begin()?;
         let begun = Instant::now();
-        scene.upload(&mut frame)?;
-        let (hierarchy, executor) = scene.parts_mut();
-        state.collect(device.completed()?, hierarchy, &executor.leaves);
-        state.plan_frame(hierarchy, &executor.leaves, Strategy::ANTUMBRA, &view, 4096);
-        execute(&mut frame, executor, &mut state, &mut owner, &shaders, &view)?;
+        let mut scope = scene.begin(frame)?;
+        scope.draw(&mut state, &view, &mut owner)?;
         frame_times.push(begun.elapsed());
-        let tick = frame.submit(None)?;
-        state.submitted(tick, &executor.leaves, None);
-        scene.submitted(tick);
+        scope.submit(None)?;
     }
     frame_times.sort_unstable();
     device.wait_idle()?;
     let cpu = HEAP.allocated().saturating_sub(used) / objects.max(1);
-    let gpu = bytes_per_object(&scene.executor().leaves, objects);
+    let gpu = bytes_per_object(scene.leaves(), objects);
     Ok(BucketCosts { frame_times, added, bytes: [cpu as u64, gpu] })
 }

@@ -1,18 +1,17 @@
 //! Walks past a wall with a thousand boxes behind it, drawn by a pipeline of the example's own, and
 //! prints how many boxes the GPU drew.
 
+#[path = "../bucket_costs/boxes.rs"]
 mod boxes;
 
 use std::error::Error;
 
 use antumbra_occlusion::{
-    LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, ObjectRenderer, OcclusionPasses,
-    OcclusionState, PlanExecutor, ShaderSet, execute,
+    BucketDraw, BucketId, BucketTableInfo, CulledScene, HostObject, ObjectRenderer,
+    OcclusionPasses, ShaderSet,
 };
 use boxes::{Boxes, INDICES};
-use cull::{
-    Aabb, Camera, CullConfig, CullView, Culler, DrawPhases, Hierarchy, Projection, Strategy,
-};
+use cull::{Aabb, Camera, CullConfig, CullView, DrawPhases, Projection};
 use glam::{Vec3, vec3};
 use gpu::{FrameRing, IndirectDraw};
 
@@ -27,21 +26,37 @@ fn bounds() -> Vec<Aabb> {
     std::iter::once(wall).chain(small).collect()
 }
 
+/// Returns the draw of a box, whose instance is its number.
+fn draw(number: u32) -> [BucketDraw; 1] {
+    let draw = IndirectDraw {
+        index_count: INDICES,
+        instance_count: 1,
+        first_instance: number,
+        ..Default::default()
+    };
+    [BucketDraw { bucket: BucketId(0), draw, triangles: INDICES / 3 }]
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let device = gpu::open()?;
     let shaders = ShaderSet::embedded()?;
-    let hierarchy = Hierarchy::build(&bounds())?;
-    let draw = IndirectDraw { index_count: INDICES, instance_count: 1, ..Default::default() };
-    let mesh_draws = [MeshDraw { draw, triangles: INDICES / 3 }].into();
-    let info = LeafTableInfo { mesh_draws, predication: None, frames_in_flight: 2 };
-    let leaves = LeafTable::new(&device, &hierarchy, info, |_object| MeshDrawId(0))?;
-    let mut objects = Boxes::new(&device, &shaders, &leaves)?;
+    let bounds = bounds();
+    let mut objects = Boxes::new(&device, &shaders, &bounds)?;
     let size = objects.target().size();
     let passes = OcclusionPasses::new(&device, &shaders, objects.target().attachments())?;
-    let mut executor = PlanExecutor { passes, leaves };
-    let testers = executor.testers(&device, objects.target(), DrawPhases::PerRound);
-    let culler = Culler::with_testers(CullConfig::default(), testers);
-    let mut state = OcclusionState::new(&device, &hierarchy, &executor.leaves, 2, culler)?;
+    let info = BucketTableInfo {
+        bucket_count: 1,
+        draw_capacity: bounds.len() as u32,
+        predication: None,
+        frames_in_flight: 2,
+    };
+    let mut scene = CulledScene::new(&device, passes, bounds.len(), info)?;
+    for (number, bounds) in (0..).zip(&bounds) {
+        let object = HostObject { bounds: *bounds, draws: &draw(number) };
+        scene.add(&[object], &mut Vec::new())?;
+    }
+    let phases = DrawPhases::PerRound;
+    let mut state = scene.new_view(objects.target(), CullConfig::default(), phases)?;
     let mut frames = FrameRing::new(&device, 2)?;
     for step in 0..40_u8 {
         let eye = vec3(f32::from(step) * 0.1, 0.0, 3.0);
@@ -53,12 +68,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             near: 0.1,
         };
         let view = CullView::new(&camera, size, device.adapter().limits.sub_pixel_precision_bits);
-        let mut frame = frames.begin()?;
-        state.collect(device.completed()?, &hierarchy, &executor.leaves);
-        state.plan_frame(&hierarchy, &executor.leaves, Strategy::ANTUMBRA, &view, 4096);
-        execute(&mut frame, &mut executor, &mut state, &mut objects, &shaders, &view)?;
-        let tick = frame.submit(None)?;
-        state.submitted(tick, &executor.leaves, None);
+        let mut scope = scene.begin(frames.begin()?)?;
+        scope.draw(&mut state, &view, &mut objects)?;
+        scope.submit(None)?;
         // The outcomes of earlier frames, which are known by now.
         for outcome in state.drain_stats().filter(|outcome| outcome.frame.0 % 8 == 0) {
             println!("frame {}: {} of 1001 boxes drawn", outcome.frame.0, outcome.draws);

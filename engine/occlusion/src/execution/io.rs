@@ -1,6 +1,6 @@
 //! The inputs of the execution of a plan: the plan as it lies in the memory of its frame.
 
-use cull::{CullView, MultiView};
+use cull::CullView;
 use gpu::{BufferSlice, Frame, IndirectDraw, LeafDrawBuffers, ResultSource};
 
 use crate::error::Error;
@@ -29,10 +29,10 @@ impl FrameIo {
         frame: &mut Frame<'_>,
         state: &mut OcclusionState,
         leaves: &mut LeafTable,
-        views: MultiView<'_>,
+        views: &[CullView],
     ) -> Result<Self, Error> {
-        let several = Some(views.as_slice()).filter(|views| views.len() > 1);
-        state.begin(frame, leaves, views.as_slice().len() as u32)?;
+        let several = Some(views).filter(|views| views.len() > 1);
+        state.begin(frame, leaves, views.len() as u32)?;
         let rings = state.rings();
         let results = [
             (ResultSource::Queries, rings.queries.results()),

@@ -19,23 +19,25 @@
 use std::ops::Range;
 
 use cull::CullView;
-use gpu::{Access, Commands, LeafDrawBuffers, MemoryBarrier, Predicate, QueryIndex, Reveal};
+use gpu::{
+    Access, Commands, LeafDrawBuffers, MemoryBarrier, Predicate, QueryIndex, Reveal, Target,
+    Viewport,
+};
 
 use super::io::{DRAW_BYTES, FrameIo};
-use crate::executor::PlanExecutor;
+use crate::culled_scene::CulledScene;
 use crate::leaf_table::{BucketId, draw_range};
-use crate::object_renderer::{
-    ObjectPass, ObjectRenderer, Rendering, UpcomingDraws, render, render_last,
-};
+use crate::object_renderer::{ObjectRenderer, Rendering};
 use crate::occlusion_state::OcclusionState;
-use crate::passes::{ComputeTestIo, LeafBoxIo, ListDrawsIo, ListDrawsPass};
+use crate::passes::{ComputeTestIo, LeafBoxIo, ListDrawsIo};
 use crate::rect::Rect;
+use crate::shaded_objects::{ShadedObjects, UpcomingDraws, render, render_last};
 use crate::test_layout::{RevealedRange, RoundLayout, StepRounds, take_bucket};
 use crate::visible_draws::QueriedDraws;
 
 /// A plan and the objects that it is recorded with.
 pub(super) struct Recording<'a> {
-    pub(super) executor: &'a PlanExecutor,
+    pub(super) scene: &'a CulledScene,
     pub(super) state: &'a OcclusionState,
     /// The view, or the first of several.
     pub(super) view: &'a CullView,
@@ -48,7 +50,7 @@ impl Recording<'_> {
     /// Each rendering draws the leaves that the previous tests revealed, and the proxies of the
     /// next tests. So a round costs one break and not two. Leaves below a node that showed in round
     /// `n` are tested together with round `n + 1`, and drawn with the leaves revealed by it.
-    pub(super) fn record(&self, commands: &Commands, objects: &mut dyn ObjectRenderer) {
+    pub(super) fn record(&self, commands: &Commands, objects: &mut dyn ShadedObjects) {
         let state = self.state;
         let view = self.view;
         let layout = &state.layout;
@@ -60,11 +62,11 @@ impl Recording<'_> {
         let steps = self.drawn_steps();
         let mut is_shaded = false;
         commands.pass("draw visible", |commands| {
-            let draw = |commands: &Commands, objects: &mut dyn ObjectRenderer| {
+            let draw = |commands: &Commands, objects: &mut dyn ShadedObjects| {
                 self.draw_visible(commands, &|commands, bucket| {
-                    objects.bind(commands, view, bucket, ObjectPass::Visibility);
+                    objects.bind(commands, view, bucket);
                 });
-                self.draw_proxies(commands, objects, layout.rounds.first());
+                self.draw_proxies(commands, layout.rounds.first());
             };
             match steps {
                 0 => is_shaded = self.render_last(commands, objects, Rendering::First, draw),
@@ -74,18 +76,18 @@ impl Recording<'_> {
         for step in 0..steps {
             let known = layout.step(step).known;
             let next = layout.rounds.get(step + 1);
-            self.test_by_compute(commands, objects, known);
+            self.test_by_compute(commands, objects.target(), known);
             commands.pass("resolve tests", |commands| self.resolve(commands, step));
             self.list_revealed(commands, step);
             self.prepare_revealed(commands, objects, known);
             objects.target().prepare(commands);
             commands.pass("draw revealed", |commands| {
-                let draw = |commands: &Commands, objects: &mut dyn ObjectRenderer| {
+                let draw = |commands: &Commands, objects: &mut dyn ShadedObjects| {
                     self.draw_step(commands, step, &|commands, bucket| {
-                        objects.bind(commands, view, bucket, ObjectPass::Visibility);
+                        objects.bind(commands, view, bucket);
                     });
-                    self.test_leaves(commands, objects, known);
-                    self.draw_proxies(commands, objects, next);
+                    self.test_leaves(commands, known);
+                    self.draw_proxies(commands, next);
                 };
                 if step + 1 == steps {
                     is_shaded = self.render_last(commands, objects, Rendering::Next, draw)
@@ -100,9 +102,9 @@ impl Recording<'_> {
             });
         }
         if is_shaded {
-            objects.finish_shading(self.executor, commands, view)
+            objects.finish_shading(self.scene, commands, view)
         } else {
-            objects.shade(self.executor, commands, view, &|commands, bind| {
+            objects.shade(self.scene, commands, view, &|commands, bind| {
                 self.draw_again(commands, bind);
             })
         }
@@ -114,15 +116,15 @@ impl Recording<'_> {
     fn render_last(
         &self,
         commands: &Commands,
-        objects: &mut dyn ObjectRenderer,
+        objects: &mut dyn ShadedObjects,
         rendering: Rendering,
-        draw: impl FnOnce(&Commands, &mut dyn ObjectRenderer),
+        draw: impl FnOnce(&Commands, &mut dyn ShadedObjects),
     ) -> bool {
         let shades = objects.prepare_to_shade_within(commands);
         render_last(objects, commands, self.view, rendering, |commands, objects| {
             draw(commands, objects);
             if shades {
-                objects.shade_within(self.executor, commands, self.view, &|commands, bind| {
+                objects.shade_within(self.scene, commands, self.view, &|commands, bind| {
                     self.draw_again(commands, bind);
                 });
             }
@@ -149,7 +151,6 @@ impl Recording<'_> {
         &self,
         commands: &Commands,
         objects: &mut dyn ObjectRenderer,
-        pass: &ListDrawsPass,
         lists: Option<ListDrawsIo>,
     ) {
         let state = self.state;
@@ -158,31 +159,32 @@ impl Recording<'_> {
         self.wait_for_reset(commands);
         objects.target().prepare(commands);
         commands.pass("test proxies", |commands| {
-            render(objects, commands, view, Rendering::Next, |commands, objects| {
-                self.draw_proxies(commands, objects, Some(round));
-            });
+            if objects.begin_rendering(commands, view, Rendering::Next) {
+                self.draw_proxies(commands, Some(round));
+                objects.end_rendering(commands);
+            }
         });
-        self.test_by_compute(commands, objects, Some(round));
+        self.test_by_compute(commands, objects.target(), Some(round));
         commands.pass("resolve tests", |commands| self.resolve(commands, 0));
         if round.has_leaf_tests {
             objects.target().prepare(commands);
             commands.pass("test leaves", |commands| {
-                render(objects, commands, view, Rendering::Next, |commands, objects| {
-                    self.test_leaves(commands, objects, Some(round));
-                });
+                if objects.begin_rendering(commands, view, Rendering::Next) {
+                    self.test_leaves(commands, Some(round));
+                    objects.end_rendering(commands);
+                }
             });
         }
         if let Some(lists) = lists {
-            self.list_draws(commands, pass, lists);
+            self.list_draws(commands, lists);
         }
         self.copy_results(commands);
     }
 
     /// Records the passes that list the draws which a step reveals, where they are compacted.
     fn list_revealed(&self, commands: &Commands, step: usize) {
-        let pass = self.executor.passes.list_draws.as_ref();
-        if let (Some(lists), Some(pass)) = (self.listed(step), pass) {
-            self.list_draws(commands, pass, lists);
+        if let Some(lists) = self.listed(step) {
+            self.list_draws(commands, lists);
         }
     }
 
@@ -194,7 +196,7 @@ impl Recording<'_> {
     }
 
     /// Lists draws by the results of the tests.
-    fn list_draws(&self, commands: &Commands, pass: &ListDrawsPass, lists: ListDrawsIo) {
+    fn list_draws(&self, commands: &Commands, lists: ListDrawsIo) {
         let rings = self.state.rings();
         let io = ListDrawsIo {
             enabled: self.io.leaf_draws.map(|leaf_draw| leaf_draw.draws),
@@ -202,7 +204,7 @@ impl Recording<'_> {
             threshold_samples: self.state.plan().sample_threshold,
             ..lists
         };
-        commands.pass("list draws", |commands| pass.record(commands, &io));
+        commands.pass("list draws", |commands| self.scene.passes.list_draws.record(commands, &io));
     }
 
     /// Waits until the results of the frame are cleared.
@@ -234,7 +236,7 @@ impl Recording<'_> {
             if !draws.is_empty() {
                 let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
                 let draws = self.io.visible.part(bytes(draws.start), bytes(draws.len() as u32));
-                self.executor.leaves.predicates.draw_always(commands, draws);
+                self.scene.leaves.predicates.draw_always(commands, draws);
             }
         };
         for bucket in visible.buckets() {
@@ -252,27 +254,22 @@ impl Recording<'_> {
     }
 
     /// Tests the proxies of one round against the depth so far.
-    fn draw_proxies(
-        &self,
-        commands: &Commands,
-        objects: &dyn ObjectRenderer,
-        round: Option<&RoundLayout>,
-    ) {
+    fn draw_proxies(&self, commands: &Commands, round: Option<&RoundLayout>) {
         let Some(round) = round else { return };
         commands.label("proxies", |commands| {
             // The owner may have drawn with another.
-            commands.set_viewport(&objects.viewport(self.view));
+            commands.set_viewport(&Viewport::covering(self.view.origin, self.view.size));
             let eyes = self.io.eyes(self.view);
             if !round.flags.is_empty() {
-                self.executor.passes.proxies.bind_flags(commands, &self.io.proxies, eyes);
-                self.executor.passes.proxies.draw_all(commands, round.flags.clone());
+                self.scene.passes.proxies.bind_flags(commands, &self.io.proxies, eyes);
+                self.scene.passes.proxies.draw_all(commands, round.flags.clone());
             }
             if !round.queries.is_empty() {
-                self.executor.passes.proxies.bind(commands, &self.io.proxies, eyes);
+                self.scene.passes.proxies.bind(commands, &self.io.proxies, eyes);
             }
             for (query, test) in round.queries.clone().zip(round.queried_tests.clone()) {
                 self.state.rings().queries.scope(commands, QueryIndex(query), |commands| {
-                    self.executor.passes.proxies.draw(commands, test);
+                    self.scene.passes.proxies.draw(commands, test);
                 });
             }
         });
@@ -282,16 +279,14 @@ impl Recording<'_> {
     fn test_by_compute(
         &self,
         commands: &Commands,
-        objects: &mut dyn ObjectRenderer,
+        target: &mut Target,
         round: Option<&RoundLayout>,
     ) {
         let computed = round.map(|round| round.computed.clone()).filter(|tests| !tests.is_empty());
-        let pass = self.executor.passes.compute_test.as_ref();
-        let (Some(tests), Some(pass), Some(io)) = (computed, pass, self.io.computed) else {
-            return;
-        };
+        let (Some(tests), Some(io)) = (computed, self.io.computed) else { return };
+        let pass = &self.scene.passes.compute_test;
         commands.pass("test boxes", |commands| {
-            pass.record_grid(commands, objects.target(), Rect::of(self.view), self.view.depth);
+            pass.record_grid(commands, target, Rect::of(self.view), self.view.depth);
             let io = ComputeTestIo { first: tests.start, count: tests.end - tests.start, ..io };
             pass.record_tests(commands, &io, self.view);
         });
@@ -314,7 +309,7 @@ impl Recording<'_> {
             let made = state.layout.made(known);
             let threshold = state.plan().sample_threshold;
             if known.has_leaf_tests || self.listed(step).is_none() {
-                self.executor.leaves.predicates.resolve(commands, &made, threshold);
+                self.scene.leaves.predicates.resolve(commands, &made, threshold);
             }
         }
     }
@@ -324,14 +319,14 @@ impl Recording<'_> {
     fn prepare_revealed(
         &self,
         commands: &Commands,
-        objects: &mut dyn ObjectRenderer,
+        objects: &mut dyn ShadedObjects,
         known: Option<&RoundLayout>,
     ) {
         if !objects.has_draws_to_prepare() {
             return;
         }
         let layout = &self.state.layout;
-        let predicates = self.executor.leaves.predicates();
+        let predicates = self.scene.leaves.predicates();
         let tests = &self.state.plan().tests;
         let threshold = self.state.plan().sample_threshold;
         let [draws, boxes] =
@@ -372,7 +367,7 @@ impl Recording<'_> {
         bind: &dyn Fn(&Commands, BucketId),
     ) {
         let layout = &self.state.layout;
-        let predicates = &self.executor.leaves.predicates;
+        let predicates = &self.scene.leaves.predicates;
         let mut enabled = layout.revealed(rounds.before, Reveal::EnabledDraws);
         let mut whole = layout.revealed(rounds.known, Reveal::Draws);
         let first = |list: &[RevealedRange]| list.first().map(|first| first.bucket);
@@ -395,7 +390,7 @@ impl Recording<'_> {
             let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
             let draws = &bucket.draws;
             let draws = self.io.visible.part(bytes(draws.start), bytes(draws.len() as u32));
-            self.executor.leaves.predicates.draw_always(commands, draws);
+            self.scene.leaves.predicates.draw_always(commands, draws);
         }
         for step in 0..self.state.layout.step_count() {
             self.draw_step(commands, step, bind);
@@ -403,21 +398,16 @@ impl Recording<'_> {
     }
 
     /// Tests the leaves of the nodes that showed, one by one.
-    fn test_leaves(
-        &self,
-        commands: &Commands,
-        objects: &dyn ObjectRenderer,
-        known: Option<&RoundLayout>,
-    ) {
+    fn test_leaves(&self, commands: &Commands, known: Option<&RoundLayout>) {
         let known = known.filter(|round| round.has_leaf_tests);
         let (Some(pass), Some(leaf_draws), Some(_)) =
-            (&self.executor.passes.leaf_boxes, self.io.leaf_draws, known)
+            (&self.scene.passes.leaf_boxes, self.io.leaf_draws, known)
         else {
             return;
         };
         commands.label("leaf boxes", |commands| {
-            commands.set_viewport(&objects.viewport(self.view));
-            let leaves = &self.executor.leaves;
+            commands.set_viewport(&Viewport::covering(self.view.origin, self.view.size));
+            let leaves = &self.scene.leaves;
             let io = LeafBoxIo { boxes: leaves.boxes(), leaf_draws, links: leaves.links() };
             pass.bind(commands, &io, self.io.eyes(self.view));
             for range in self.state.layout.revealed(known, Reveal::Boxes) {

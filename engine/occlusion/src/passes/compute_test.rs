@@ -31,10 +31,16 @@ const SLACK_PIXELS: f32 = 1.0 / 64.0;
 pub struct ComputeTest {
     grid_pipeline: ComputePipeline,
     test_pipeline: ComputePipeline,
-    depths: Buffer,
-    grid: Buffer,
+    depths: Option<DepthGrid>,
     reach_pixels: f32,
     most_groups: u32,
+}
+
+/// The depth of an image, and the farthest depth per cell.
+struct DepthGrid {
+    size: [u32; 2],
+    depths: Buffer,
+    cells: Buffer,
 }
 
 /// The buffers of a test: reads boxes; writes results.
@@ -79,42 +85,70 @@ struct TestConstants {
 const _: () = assert!(size_of::<GridConstants>() == 12 && size_of::<TestConstants>() == 88);
 
 impl ComputeTest {
-    /// Compiles the passes for areas of up to `size` pixels.
+    /// Compiles the passes for depths of so many samples per pixel: each of several may lie
+    /// anywhere in its pixel, and the tests compare with the farthest of them.
     ///
     /// # Errors
-    /// An image whose depth is larger than a storage buffer may be, or has more cells than one
-    /// dispatch takes; no memory, a failed call.
-    pub fn new(device: &Device, shaders: &ShaderSet, size: [u32; 2]) -> Result<Self, Error> {
-        Self::check(device, size)?;
+    /// A failed call.
+    pub fn new(
+        device: &Device,
+        shaders: &ShaderSet,
+        samples: vk::SampleCountFlags,
+    ) -> Result<Self, Error> {
         let limits = &device.adapter().limits;
-        let bytes = |size| product(size).saturating_mul(4);
         let pipeline = |name, shader, storage| {
             ComputePipeline::new(device, name, shaders.find(shader)?, storage).map_err(Error::from)
         };
-        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
-        let buffer = |name, size, usage| {
-            Buffer::new(device, name, bytes(size), storage | usage, MemoryKind::Device)
-        };
-        let cells = cells(size);
         let grid_layout = StorageLayout::new::<GridConstants>(2);
         let test_layout = StorageLayout::new::<TestConstants>(4);
         let snapping = 0.5_f32.powi(limits.sub_pixel_precision_bits.min(24) as i32);
+        let off_centre = if samples == vk::SampleCountFlags::TYPE_1 { 0.0 } else { 0.5 };
         Ok(Self {
             grid_pipeline: pipeline("depth grid", "depth_grid.comp", grid_layout)?,
             test_pipeline: pipeline("compute test", "compute_test.comp", test_layout)?,
-            depths: buffer("tested depth", size, vk::BufferUsageFlags::TRANSFER_DST)?,
-            grid: buffer("depth grid", cells, vk::BufferUsageFlags::empty())?,
-            reach_pixels: snapping + SLACK_PIXELS,
+            depths: None,
+            reach_pixels: snapping + SLACK_PIXELS + off_centre,
             most_groups: limits.max_compute_work_group_count[0].max(1),
         })
     }
 
-    /// Returns the pass for depths of so many samples per pixel: of several, each may lie anywhere
-    /// in its pixel, and the tests compare with the farthest of them.
-    #[must_use]
-    pub fn of_samples(self, samples: vk::SampleCountFlags) -> Self {
-        let off_centre = if samples == vk::SampleCountFlags::TYPE_1 { 0.0 } else { 0.5 };
-        Self { reach_pixels: self.reach_pixels + off_centre, ..self }
+    /// Compiles the passes like [`ComputeTest::new`], with room for depths of `size` pixels.
+    ///
+    /// # Errors
+    /// The errors of [`ComputeTest::new`] and [`ComputeTest::resize`].
+    pub fn sized(
+        device: &Device,
+        shaders: &ShaderSet,
+        samples: vk::SampleCountFlags,
+        size: [u32; 2],
+    ) -> Result<Self, Error> {
+        let mut test = Self::new(device, shaders, samples)?;
+        test.resize(device, size)?;
+        Ok(test)
+    }
+
+    /// Makes room for depths of `size` pixels, unless there is room for exactly these. Nothing is
+    /// tested before.
+    ///
+    /// # Errors
+    /// An image whose depth is larger than a storage buffer may be, or has more cells than one
+    /// dispatch takes; no memory.
+    pub fn resize(&mut self, device: &Device, size: [u32; 2]) -> Result<(), Error> {
+        if self.depths.as_ref().is_some_and(|depths| depths.size == size) {
+            return Ok(());
+        }
+        Self::check(device, size)?;
+        let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
+        let buffer = |name, size, usage| {
+            let bytes = product(size).saturating_mul(4);
+            Buffer::new(device, name, bytes, storage | usage, MemoryKind::Device)
+        };
+        self.depths = Some(DepthGrid {
+            size,
+            depths: buffer("tested depth", size, vk::BufferUsageFlags::TRANSFER_DST)?,
+            cells: buffer("depth grid", cells(size), vk::BufferUsageFlags::empty())?,
+        });
+        Ok(())
     }
 
     /// Checks that the device can test in areas of up to `size` pixels.
@@ -127,8 +161,8 @@ impl ComputeTest {
     }
 
     /// Copies the depth of `target` as it is now in `area`, for all tests until the next call.
-    /// `area` is no larger in either direction than the size given to [`ComputeTest::new`]. Outside
-    /// of rendering; the caller prepares the target again to draw on.
+    /// `area` is no larger in either direction than the size given to [`ComputeTest::resize`].
+    /// Outside of rendering; the caller prepares the target again to draw on.
     pub fn record_grid(
         &self,
         commands: &Commands,
@@ -136,13 +170,14 @@ impl ComputeTest {
         area: Rect,
         depth: DepthConvention,
     ) {
+        let Some(grid) = &self.depths else { return };
         let between = MemoryBarrier::between;
         // The tests before, of this frame or another, have read what is written here.
         commands
             .barrier(between(&[Access::ComputeRead], &[Access::CopyWrite, Access::ComputeWrite]));
-        target.copy_depth_to(commands, area.origin, area.size, self.depths.whole());
+        target.copy_depth_to(commands, area.origin, area.size, grid.depths.whole());
         commands.barrier(between(&[Access::CopyWrite], &[Access::ComputeRead]));
-        commands.bind_compute(&self.grid_pipeline, &[self.depths.whole(), self.grid.whole()]);
+        commands.bind_compute(&self.grid_pipeline, &[grid.depths.whole(), grid.cells.whole()]);
         let constants = GridConstants { size: area.size, sign: depth.sign() };
         commands.push_compute_constants(&self.grid_pipeline, &constants);
         // No more than one dispatch takes: that was checked for the largest area.
@@ -154,7 +189,8 @@ impl ComputeTest {
     /// rendering, after [`ComputeTest::record_grid`]. Earlier readers of the results must be over;
     /// a barrier from [`Access::ComputeWrite`] to the use must follow.
     pub fn record_tests(&self, commands: &Commands, io: &ComputeTestIo, view: &CullView) {
-        let buffers = [io.boxes, self.depths.whole(), self.grid.whole(), io.results];
+        let Some(grid) = &self.depths else { return };
+        let buffers = [io.boxes, grid.depths.whole(), grid.cells.whole(), io.results];
         let mut constants = self.constants(view);
         let end = io.first.saturating_add(io.count);
         for first in (io.first..end).step_by(self.most_groups as usize) {

@@ -30,11 +30,11 @@ pub struct OcclusionPasses {
     /// The pass that tests the leaves below a node that showed. Needs fragment shaders that can
     /// write to buffers, and a driver that can be trusted with it.
     pub leaf_boxes: Option<LeafBoxPass>,
-    /// The pass that tests boxes by a compute shader, made for the first such frame.
-    pub compute_test: Option<ComputeTest>,
-    /// The passes that list draws, made for the first frame with lists: those of a host that
-    /// records its draws, and those of [`gpu::PredicationMode::Compacted`].
-    pub list_draws: Option<ListDrawsPass>,
+    /// The pass that tests boxes by a compute shader.
+    pub compute_test: ComputeTest,
+    /// The passes that list draws: for a host that records its draws, and for
+    /// [`gpu::PredicationMode::Compacted`].
+    pub list_draws: ListDrawsPass,
     /// The pass that uploads changed leaves.
     pub scatter: ScatterPass,
     /// The attachments that boxes are tested against.
@@ -57,12 +57,9 @@ impl OcclusionPasses {
         Self::with_quirks(device, shaders, attachments, DriverQuirks::default())
     }
 
-    /// Compiles the same for a driver that a self-test found something broken about: what the trust
-    /// is left without is not used by scenes of these passes and by views with the testers of
-    /// [`PlanExecutor::testers`](crate::PlanExecutor::testers), as
-    /// [`HostScene::new_view`](crate::HostScene::new_view) makes them. A scene then skips hidden
-    /// draws in another way; a table of a host's own is given one of
-    /// [`DriverQuirks::usable_executors`], else nothing is tested.
+    /// Compiles the passes of [`OcclusionPasses::new`] for a driver that failed a self-test: scenes
+    /// of these passes and their views do not use what `quirks` disables, and skip hidden draws by
+    /// another predication mode where necessary.
     ///
     /// # Errors
     /// Those of [`OcclusionPasses::new`].
@@ -78,25 +75,12 @@ impl OcclusionPasses {
         Ok(Self {
             proxies: ProxyPass::new(device, shaders, attachments)?,
             leaf_boxes: leaf_boxes.transpose()?,
-            compute_test: None,
-            list_draws: None,
+            compute_test: ComputeTest::new(device, shaders, attachments.samples)?,
+            list_draws: ListDrawsPass::new(device, shaders)?,
             scatter: ScatterPass::new(device, shaders)?,
             attachments,
             quirks,
         })
-    }
-
-    /// Compiles the same passes again, with other shaders.
-    ///
-    /// # Errors
-    /// A shader that does not fit its pass, a failed call.
-    pub fn reloaded(
-        &self,
-        device: &Device,
-        shaders: &ShaderSet,
-        size: [u32; 2],
-    ) -> Result<Self, Error> {
-        self.recompiled(device, shaders, self.attachments, size)
     }
 
     /// Compiles the same passes again, with other shaders and for other attachments.
@@ -108,17 +92,8 @@ impl OcclusionPasses {
         device: &Device,
         shaders: &ShaderSet,
         attachments: Attachments,
-        size: [u32; 2],
     ) -> Result<Self, Error> {
-        let compute_test = self.compute_test.as_ref();
-        let samples = attachments.samples;
-        let compute_test = compute_test
-            .map(|_| ComputeTest::new(device, shaders, size).map(|test| test.of_samples(samples)));
-        let list_draws = self.list_draws.as_ref().map(|_| ListDrawsPass::new(device, shaders));
-        let fresh = Self::with_quirks(device, shaders, attachments, self.quirks.clone())?;
-        let compute_test = compute_test.transpose()?;
-        let list_draws = list_draws.transpose()?;
-        Ok(Self { compute_test, list_draws, ..fresh })
+        Self::with_quirks(device, shaders, attachments, self.quirks.clone())
     }
 
     /// Returns the parts of the driver that are used.
@@ -127,7 +102,7 @@ impl OcclusionPasses {
     }
 
     /// Returns the testers that there are on `device`, for views that are drawn to `target`.
-    /// [`PlanExecutor::testers`](crate::PlanExecutor::testers) says which of them plans may use.
+    /// [`CulledScene::testers`](crate::CulledScene::testers) says which of them plans may use.
     pub fn testers(&self, device: &Device, target: &Target) -> VisibilityTestSupport {
         VisibilityTestSupport {
             queries: true,

@@ -2,7 +2,7 @@
 //! the shaders. The scene and the history of views stay, and nothing waits for the GPU.
 
 use gpu::{FrameRing, Target};
-use occlusion::{Method, MethodScene, ShaderSet};
+use occlusion::{Method, ShaderSet};
 
 use crate::error::Error;
 use crate::renderer::{MAX_FRAMES_IN_FLIGHT, Renderer};
@@ -19,7 +19,7 @@ impl Renderer {
         if size == self.size() {
             return Ok(());
         }
-        self.executor.check_resize(&self.device, self.size(), size)?;
+        self.scene.check_resize(self.size(), size)?;
         let create = if self.passes.target.has_stencil() {
             Target::with_stencil
         } else {
@@ -32,7 +32,6 @@ impl Renderer {
         self.passes.target = target;
         self.passes.edges.resized();
         // These make again what the next frame needs.
-        self.executor.resized();
         self.methods.iter_mut().for_each(|method| method.resized());
         let area = self.debug_overlay.top_down;
         self.debug_overlay.top_down = area.filter(|area| area.fits(size));
@@ -67,7 +66,7 @@ impl Renderer {
         self.frame_times.enable(&mut frames)?;
         self.frames = frames;
         self.pass_times.clear();
-        self.executor.leaves.set_frames_in_flight(slots);
+        self.scene.set_frames_in_flight(slots);
         self.passes.set_frames_in_flight(slots);
         Ok(())
     }
@@ -119,21 +118,20 @@ impl Renderer {
     pub(crate) fn draw_with(&mut self, shaders: ShaderSet) -> Result<(), Error> {
         let pipelines = self.passes.recompiled(&shaders, &self.passes.shadows)?;
         let attachments = self.passes.target.attachments();
-        let size = self.size();
-        let executing =
-            self.executor.passes.recompiled(&self.device, &shaders, attachments, size)?;
+        let executing = self.scene.passes().recompiled(&self.device, &shaders, attachments)?;
         let methods = self.reloaded_methods(&shaders)?;
         // Nothing fails from here on.
-        (self.passes.pipelines, self.executor.passes) = (pipelines, executing);
-        (self.methods, self.shaders) = (methods, shaders);
+        self.passes.pipelines = pipelines;
+        *self.scene.parts_mut().passes = executing;
+        self.methods = methods;
+        self.shaders = shaders;
         self.passes.shadows.forget();
         Ok(())
     }
 
     fn reloaded_methods(&mut self, shaders: &ShaderSet) -> Result<Vec<Box<dyn Method>>, Error> {
-        let Self { device, hierarchy, passes, executor, methods, .. } = self;
-        let mut scene = MethodScene { device, shaders, hierarchy, executor, objects: passes };
-        let reloaded = methods.iter().map(|method| method.reloaded(&mut scene));
+        let Self { scene, passes, methods, .. } = self;
+        let reloaded = methods.iter().map(|method| method.reloaded(scene, passes, shaders));
         Ok(reloaded.collect::<Result<_, _>>()?)
     }
 }

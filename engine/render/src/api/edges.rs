@@ -68,7 +68,7 @@ impl Renderer {
             &self.device,
             &passes.geometry,
             passes.skinned_meshes.as_ref(),
-            &self.hierarchy,
+            self.scene.hierarchy(),
             options.rules(),
         )?;
         passes.edges.meshes = Some(edges);

@@ -28,7 +28,8 @@ impl Renderer {
         self.wait_idle(state)?;
         let stats = state.newest_stats();
         let in_frustum = state.seen_from.as_ref();
-        let in_frustum = in_frustum.map_or(0, |view| self.hierarchy.objects_in_frustum(view));
+        let in_frustum =
+            in_frustum.map_or(0, |view| self.scene.hierarchy().objects_in_frustum(view));
         let pixels = image.rgba8()?.to_vec();
         Ok(LastFrame {
             drawn: stats.map_or(0, |stats| stats.draws),

@@ -52,7 +52,7 @@ impl Renderer {
             let checked = surfaces.check_cookie(light);
             checked.map_err(|reason| Error::LightCookie { index, reason })?;
         }
-        let add = |light: &PunctualLight| surfaces.add_light(&self.hierarchy, *light);
+        let add = |light: &PunctualLight| surfaces.add_light(self.scene.hierarchy(), *light);
         Ok(lights.iter().filter_map(add).collect())
     }
 
@@ -68,7 +68,7 @@ impl Renderer {
     pub fn remove_lights(&mut self, lights: &[LightId]) -> Result<(), Error> {
         for light in lights {
             lit_surfaces(&mut self.passes.geometry.surfaces, *light)?
-                .remove_light(&self.hierarchy, *light);
+                .remove_light(self.scene.hierarchy(), *light);
         }
         Ok(())
     }
@@ -89,7 +89,7 @@ impl Renderer {
             return Err(Error::Light { light, reason: "it cannot become another kind of light" });
         }
         surfaces.check_cookie(&to).map_err(|reason| Error::Light { light, reason })?;
-        surfaces.replace_light(&self.hierarchy, light, to);
+        surfaces.replace_light(self.scene.hierarchy(), light, to);
         Ok(())
     }
 }

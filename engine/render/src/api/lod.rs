@@ -59,13 +59,13 @@ impl Renderer {
             return 0;
         }
         let mut changed = 0;
-        for object in geometry.lods.next_batch(self.hierarchy.leaf_objects().len()) {
+        for object in geometry.lods.next_batch(self.scene.hierarchy().leaf_objects().len()) {
             let (Some(node), Some(leaf)) =
-                (self.hierarchy.node_of(object), self.hierarchy.leaf_of(object))
+                (self.scene.hierarchy().node_of(object), self.scene.hierarchy().leaf_of(object))
             else {
                 continue;
             };
-            let bounds = self.hierarchy.bounds(node);
+            let bounds = self.scene.hierarchy().bounds(node);
             let of_view = |(view, counts): &SeenView<'_>| {
                 let visible = counts.and_then(|counts| counts.visible_of(object));
                 let visible = visible.map(|samples| samples.div_ceil(samples_per_pixel));
@@ -73,7 +73,7 @@ impl Renderer {
             };
             let pixels_per_metre = views.iter().map(of_view).fold(0.0, f32::max);
             if geometry.select_lod(object, pixels_per_metre, policy) {
-                self.executor.leaves.mark_dirty(leaf, geometry.draw_of(object));
+                self.scene.parts_mut().leaves.mark_dirty(leaf, geometry.draw_of(object));
                 changed += 1;
             }
         }

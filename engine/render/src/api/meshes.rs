@@ -1,5 +1,6 @@
 //! Meshes that come and go while the renderer runs.
 
+use occlusion::ScenePartsMut;
 use scene::{MeshId, PreparedMesh};
 
 use crate::error::Error;
@@ -30,10 +31,10 @@ impl Renderer {
         }
         let mut added = Vec::with_capacity(meshes.len());
         for mesh in meshes {
-            match geometry.add_mesh(mesh, &mut self.executor.leaves) {
+            match geometry.add_mesh(mesh, self.scene.parts_mut().leaves) {
                 Ok(id) => added.push(id),
                 Err(error) => {
-                    let leaves = &mut self.executor.leaves;
+                    let leaves = self.scene.parts_mut().leaves;
                     added.into_iter().for_each(|id| geometry.remove_mesh(id, leaves));
                     return Err(error);
                 }
@@ -58,7 +59,7 @@ impl Renderer {
             checked.map_err(|reason| Error::Mesh { index, reason })?;
         }
         for mesh in meshes {
-            geometry.remove_mesh(*mesh, &mut self.executor.leaves);
+            geometry.remove_mesh(*mesh, self.scene.parts_mut().leaves);
         }
         Ok(())
     }
@@ -76,8 +77,8 @@ impl Renderer {
 
     /// Draws the objects of meshes that the last frame completed, from the next one on.
     pub(crate) fn show_arrived(&mut self) {
-        let leaves = &mut self.executor.leaves;
-        if self.passes.geometry.show_arrived(&self.hierarchy, leaves) {
+        let ScenePartsMut { hierarchy, leaves, .. } = self.scene.parts_mut();
+        if self.passes.geometry.show_arrived(hierarchy, leaves) {
             self.revision.advance();
             self.passes.shadows.forget();
         }

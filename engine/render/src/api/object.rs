@@ -18,17 +18,18 @@ impl Renderer {
     ) -> Option<(LeafExplanation, Option<(FrameId, Outcome)>)> {
         self.check_view(state).ok()?;
         let plan = state.plan();
-        let explained = state.visibility.culler().explain(&self.hierarchy, view, plan, object)?;
+        let explained =
+            state.visibility.culler().explain(self.scene.hierarchy(), view, plan, object)?;
         let answers = state.visibility.newest_answers();
-        let outcome = explained.outcome(&self.hierarchy, answers);
+        let outcome = explained.outcome(self.scene.hierarchy(), answers);
         Some((explained, answers.first().map(|answer| answer.tag.frame).zip(outcome)))
     }
 
     /// Returns the number of triangles of an object, in the form in which it is drawn; 0 for a
     /// foreign one.
     pub fn triangles_of(&self, object: ObjectId) -> u64 {
-        let leaf = self.hierarchy.leaf_of(object);
-        leaf.map_or(0, |first| self.executor.leaves.count(LeafRange { first, count: 1 }).triangles)
+        let leaf = self.scene.hierarchy().leaf_of(object);
+        leaf.map_or(0, |first| self.scene.leaves().count(LeafRange { first, count: 1 }).triangles)
     }
 
     /// Outlines the box of an object in every image from now on, seen through everything; of

@@ -2,9 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use cull::{Aabb, CullView, Hierarchy, QueryShares, Strategy};
+use cull::{Aabb, CullView, QueryShares, Strategy};
 use gpu::{Frame, PassTime, Readback, SampleCount};
-use occlusion::{FrameTimes, Method, MethodRequest, MethodScene, PlanExecutor, Rect};
+use occlusion::{CulledScene, FrameTimes, Method, MethodRequest, Rect};
 use scene::LensFlare;
 
 use crate::attachment_schedule::{AttachmentSchedule, ColourEnd, ViewScopes};
@@ -22,6 +22,7 @@ use crate::renderer::Renderer;
 use crate::resources::skinned_meshes::PoseUploads;
 use crate::shading::fragments::Fragments;
 use crate::shadows::MapUses;
+use crate::view_pass::ViewPass;
 use crate::views::{
     FrameReport, FrameRequest, ViewRequest, Viewpoint, ViewsRequest, finish_image, finish_scene,
 };
@@ -81,25 +82,22 @@ impl Renderer {
         let uploads = self.pose_uploads(&views, targets);
         let map_uses = self.map_uses();
         let after_views = self.overlay_scopes(targets, scene_image);
-        let Self { device, frames, hierarchy, passes, executor, methods, shaders, flares, .. } =
-            self;
+        let Self { frames, scene, passes, methods, flares, .. } = self;
 
         let mut frame = frames.begin()?;
         note_times(&frame, &mut self.pass_times, &mut self.frame_times);
-        passes.begin_section(&mut frame, hierarchy)?;
-        passes.upload_changes(&mut frame, hierarchy, executor, uploads, &views, map_uses)?;
+        passes.begin_section(&mut frame, scene.hierarchy())?;
+        passes.upload_changes(&mut frame, scene, uploads, &views, map_uses)?;
         if is_timed {
             frame.begin_timing();
         }
         let mut report = FrameReport::default();
         let method = &mut methods[method];
-        let mut scene = MethodScene { device, shaders, hierarchy, executor, objects: passes };
-
         plan_views(
             &mut self.query_shares,
             self.query_budget,
             &mut **method,
-            &mut scene,
+            scene,
             targets,
             &views,
             request,
@@ -108,23 +106,23 @@ impl Renderer {
             (0..).zip(targets.iter_mut().zip(&views))
         {
             let strategy = request.strategy;
-            report.transparent +=
-                begin_view(passes, &mut frame, executor, hierarchy, number, view, strategy)?;
+            let mut view_pass = ViewPass { passes, frame: &mut frame, scene, view };
+            report.transparent += begin_view(&mut view_pass, number, strategy)?;
             begin_scopes(passes, state, flares, number, after_views);
             let wanted = method_request(*visible, view, request);
-            let mut scene = MethodScene { device, shaders, hierarchy, executor, objects: passes };
-            let stats = method.record(&mut frame, &mut state.visibility, &mut scene, &wanted)?;
+            let visibility = &mut state.visibility;
+            let stats = method.record(&mut frame, visibility, scene, passes, &wanted)?;
             report.tests += stats.tests;
             report.queries += stats.queries;
             state.seen_from = Some(*view);
-            finish_view(passes, &mut frame, executor, hierarchy, flares, state, view)?;
+            let mut view_pass = ViewPass { passes, frame: &mut frame, scene, view };
+            finish_view(&mut view_pass, flares, state)?;
         }
         finish_scene(&mut frame, passes, scene_image)?;
         let debug_overlay = self.debug_overlay;
         let overlays = Overlays { debug_overlay, outlined, scopes: after_views };
         let first = targets.first();
-        report.overlay_cpu =
-            overlays.record(&mut frame, passes, executor, hierarchy, first, request)?;
+        report.overlay_cpu = overlays.record(&mut frame, passes, scene, first, request)?;
         passes.read_back(frame.commands());
         let waited = frame.waited();
         report.waits = frame.waits();
@@ -187,9 +185,7 @@ impl Renderer {
             self.check_view(target.state)?;
             self.check_area(target.rect)?;
             self.check_visible(request.strategy, target.visible)?;
-            let slots = self.frames_in_flight();
-            let leaves = &self.executor.leaves;
-            target.state.set_frames_in_flight(slots, leaves)?;
+            target.state.follow_frames_in_flight(&self.scene)?;
         }
         for image in request.image.into_iter().chain(scene_image) {
             self.check_image(image)?;
@@ -220,7 +216,7 @@ impl Renderer {
         report.fragments = self.fragment_counts();
         let timed_views = is_timed.then_some(targets.len());
         for ViewRequest { state, .. } in targets.iter_mut() {
-            state.submitted(report.tick, &self.executor.leaves, timed_views);
+            state.submitted(report.tick, &self.scene, timed_views);
             report.add(state);
         }
         // Their lessons are for the next frame.
@@ -268,7 +264,7 @@ impl Renderer {
 
     /// Creates objects that only some methods and frames need, for the first of these frames.
     fn prepare(&mut self, method: usize, targets: &[ViewRequest<'_>]) -> Result<(), Error> {
-        let Self { device, hierarchy, passes, executor, methods, shaders, .. } = self;
+        let Self { device, scene, passes, methods, shaders, .. } = self;
         let is_watching = |target: &ViewRequest<'_>| target.state.counts.is_watching();
         if targets.iter().any(is_watching) {
             passes.pipelines.count.prepare(device, shaders)?;
@@ -276,8 +272,7 @@ impl Renderer {
         if targets.iter().any(|target| target.state.pointer.is_pointing()) {
             passes.pipelines.pointer.prepare(device, shaders)?;
         }
-        let mut scene = MethodScene { device, shaders, hierarchy, executor, objects: passes };
-        Ok(methods[method].prepare(&mut scene)?)
+        Ok(methods[method].prepare(scene, passes, shaders)?)
     }
 
     /// Returns the view from `viewpoint` in a part of this renderer's image.
@@ -322,16 +317,16 @@ fn plan_views(
     shares: &mut QueryShares,
     query_budget: usize,
     method: &mut dyn Method,
-    scene: &mut MethodScene<'_>,
+    scene: &CulledScene,
     targets: &mut [ViewRequest<'_>],
     views: &[CullView],
     request: &ViewsRequest<'_>,
 ) -> Result<(), Error> {
-    let completed = scene.device.completed()?;
+    let completed = scene.device().completed()?;
     let queries = |target: &ViewRequest<'_>| target.state.plan().query_count();
     shares.plan_views(query_budget, targets, queries, |number, target, share| {
         let ViewRequest { state, visible, .. } = target;
-        state.collect(completed, scene.hierarchy, &scene.executor.leaves);
+        state.collect(completed, scene);
         let wanted = method_request(*visible, &views[number], request);
         method.plan(&mut state.visibility, scene, &wanted, share);
     });
@@ -341,19 +336,16 @@ fn plan_views(
 /// Uploads what the shading of a view, by its number in the frame, draws beside objects. Returns
 /// the number of transparent objects in its frustum.
 fn begin_view(
-    passes: &mut FramePasses,
-    frame: &mut Frame<'_>,
-    executor: &PlanExecutor,
-    hierarchy: &Hierarchy,
+    view_pass: &mut ViewPass<'_, '_>,
     number: u32,
-    view: &CullView,
     strategy: Strategy,
 ) -> Result<u32, Error> {
-    let FramePasses { geometry, pipelines, shadows, .. } = passes;
-    shadows.begin_view(frame, number, view, geometry, hierarchy, pipelines)?;
-    passes.begin_section_view(frame, hierarchy, view)?;
+    let ViewPass { passes, frame, scene, view } = view_pass;
+    let FramePasses { geometry, pipelines, shadows, .. } = &mut **passes;
+    shadows.begin_view(frame, number, view, geometry, scene.hierarchy(), pipelines)?;
+    passes.begin_section_view(frame, scene.hierarchy(), view)?;
     passes.record_caps(frame.commands(), view);
-    passes.gather_transparent(frame, executor, view, strategy)
+    passes.gather_transparent(frame, scene, view, strategy)
 }
 
 /// Notes the renderings of a view, by its number in the frame. Overlays follow those of the first.
@@ -391,20 +383,16 @@ fn begin_scopes(
 /// Records the end of a view, once everything of its frame is drawn: its counts, its flares, its
 /// edges and outlines.
 fn finish_view(
-    passes: &mut FramePasses,
-    frame: &mut Frame<'_>,
-    executor: &PlanExecutor,
-    hierarchy: &Hierarchy,
+    view_pass: &mut ViewPass<'_, '_>,
     flares: &[LensFlare],
     state: &mut RenderView,
-    view: &CullView,
 ) -> Result<(), Error> {
     let RenderView { counts, pointer, flares: flare_counts, visibility, .. } = state;
-    count_samples(passes, frame, executor, hierarchy, counts, visibility, view)?;
-    record_pointer(passes, frame, executor, hierarchy, pointer, visibility, view)?;
-    record_flares(passes, frame, executor, flares, flare_counts, visibility, view)?;
-    record_edges(passes, frame, hierarchy, view)?;
-    record_outlines(passes, frame, hierarchy, &executor.leaves, view)
+    count_samples(view_pass, counts, visibility)?;
+    record_pointer(view_pass, pointer, visibility)?;
+    record_flares(view_pass, flares, flare_counts, visibility)?;
+    record_edges(view_pass)?;
+    record_outlines(view_pass)
 }
 
 /// Returns the request for one view of a frame.
@@ -433,8 +421,7 @@ impl Overlays {
         self,
         frame: &mut Frame<'_>,
         passes: &mut FramePasses,
-        executor: &PlanExecutor,
-        hierarchy: &Hierarchy,
+        scene: &CulledScene,
         target: Option<&ViewRequest<'_>>,
         request: &ViewsRequest<'_>,
     ) -> Result<Duration, Error> {
@@ -443,12 +430,13 @@ impl Overlays {
         if let Some(target) = target {
             let view = CullView { section: passes.section.planes, ..target.view(&passes.device)? };
             if !self.debug_overlay.is_empty() {
-                passes.begin_section_view(frame, hierarchy, &view)?;
+                passes.begin_section_view(frame, scene.hierarchy(), &view)?;
             }
             let state = &*target.state;
-            self.debug_overlay.record(frame, passes, executor, hierarchy, state, &view)?;
+            let mut view_pass = ViewPass { passes, frame, scene, view: &view };
+            self.debug_overlay.record(&mut view_pass, state)?;
             if let Some(bounds) = self.outlined {
-                record_outline(frame, passes, bounds, &view)?;
+                record_outline(&mut view_pass, bounds)?;
             }
         }
         finish_image(frame, passes, request.overlay, request.image)?;

@@ -42,15 +42,15 @@ impl Renderer {
     /// Applies section planes to an object from now on, or leaves it whole. Without effect for an
     /// object that is not there.
     pub fn set_section_member(&mut self, object: ObjectId, member: SectionMember) {
-        if self.hierarchy.section_member(object) != member {
-            self.hierarchy.set_section_member(object, member);
+        if self.scene.hierarchy().section_member(object) != member {
+            self.scene.parts_mut().hierarchy.set_section_member(object, member);
             self.section_changed();
         }
     }
 
     /// Returns what section planes do to an object.
     pub fn section_member(&self, object: ObjectId) -> SectionMember {
-        self.hierarchy.section_member(object)
+        self.scene.hierarchy().section_member(object)
     }
 
     /// Notes that other parts of objects are there now.
@@ -85,7 +85,6 @@ impl Renderer {
             return Err(error);
         }
         if former.is_some() {
-            self.executor.resized();
             self.methods.iter_mut().for_each(|method| method.resized());
         }
         self.passes.geometry.section_meshes = Some(meshes);

@@ -31,7 +31,7 @@ impl Renderer {
     /// memory, a failed call. Nothing has changed then.
     pub fn set_shadows(&mut self, options: ShadowOptions) -> Result<(), Error> {
         let can = |predication| can_skip(&self.device, predication);
-        let quirks = self.executor.passes.quirks();
+        let quirks = self.scene.passes().quirks();
         let options = usable_shadows(quirks, options, can);
         if options == self.passes.shadows.options {
             return Ok(());

@@ -1,5 +1,6 @@
 //! Snapshots: frozen frames that are taken, and drawn from other eyes.
 
+use crate::view_pass::ViewPass;
 use cull::{Answer, Camera, CullView, LeafRange, QueryKind, Strategy};
 use gpu::{Readback, Tick};
 
@@ -57,7 +58,7 @@ impl Renderer {
             let node = answer.tag.node;
             match answer.tag.kind {
                 QueryKind::Proxy | QueryKind::Leaf => {
-                    snapshot.drawn.push(self.hierarchy.leaves(node));
+                    snapshot.drawn.push(self.scene.hierarchy().leaves(node));
                     showed.push(node);
                 }
                 QueryKind::PerLeaf => showed.push(node),
@@ -69,7 +70,7 @@ impl Renderer {
         showed.sort_unstable();
         let tests = plan.tests.iter().filter(|test| test.leaves.count > 0);
         for test in tests.filter(|test| showed.binary_search(&test.tag.node).is_err()) {
-            snapshot.hidden.push((self.hierarchy.bounds(test.tag.node), test.level));
+            snapshot.hidden.push((self.scene.hierarchy().bounds(test.tag.node), test.level));
         }
         Ok(snapshot)
     }
@@ -130,7 +131,7 @@ impl Renderer {
             Backdrop::Dark => None,
             Backdrop::Sky => self.outlined_bounds(),
         };
-        let Self { frames, passes, executor, hierarchy, .. } = self;
+        let Self { frames, scene, passes, .. } = self;
         let before = match backdrop {
             Backdrop::Dark => Some(BACKGROUND),
             Backdrop::Sky => None,
@@ -142,28 +143,21 @@ impl Renderer {
         let mut frame = frames.begin()?;
         passes.scopes = None;
         let views = std::slice::from_ref(&view);
-        passes.begin_section(&mut frame, hierarchy)?;
-        passes.upload_changes(
-            &mut frame,
-            hierarchy,
-            executor,
-            PoseUploads::All,
-            views,
-            MapUses::Anywhere,
-        )?;
-        passes.begin_section_view(&mut frame, hierarchy, &view)?;
-        passes.gather_transparent(&mut frame, executor, &view, Strategy::FRUSTUM)?;
-        let draws = snapshot.upload(&mut frame, &executor.leaves)?;
+        passes.begin_section(&mut frame, scene.hierarchy())?;
+        passes.upload_changes(&mut frame, scene, PoseUploads::All, views, MapUses::Anywhere)?;
+        passes.begin_section_view(&mut frame, scene.hierarchy(), &view)?;
+        passes.gather_transparent(&mut frame, scene, &view, Strategy::FRUSTUM)?;
+        let draws = snapshot.upload(&mut frame, scene.leaves())?;
         let io = sketch.upload(&mut frame)?;
         let commands = frame.commands();
         passes.target.prepare(commands);
         commands.pass(VIEW_FROM_ABOVE, |commands| {
             let from = passes.image_target(&view, clear);
             commands.rendering(from, |commands| {
-                passes.draw_all(executor, commands, &view, draws, before);
+                passes.draw_all(scene, commands, &view, draws, before);
             });
         });
-        passes.record_transparent(executor, commands, &view);
+        passes.record_transparent(scene, commands, &view);
         passes.target.prepare(commands);
         commands.pass(VIEW_FROM_ABOVE, |commands| {
             commands.rendering(passes.target_of(&view, None), |commands| {
@@ -172,10 +166,11 @@ impl Renderer {
                 }
             });
         });
-        debug_overlay.record_snapshot(&mut frame, passes, executor, &view, draws)?;
-        debug_overlay.record_corner(&mut frame, passes, executor, hierarchy, snapshot, draws)?;
+        let mut view_pass = ViewPass { passes, frame: &mut frame, scene, view: &view };
+        debug_overlay.record_snapshot(&mut view_pass, draws)?;
+        debug_overlay.record_corner(&mut view_pass, snapshot, draws)?;
         if let Some(bounds) = outlined {
-            record_outline(&mut frame, passes, bounds, &view)?;
+            record_outline(&mut view_pass, bounds)?;
         }
         finish_image(&mut frame, passes, overlay, image)?;
         passes.read_back(frame.commands());
@@ -188,7 +183,7 @@ impl Renderer {
     /// Returns the distance from the eye that holds most of the moment's draws, without the few far
     /// ones.
     fn reach(&self, snapshot: &VisibilitySnapshot) -> f32 {
-        reach(&self.hierarchy, snapshot)
+        reach(self.scene.hierarchy(), snapshot)
     }
 
     fn above(&self, snapshot: &VisibilitySnapshot) -> Camera {

@@ -36,7 +36,7 @@ impl Renderer {
         if self.transparency.method == TransparencyMethod::SortedObjects {
             return None;
         }
-        if !self.executor.passes.quirks().allows(VisibilityTest::Flag) {
+        if !self.scene.passes().quirks().allows(VisibilityTest::Flag) {
             return Some(TransparencyFallback::DriverQuirk);
         }
         let samples = self.passes.target.attachments().samples;

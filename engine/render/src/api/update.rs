@@ -1,6 +1,7 @@
 //! Changes of the scene between frames: applied to the hierarchy at once, and to the data on the
 //! GPU at the start of the next frame, in its order. Nothing waits.
 
+use occlusion::ScenePartsMut;
 use std::collections::HashSet;
 use std::time::Instant;
 
@@ -20,7 +21,7 @@ impl Renderer {
     /// The first impossible change. Those before it are made.
     pub fn apply(&mut self, update: &SceneUpdate) -> Result<UpdateReport, Error> {
         let began = Instant::now();
-        let before = self.hierarchy.work();
+        let before = self.scene.hierarchy().work();
         let added = match update.objects.as_slice() {
             [] => Vec::new(),
             objects => self.update(objects)?.added,
@@ -65,7 +66,7 @@ impl Renderer {
         bounds.clear();
         gone.clear();
         taken.clear();
-        let mut free_leaves = self.hierarchy.free_leaves();
+        let mut free_leaves = self.scene.hierarchy().free_leaves();
         for (index, change) in changes.iter().enumerate() {
             let found = match change {
                 ObjectChange::Move { object, transform } => self
@@ -99,7 +100,7 @@ impl Renderer {
 
     /// Refuses an object that was not there before the update, or is removed in it.
     fn check_there(&self, object: ObjectId, gone: &HashSet<ObjectId>) -> Result<(), String> {
-        if self.hierarchy.contains(object) && !gone.contains(&object) {
+        if self.scene.hierarchy().contains(object) && !gone.contains(&object) {
             return Ok(());
         }
         Err(HierarchyError::UnknownObject { object }.to_string())
@@ -142,7 +143,7 @@ impl Renderer {
         if !changes.is_empty() {
             self.revision.advance();
         }
-        let before = self.hierarchy.work();
+        let before = self.scene.hierarchy().work();
         let mut added = Vec::new();
         let bounds = std::mem::take(&mut scratch.bounds);
         for (change, bounds) in changes.iter().zip(&bounds) {
@@ -156,19 +157,19 @@ impl Renderer {
     /// Applies the changes to the hierarchy, and marks the leaves that changed.
     pub(crate) fn settle(&mut self, scratch: &mut UpdateScratch) -> Result<(), HierarchyError> {
         self.move_all(scratch)?;
-        self.hierarchy.rebuild_subtrees(&mut scratch.reordered);
+        self.scene.parts_mut().hierarchy.rebuild_subtrees(&mut scratch.reordered);
         self.mark_dirty(scratch);
         Ok(())
     }
 
     /// Reports the work on the hierarchy after `before`, and the uploads left for the next frame.
     fn report_since(&self, before: HierarchyWork) -> UpdateReport {
-        let work = self.hierarchy.work();
+        let work = self.scene.hierarchy().work();
         UpdateReport {
             refitted_nodes: work.refitted_nodes - before.refitted_nodes,
             rebuilt_leaves: work.rebuilt_leaves - before.rebuilt_leaves,
-            dirty_leaves: self.executor.leaves.dirty().len(),
-            is_degraded: self.hierarchy.is_degraded(),
+            dirty_leaves: self.scene.leaves().dirty().len(),
+            is_degraded: self.scene.hierarchy().is_degraded(),
             ..UpdateReport::default()
         }
     }
@@ -180,10 +181,13 @@ impl Renderer {
     /// # Errors
     /// None for objects that were accepted before.
     pub fn rebuild_hierarchy(&mut self) -> Result<(), Error> {
-        self.hierarchy.rebuild(&self.hierarchy.boxes_of_objects())?;
+        let boxes = self.scene.hierarchy().boxes_of_objects();
+        self.scene.parts_mut().hierarchy.rebuild(&boxes)?;
         self.revision.advance();
         let mut scratch = std::mem::take(&mut self.update_scratch);
-        scratch.reordered.extend(self.hierarchy.root().map(|root| self.hierarchy.leaves(root)));
+        scratch
+            .reordered
+            .extend(self.scene.hierarchy().root().map(|root| self.scene.hierarchy().leaves(root)));
         self.mark_dirty(&mut scratch);
         self.update_scratch = scratch;
         Ok(())
@@ -205,14 +209,14 @@ impl Renderer {
             }
             ObjectChange::Remove { object } => {
                 self.move_all(scratch)?;
-                self.hierarchy.remove(*object)?;
+                self.scene.parts_mut().hierarchy.remove(*object)?;
                 self.passes.geometry.replace(*object, None);
                 scratch.changed.push(*object);
                 Ok(None)
             }
             ObjectChange::Add { object } => {
                 self.move_all(scratch)?;
-                let id = self.hierarchy.insert(bounds)?;
+                let id = self.scene.parts_mut().hierarchy.insert(bounds)?;
                 self.passes.geometry.replace(id, Some(object));
                 scratch.changed.push(id);
                 Ok(Some(id))
@@ -225,21 +229,21 @@ impl Renderer {
         if scratch.moves.is_empty() {
             return Ok(());
         }
-        self.hierarchy.refit(scratch.moves.drain(..))
+        self.scene.parts_mut().hierarchy.refit(scratch.moves.drain(..))
     }
 
     /// Marks the leaves of all changed objects, where they are now.
     fn mark_dirty(&mut self, scratch: &mut UpdateScratch) {
         let geometry = &mut self.passes.geometry;
-        let leaves = &mut self.executor.leaves;
+        let ScenePartsMut { hierarchy, leaves, .. } = self.scene.parts_mut();
         for object in scratch.changed.drain(..) {
-            geometry.find_lights(&self.hierarchy, object);
-            if let Some(leaf) = self.hierarchy.leaf_of(object) {
+            geometry.find_lights(hierarchy, object);
+            if let Some(leaf) = hierarchy.leaf_of(object) {
                 leaves.mark_dirty(leaf, geometry.draw_of(object));
             }
         }
         for leaf in scratch.reordered.drain(..).flat_map(LeafRange::iter) {
-            if let Some(object) = self.hierarchy.leaf_objects().get(leaf.0 as usize) {
+            if let Some(object) = hierarchy.leaf_objects().get(leaf.0 as usize) {
                 leaves.mark_dirty(leaf, geometry.draw_of(*object));
             }
         }

@@ -4,7 +4,7 @@
 
 use cull::{LeafIndex, Rays, Strategy};
 use gpu::{Access, MemoryBarrier};
-use occlusion::{BucketId, ObjectPass, ObjectRenderer, Rect};
+use occlusion::{BucketId, ObjectRenderer, Rect};
 
 use crate::debug::visible_set::{SeenLeaves, VISIBLE_SET, VisibleSet};
 use crate::error::Error;
@@ -55,7 +55,7 @@ impl Renderer {
             let far = self.distance_squared(*b, rays);
             near.total_cmp(&far).then(a.cmp(b))
         });
-        let all = self.hierarchy.leaf_objects();
+        let all = self.scene.hierarchy().leaf_objects();
         let objects = leaves.iter().filter_map(|leaf| all.get(leaf.0 as usize)).copied();
         Ok(VisibleSet { objects: objects.collect(), leaves, revision })
     }
@@ -69,16 +69,18 @@ impl Renderer {
     pub fn visible_again(&self, set: &mut VisibleSet) -> Result<(), Error> {
         self.check_renderer(set.renderer(), VISIBLE_SET)?;
         set.leaves.clear();
-        set.leaves.extend(set.objects.iter().filter_map(|object| self.hierarchy.leaf_of(*object)));
+        set.leaves.extend(
+            set.objects.iter().filter_map(|object| self.scene.hierarchy().leaf_of(*object)),
+        );
         set.revision = self.revision;
         Ok(())
     }
 
     /// Returns the squared distance from the eye to the box of a leaf.
     fn distance_squared(&self, leaf: LeafIndex, rays: &Rays) -> f32 {
-        let object = self.hierarchy.leaf_objects().get(leaf.0 as usize);
-        let node = object.and_then(|object| self.hierarchy.node_of(*object));
-        node.map_or(0.0, |node| rays.distance_squared(&self.hierarchy.bounds(node)))
+        let object = self.scene.hierarchy().leaf_objects().get(leaf.0 as usize);
+        let node = object.and_then(|object| self.scene.hierarchy().node_of(*object));
+        node.map_or(0.0, |node| rays.distance_squared(&self.scene.hierarchy().bounds(node)))
     }
 
     /// Submits a frame that notes those of `leaves` with a pixel of `view`.
@@ -88,17 +90,17 @@ impl Renderer {
         leaves: &[LeafIndex],
     ) -> Result<(), Error> {
         let passes = &mut self.passes;
-        let leaf_table = &self.executor.leaves;
+        let leaf_table = self.scene.leaves();
         passes.pipelines.seen.prepare(&self.device, &self.shaders)?;
         let seen = match self.seen_leaves.take() {
             Some(seen) => seen,
-            None => SeenLeaves::new(&self.device, self.hierarchy.leaf_objects().len())?,
+            None => SeenLeaves::new(&self.device, self.scene.hierarchy().leaf_objects().len())?,
         };
         let seen = self.seen_leaves.insert(seen);
         let mut frame = self.frames.begin()?;
         passes.write_stale(&mut frame)?;
-        passes.begin_section(&mut frame, &self.hierarchy)?;
-        passes.begin_section_view(&mut frame, &self.hierarchy, view)?;
+        passes.begin_section(&mut frame, self.scene.hierarchy())?;
+        passes.begin_section_view(&mut frame, self.scene.hierarchy(), view)?;
         let draws = frame.uploads().push_iter(leaves.iter().map(|leaf| leaf_table.draw(*leaf)))?;
         let commands = frame.commands();
         let values = seen.values.whole();
@@ -112,7 +114,7 @@ impl Renderer {
             let target = passes.image_target(view, passes.sky()).forgotten();
             commands.rendering(target, |commands| {
                 passes.draw_caps(commands, view);
-                passes.bind(commands, view, BucketId(0), ObjectPass::Visibility);
+                passes.bind(commands, view, BucketId(0));
                 if !leaves.is_empty() {
                     commands.draw_indirect(draws);
                 }

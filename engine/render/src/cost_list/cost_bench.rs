@@ -73,7 +73,7 @@ impl CostBench {
         let ranges = PredicationMode::ALL.into_iter().filter(has);
         let ranges = ranges.map(|range| SkippedRanges::new(device, &shaders, range, draw, most));
         let is_chosen = device.capabilities().has(OptionalFeature::RepresentativeFragments);
-        let attachments = renderer.executor.passes.attachments();
+        let attachments = renderer.scene.passes().attachments();
         let all_fragments = is_chosen
             .then(|| ProxyPass::of_fragments(device, &shaders, attachments, FragmentChoice::All));
         let has_timestamps = device.capabilities().has(OptionalFeature::Timestamps);
@@ -85,7 +85,7 @@ impl CostBench {
         Ok(Self {
             ranges: ranges.collect::<Result<_, _>>()?,
             all_fragments: all_fragments.transpose()?,
-            compute: ComputeTest::new(device, &shaders, size).ok(),
+            compute: ComputeTest::sized(device, &shaders, attachments.samples, size).ok(),
             queries: QueryRing::new(device, 1, "cost queries")?,
             flags: flags(ResultSource::Fragments, "cost flags"),
             computed: flags(ResultSource::Compute, "cost results"),
@@ -100,7 +100,7 @@ impl CostBench {
 
     /// Returns true if the device can do so many of an item.
     pub(super) fn can(&self, item: CostItem, count: u32) -> bool {
-        let can_flag = self.renderer.executor.passes.proxies.can_flag();
+        let can_flag = self.renderer.scene.passes().proxies.can_flag();
         match item {
             CostItem::Predicates(executor, _) => {
                 can_flag && self.ranges.iter().any(|range| range.predication() == executor)
@@ -147,14 +147,14 @@ impl CostBench {
             boxes: frame.uploads().push_iter(std::iter::repeat_n(bounds, number))?,
         };
         wait_for_reset(frame.commands());
-        let Renderer { passes, executor, .. } = renderer;
+        let Renderer { passes, scene, .. } = renderer;
         let recorder = Recorder {
             ranges: &self.ranges,
             compute: self.compute.as_ref(),
             computed: self.computed.results(),
             proxies: match (item, &self.all_fragments) {
                 (CostItem::BoxesOfAllFragments(_), Some(proxies)) => proxies,
-                _ => &executor.passes.proxies,
+                _ => &scene.passes().proxies,
             },
             flags: self.flags.results(),
             queries: &self.queries,

@@ -1,9 +1,10 @@
 //! The debug overlay of running frames: the depth complexity, wires, the boxes of the frontier, a
 //! view from above in a corner.
 
-use cull::{CullView, Hierarchy, NodeState, VisibilityTest};
-use gpu::{BufferSlice, Device, Frame};
-use occlusion::{PlanExecutor, Rect, ShaderSet};
+use crate::view_pass::ViewPass;
+use cull::{CullView, NodeState, VisibilityTest};
+use gpu::{BufferSlice, Device};
+use occlusion::{Rect, ShaderSet};
 
 use crate::attachment_schedule::AttachmentSchedule;
 use crate::debug::depth_complexity::{DEPTH_COMPLEXITY, record_depth_complexity};
@@ -12,7 +13,6 @@ use crate::debug::palette::{BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN};
 use crate::debug::top_down::{BACKGROUND, Sketch, VIEW_FROM_ABOVE, above, reach};
 use crate::debug::visibility_snapshot::VisibilitySnapshot;
 use crate::error::Error;
-use crate::frame_passes::FramePasses;
 use crate::host_overlay::HOST_OVERLAY;
 use crate::passes::OverlayIo;
 use crate::passes::pipelines::Pipelines;
@@ -72,18 +72,15 @@ impl DebugOverlay {
     /// Draws the overlay over the frame that `state` was just recorded for.
     pub(crate) fn record(
         &self,
-        frame: &mut Frame<'_>,
-        passes: &mut FramePasses,
-        executor: &PlanExecutor,
-        hierarchy: &Hierarchy,
+        view_pass: &mut ViewPass<'_, '_>,
         state: &RenderView,
-        view: &CullView,
     ) -> Result<(), Error> {
         if self.is_empty() {
             return Ok(());
         }
-        let snapshot = VisibilitySnapshot::underway(state, hierarchy, *view);
-        let draws = snapshot.upload(frame, &executor.leaves)?;
+        let hierarchy = view_pass.scene.hierarchy();
+        let snapshot = VisibilitySnapshot::underway(state, hierarchy, *view_pass.view);
+        let draws = snapshot.upload(view_pass.frame, view_pass.scene.leaves())?;
         let boxes = state.plan().tests.iter().map(|test| {
             let colour = match (test.tester, state.visibility.culler().state(test.tag.node)) {
                 (VisibilityTest::SharedProxy(_), _) => BOX_BEHIND,
@@ -93,61 +90,53 @@ impl DebugOverlay {
             };
             (hierarchy.bounds(test.tag.node), colour)
         });
-        let boxes = self.has_boxes.then(|| Sketch::through(boxes).upload(frame)).transpose()?;
-        self.record_depth_complexity(frame, passes, executor, view, draws)?;
-        self.record_lines(frame, passes, executor, view, draws, boxes);
-        self.record_corner(frame, passes, executor, hierarchy, &snapshot, draws)
+        let boxes =
+            self.has_boxes.then(|| Sketch::through(boxes).upload(view_pass.frame)).transpose()?;
+        self.record_depth_complexity(view_pass, draws)?;
+        self.record_lines(view_pass, draws, boxes);
+        self.record_corner(view_pass, &snapshot, draws)
     }
 
     /// Draws the overlay of a frozen moment over its image from another eye: its depth complexity
     /// and its wires. That image has its hidden boxes already.
     pub(crate) fn record_snapshot(
         &self,
-        frame: &mut Frame<'_>,
-        passes: &mut FramePasses,
-        executor: &PlanExecutor,
-        view: &CullView,
+        view_pass: &mut ViewPass<'_, '_>,
         draws: Option<BufferSlice>,
     ) -> Result<(), Error> {
-        self.record_depth_complexity(frame, passes, executor, view, draws)?;
-        self.record_lines(frame, passes, executor, view, draws, None);
+        self.record_depth_complexity(view_pass, draws)?;
+        self.record_lines(view_pass, draws, None);
         Ok(())
     }
 
     /// Draws the depth complexity of draws, if that is requested.
     fn record_depth_complexity(
         &self,
-        frame: &mut Frame<'_>,
-        passes: &mut FramePasses,
-        executor: &PlanExecutor,
-        view: &CullView,
+        view_pass: &mut ViewPass<'_, '_>,
         draws: Option<BufferSlice>,
     ) -> Result<(), Error> {
         if !self.has_depth_complexity {
             return Ok(());
         }
-        record_depth_complexity(passes, frame, executor, view, draws)
+        record_depth_complexity(view_pass, draws)
     }
 
     /// Draws the edges of the triangles of `draws`, if they are requested, and boxes.
     fn record_lines(
         &self,
-        frame: &mut Frame<'_>,
-        passes: &mut FramePasses,
-        executor: &PlanExecutor,
-        view: &CullView,
+        view_pass: &mut ViewPass<'_, '_>,
         draws: Option<BufferSlice>,
         boxes: Option<OverlayIo>,
     ) {
+        let pipelines = &view_pass.passes.pipelines;
         let has_wireframe =
-            self.has_wireframe && draws.is_some() && passes.pipelines.wireframe.get().is_some();
-        let has_boxes = boxes.is_some() && passes.pipelines.overlay.get().is_some();
+            self.has_wireframe && draws.is_some() && pipelines.wireframe.get().is_some();
+        let has_boxes = boxes.is_some() && pipelines.overlay.get().is_some();
         if !has_wireframe && !has_boxes {
             return;
         }
-        passes.target.prepare(frame.commands());
-        let target = passes.target_of(view, None);
-        let target = passes.scope_target(frame.commands(), AttachmentSchedule::DebugLines, target);
+        let target = view_pass.prepare(AttachmentSchedule::DebugLines);
+        let ViewPass { passes, frame, scene, view } = view_pass;
         let Pipelines { wireframe, overlay, .. } = &passes.pipelines;
         let wireframe = wireframe.get().zip(draws).filter(|_| has_wireframe);
         let boxes = overlay.get().zip(boxes);
@@ -155,7 +144,7 @@ impl DebugOverlay {
             commands.rendering(target, |commands| {
                 if let Some((wireframe, draws)) = wireframe {
                     wireframe.bind(commands, &passes.opaque_io(), view, &passes.light);
-                    executor.leaves.predicates().draw_after_counted(commands, draws);
+                    scene.leaves().predicates().draw_after_counted(commands, draws);
                 }
                 if let Some((overlay, boxes)) = &boxes {
                     overlay.record(commands, boxes, view);
@@ -167,26 +156,24 @@ impl DebugOverlay {
     /// Draws a moment from above, if that is requested.
     pub(crate) fn record_corner(
         &self,
-        frame: &mut Frame<'_>,
-        passes: &mut FramePasses,
-        executor: &PlanExecutor,
-        hierarchy: &Hierarchy,
+        view_pass: &mut ViewPass<'_, '_>,
         snapshot: &VisibilitySnapshot,
         draws: Option<BufferSlice>,
     ) -> Result<(), Error> {
         let Some(area) = self.top_down else { return Ok(()) };
-        let reach = reach(hierarchy, snapshot);
+        let ViewPass { passes, frame, scene, .. } = view_pass;
+        let reach = reach(scene.hierarchy(), snapshot);
         let io = Sketch::of(snapshot, reach).upload(frame)?;
         let view = view_in(&passes.device, &above(snapshot, reach), area);
         let view = &CullView { section: passes.section.planes, ..view };
-        passes.begin_section_view(frame, hierarchy, view)?;
+        passes.begin_section_view(frame, scene.hierarchy(), view)?;
         passes.target.prepare(frame.commands());
         let target = passes.image_target(view, BACKGROUND);
         let target =
             passes.scope_target(frame.commands(), AttachmentSchedule::ViewFromAbove, target);
         frame.commands().pass(VIEW_FROM_ABOVE, |commands| {
             commands.rendering(target, |commands| {
-                passes.draw_all(executor, commands, view, draws, Some(BACKGROUND));
+                passes.draw_all(scene, commands, view, draws, Some(BACKGROUND));
                 if let Some(overlay) = passes.pipelines.overlay.get() {
                     overlay.record(commands, &io, view);
                 }

@@ -7,13 +7,12 @@
 //! show      the values as colours, over the image
 //! ```
 
+use crate::view_pass::ViewPass;
 use cull::CullView;
-use gpu::{Access, Buffer, BufferSlice, Device, Frame, MemoryBarrier, MemoryKind, vk};
-use occlusion::PlanExecutor;
+use gpu::{Access, Buffer, BufferSlice, Device, MemoryBarrier, MemoryKind, vk};
 
 use crate::attachment_schedule::AttachmentSchedule;
 use crate::error::Error;
-use crate::frame_passes::FramePasses;
 use crate::passes::LayersIo;
 
 /// The label of the pass.
@@ -45,13 +44,11 @@ impl LayerCounts {
 /// # Errors
 /// No memory.
 pub(super) fn record_depth_complexity(
-    passes: &mut FramePasses,
-    frame: &mut Frame<'_>,
-    executor: &PlanExecutor,
-    view: &CullView,
+    view_pass: &mut ViewPass<'_, '_>,
     draws: Option<BufferSlice>,
 ) -> Result<(), Error> {
-    let layers = passes.layer_counts.of(&passes.device, view)?;
+    let ViewPass { passes, frame, scene, view } = view_pass;
+    let layers = passes.layer_counts.of(scene.device(), view)?;
     let commands = frame.commands();
     let between = MemoryBarrier::between;
     passes.target.prepare_tests(commands);
@@ -66,7 +63,7 @@ pub(super) fn record_depth_complexity(
             commands.rendering(counting, |commands| {
                 let Some(pass) = passes.pipelines.layers.get() else { return };
                 pass.bind(commands, &LayersIo { opaque: passes.opaque_io(), layers }, view);
-                executor.leaves.predicates().draw_after_counted(commands, draws);
+                scene.leaves().predicates().draw_after_counted(commands, draws);
             });
         }
         let counted = [Access::CopyWrite, Access::FragmentWrite];

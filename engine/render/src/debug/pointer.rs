@@ -5,18 +5,16 @@
 //! pixel, against the finished depth. What passes owns the pixel. The frame's own matrices and
 //! buffers decide, so the answer is about what was shown, whatever has moved since.
 
+use crate::view_pass::ViewPass;
 use std::collections::VecDeque;
 
 use cull::{CullView, FrameId, Hierarchy, LeafIndex, ObjectId};
 use glam::{DVec3, Vec2};
-use gpu::{
-    Access, Device, FlagRing, Frame, MemoryBarrier, OptionalFeature, ResultSource, Tick, Viewport,
-};
-use occlusion::{OcclusionState, PlanExecutor};
+use gpu::{Access, Device, FlagRing, MemoryBarrier, OptionalFeature, ResultSource, Tick, Viewport};
+use occlusion::OcclusionState;
 
 use crate::attachment_schedule::AttachmentSchedule;
 use crate::error::Error;
-use crate::frame_passes::FramePasses;
 use crate::passes::PointerIo;
 
 /// The words of an answer: the leaf and the depth.
@@ -148,38 +146,33 @@ pub(crate) fn check_pointer(device: &Device) -> Result<(), Error> {
 /// # Errors
 /// No memory, or a failed call.
 pub(crate) fn record_pointer(
-    passes: &mut FramePasses,
-    frame: &mut Frame<'_>,
-    executor: &PlanExecutor,
-    hierarchy: &Hierarchy,
+    view_pass: &mut ViewPass<'_, '_>,
     pointer: &mut Pointer,
     visibility: &OcclusionState,
-    view: &CullView,
 ) -> Result<(), Error> {
     pointer.is_asking = false;
     let Some([x, y]) = pointer.pixel else { return Ok(()) };
+    let view = view_pass.view;
     // The image may have become smaller.
     let pixel = [x.min(view.size[0].saturating_sub(1)), y.min(view.size[1].saturating_sub(1))];
-    let candidates = candidates(hierarchy, view, pixel);
+    let candidates = candidates(view_pass.scene.hierarchy(), view, pixel);
     let ring = pointer.ring.get_or_insert_with(|| {
         let slots = visibility.frames_in_flight();
-        FlagRing::new(&passes.device, slots, ResultSource::Fragments, "pointer")
+        FlagRing::new(visibility.device(), slots, ResultSource::Fragments, "pointer")
     });
     let now = visibility.plan().frame;
-    ring.begin(frame, std::iter::repeat_n(now, WORDS))?;
-    let draws = candidates.iter().map(|(leaf, _)| executor.leaves.draw(*leaf));
-    let draws = frame.uploads().push_iter(draws)?;
+    ring.begin(view_pass.frame, std::iter::repeat_n(now, WORDS))?;
+    let draws = candidates.iter().map(|(leaf, _)| view_pass.scene.leaves().draw(*leaf));
+    let draws = view_pass.frame.uploads().push_iter(draws)?;
     pointer.is_asking = true;
     let has_draws = !candidates.is_empty();
     pointer.asked.push_back(Asked { frame: now, pixel, view: *view, candidates });
     let Some(pointed) = ring.results() else { return Ok(()) };
-    let commands = frame.commands();
     let cleared = MemoryBarrier::between(&[Access::CopyWrite], &[Access::FragmentWrite]);
-    passes.target.prepare_tests(commands);
     let origin = [view.origin[0] + pixel[0], view.origin[1] + pixel[1]];
-    let target = passes.target_of(view, None);
-    let target = passes.scope_target(commands, AttachmentSchedule::Pointer, target);
-    commands.pass("find pointed object", |commands| {
+    let target = view_pass.prepare_tests(AttachmentSchedule::Pointer);
+    let passes = &*view_pass.passes;
+    view_pass.frame.commands().pass("find pointed object", |commands| {
         commands.barrier(cleared);
         if has_draws {
             commands.rendering(target.within(pixel, [1, 1]), |commands| {

@@ -6,11 +6,10 @@
 //! frame is drawn, each watched object in the frustum is drawn again under a precise query, and so
 //! is its proxy, with the depth test and without. Counting does not change the image.
 
+use crate::view_pass::ViewPass;
 use cull::{Containment, CullView, FrameId, Generation, Hierarchy, ObjectId, PlaneMask};
-use gpu::{
-    Commands, Counting, Device, Frame, IndirectDraw, OptionalFeature, QueryIndex, QueryRing, Tick,
-};
-use occlusion::{LeafTable, OcclusionState, PlanExecutor, ProxyBox, ProxyIo, ProxyPass};
+use gpu::{Commands, Counting, Device, IndirectDraw, OptionalFeature, QueryIndex, QueryRing, Tick};
+use occlusion::{CulledScene, OcclusionState, ProxyBox, ProxyIo, ProxyPass};
 
 use crate::attachment_schedule::AttachmentSchedule;
 use crate::debug::settled_counts::{SettledCounts, keep_newest};
@@ -198,13 +197,8 @@ impl SampleCounts {
     }
 
     /// Lays out the counts of `frame` in `view`; objects outside of the frustum are known at once.
-    fn lay_out(
-        &mut self,
-        hierarchy: &Hierarchy,
-        leaves: &LeafTable,
-        view: &CullView,
-        frame: FrameId,
-    ) {
+    fn lay_out(&mut self, scene: &CulledScene, view: &CullView, frame: FrameId) {
+        let hierarchy = scene.hierarchy();
         let mut asked = std::mem::take(&mut self.asked);
         asked.tags.clear();
         asked.objects.clear();
@@ -225,7 +219,7 @@ impl SampleCounts {
                 continue;
             }
             let proxy = view.margin.proxy(&bounds).map(ProxyBox::from);
-            asked.push(tag, leaves.draw(leaf), proxy);
+            asked.push(tag, scene.leaves().draw(leaf), proxy);
         }
         self.asked = asked;
     }
@@ -256,19 +250,15 @@ impl SampleCounts {
 /// # Errors
 /// No memory, or a failed call.
 pub(crate) fn count_samples(
-    passes: &mut FramePasses,
-    frame: &mut Frame<'_>,
-    executor: &PlanExecutor,
-    hierarchy: &Hierarchy,
+    view_pass: &mut ViewPass<'_, '_>,
     counts: &mut SampleCounts,
     visibility: &OcclusionState,
-    view: &CullView,
 ) -> Result<(), Error> {
     counts.is_asking = false;
     if !counts.is_watching() {
         return Ok(());
     }
-    counts.lay_out(hierarchy, &executor.leaves, view, visibility.plan().frame);
+    counts.lay_out(view_pass.scene, view_pass.view, visibility.plan().frame);
     if counts.asked.tags.is_empty() {
         return Ok(());
     }
@@ -282,13 +272,12 @@ pub(crate) fn count_samples(
     };
     let queries = counts.queries.insert(queries);
     queries.set_counting(Counting::Samples);
-    queries.begin(frame, &counts.asked.tags)?;
+    queries.begin(view_pass.frame, &counts.asked.tags)?;
     let boxes = counts.asked.proxies.iter().map(|(_, proxy)| *proxy);
-    let io = ProxyIo { boxes: frame.uploads().push_iter(boxes)?, flags: None };
+    let io = ProxyIo { boxes: view_pass.frame.uploads().push_iter(boxes)?, flags: None };
     counts.is_asking = true;
-    passes.target.prepare_tests(frame.commands());
-    let target = passes.target_of(view, None);
-    let target = passes.scope_target(frame.commands(), AttachmentSchedule::SampleCounts, target);
+    let target = view_pass.prepare_tests(AttachmentSchedule::SampleCounts);
+    let ViewPass { passes, frame, scene, view } = view_pass;
     frame.commands().pass("count samples", |commands| {
         commands.rendering(target, |commands| {
             draw_counted(
@@ -296,7 +285,7 @@ pub(crate) fn count_samples(
                 commands,
                 &counts.asked,
                 queries,
-                &executor.passes.proxies,
+                &scene.passes().proxies,
                 &io,
                 view,
             );

@@ -1,9 +1,10 @@
 //! Outlines of objects by a stencil: their pixels are marked in it, then their edges are drawn
 //! where no mark is, so that only the outer halves of silhouettes are left.
 
-use cull::{CullView, Hierarchy, LeafIndex, ObjectId};
+use crate::view_pass::ViewPass;
+use cull::{LeafIndex, ObjectId};
 use gpu::{BufferSlice, Frame, IndirectDraw, StencilTarget};
-use occlusion::{LeafTable, MeshDrawId};
+use occlusion::{CulledScene, MeshDrawId};
 
 use super::record::{edge_io, wait_for_vertices};
 use crate::attachment_schedule::AttachmentSchedule;
@@ -25,34 +26,28 @@ struct OutlineDraws {
 ///
 /// # Errors
 /// A device that cannot draw to a stencil beside the colours; no memory.
-pub(crate) fn record_outlines(
-    passes: &mut FramePasses,
-    frame: &mut Frame<'_>,
-    hierarchy: &Hierarchy,
-    leaves: &LeafTable,
-    view: &CullView,
-) -> Result<(), Error> {
+pub(crate) fn record_outlines(view_pass: &mut ViewPass<'_, '_>) -> Result<(), Error> {
+    let passes = &mut *view_pass.passes;
     if passes.edges.outlines.is_empty() {
         return Ok(());
     }
     let mut outlines = Vec::new();
     for number in 0..passes.edges.outlines.len() {
-        outlines.extend(upload(passes, frame, hierarchy, leaves, number)?);
+        outlines.extend(upload(passes, view_pass.frame, view_pass.scene, number)?);
     }
     if passes.edges.stencil.is_none() {
         let stencil = StencilTarget::beside(&passes.device, &passes.target, "outlines")?;
         passes.edges.stencil = Some(stencil);
     }
-    wait_for_vertices(frame);
-    passes.target.prepare(frame.commands());
-    let target = passes.target_of(view, None);
-    let target = passes.scope_target(frame.commands(), AttachmentSchedule::StencilOutlines, target);
+    wait_for_vertices(view_pass.frame);
+    let target = view_pass.prepare(AttachmentSchedule::StencilOutlines);
+    let ViewPass { passes, frame, scene, view } = view_pass;
     let pass = passes.pipelines.outlines.get();
     let stencil = passes.edges.stencil.as_ref();
     let (Some(pass), Some(io), Some(stencil)) = (pass, edge_io(passes), stencil) else {
         return Ok(());
     };
-    let predicates = leaves.predicates();
+    let predicates = scene.leaves().predicates();
     frame.commands().pass(OUTLINES, |commands| {
         stencil.forget(commands);
         commands.rendering(stencil.with_colours(target), |commands| {
@@ -71,20 +66,20 @@ pub(crate) fn record_outlines(
 fn upload(
     passes: &FramePasses,
     frame: &mut Frame<'_>,
-    hierarchy: &Hierarchy,
-    leaves: &LeafTable,
+    scene: &CulledScene,
     number: usize,
 ) -> Result<Option<OutlineDraws>, Error> {
     let (Some(outline), Some(meshes)) = (passes.edges.outlines.get(number), &passes.edges.meshes)
     else {
         return Ok(None);
     };
-    let leaf_of = |object: &ObjectId| Some((*object, hierarchy.leaf_of(*object)?));
+    let leaf_of = |object: &ObjectId| Some((*object, scene.hierarchy().leaf_of(*object)?));
     let objects: Vec<(ObjectId, LeafIndex)> = outline.objects.iter().filter_map(leaf_of).collect();
     if objects.is_empty() {
         return Ok(None);
     }
-    let triangles: Vec<IndirectDraw> = objects.iter().map(|(_, leaf)| leaves.draw(*leaf)).collect();
+    let triangles: Vec<IndirectDraw> =
+        objects.iter().map(|(_, leaf)| scene.leaves().draw(*leaf)).collect();
     let draw_of = |object: ObjectId| -> MeshDrawId { passes.geometry.draw_of(object) };
     let edges: Vec<_> =
         objects.iter().map(|(object, leaf)| meshes.draw(draw_of(*object), leaf.0)).collect();

@@ -3,7 +3,7 @@
 //! Which edges show depends on that depth alone, which is the same under every strategy: so are
 //! they. The edges of all objects around the frustum are drawn, whatever hides the objects.
 
-use cull::{CullView, Hierarchy};
+use crate::view_pass::ViewPass;
 use gpu::{Access, BufferSlice, Frame, MemoryBarrier};
 use occlusion::MeshDrawId;
 
@@ -28,12 +28,8 @@ struct TransparentEdges {
 ///
 /// # Errors
 /// No memory.
-pub(crate) fn record_edges(
-    passes: &mut FramePasses,
-    frame: &mut Frame<'_>,
-    hierarchy: &Hierarchy,
-    view: &CullView,
-) -> Result<(), Error> {
+pub(crate) fn record_edges(view_pass: &mut ViewPass<'_, '_>) -> Result<(), Error> {
+    let ViewPass { passes, frame, scene, view } = view_pass;
     let options = passes.edges.options;
     if options.mode == EdgeMode::Off {
         return Ok(());
@@ -42,7 +38,7 @@ pub(crate) fn record_edges(
     let frustum = view.frustum_around(options.width_pixels / 2.0 + 1.0);
     let mut ranges = std::mem::take(&mut passes.edges.ranges);
     ranges.clear();
-    hierarchy.leaves_in(&frustum, view, &mut ranges);
+    scene.hierarchy().leaves_in(&frustum, view, &mut ranges);
     let transparent = transparent_edges(passes, frame, &frustum)?;
     wait_for_vertices(frame);
     passes.target.prepare(frame.commands());

@@ -1,8 +1,8 @@
 //! The edges and outlines of a renderer, and what is kept for them.
 
-use cull::{Hierarchy, LeafIndex, LeafRange};
+use cull::{LeafIndex, LeafRange};
 use gpu::{Frame, StencilTarget};
-use occlusion::{MeshDrawId, PlanExecutor};
+use occlusion::{CulledScene, MeshDrawId};
 use scene::MeshId;
 
 use super::options::{EdgeMode, EdgeOptions, ObjectOutline};
@@ -50,16 +50,15 @@ impl Edges {
     pub(crate) fn upload(
         &mut self,
         frame: &mut Frame<'_>,
-        executor: &PlanExecutor,
+        scene: &CulledScene,
         geometry: &Geometry,
-        hierarchy: &Hierarchy,
     ) -> Result<(), Error> {
         let Some(meshes) = &mut self.meshes else { return Ok(()) };
         let draw_of = |leaf: &LeafIndex| {
-            let object = hierarchy.leaf_objects().get(leaf.0 as usize);
+            let object = scene.hierarchy().leaf_objects().get(leaf.0 as usize);
             object.map_or(MeshDrawId::NONE, |object| geometry.draw_of(*object))
         };
-        meshes.upload(frame, &executor.leaves, &executor.passes.scatter, draw_of)
+        meshes.upload(frame, scene.leaves(), &scene.passes().scatter, draw_of)
     }
 
     /// Notes that the frame of the last upload was submitted.

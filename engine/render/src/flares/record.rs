@@ -1,8 +1,8 @@
 //! The recording of a view's flares: counts of the finished depth, then sprites over the image.
 
-use cull::CullView;
-use gpu::{Access, BufferSlice, Counting, Frame, MemoryBarrier, QueryIndex, QueryRing};
-use occlusion::{OcclusionState, PlanExecutor};
+use crate::view_pass::ViewPass;
+use gpu::{Access, BufferSlice, Counting, MemoryBarrier, QueryIndex, QueryRing};
+use occlusion::OcclusionState;
 use scene::LensFlare;
 
 use crate::attachment_schedule::AttachmentSchedule;
@@ -19,20 +19,18 @@ use crate::passes::FlareBlockIo;
 /// # Errors
 /// No memory, or a failed call.
 pub(crate) fn record_flares(
-    passes: &mut FramePasses,
-    frame: &mut Frame<'_>,
-    executor: &PlanExecutor,
+    view_pass: &mut ViewPass<'_, '_>,
     flares: &[LensFlare],
     counts: &mut FlareCounts,
     visibility: &OcclusionState,
-    view: &CullView,
 ) -> Result<(), Error> {
     counts.is_asking = false;
+    let passes = &*view_pass.passes;
     let now = visibility.plan().frame;
     let slots = visibility.frames_in_flight();
     let has_transmittance = passes.pipelines.transmittance.is_some() && has_transparent(passes);
     let samples_per_pixel = passes.target.attachments().samples.as_raw();
-    counts.lay_out(flares, view, now, has_transmittance, samples_per_pixel);
+    counts.lay_out(flares, view_pass.view, now, has_transmittance, samples_per_pixel);
     counts.advance(now, slots);
     if flares.is_empty() {
         return Ok(());
@@ -44,17 +42,17 @@ pub(crate) fn record_flares(
         };
         let queries = counts.queries.insert(queries);
         queries.set_counting(Counting::Samples);
-        queries.begin(frame, &counts.asked.tags)?;
+        queries.begin(view_pass.frame, &counts.asked.tags)?;
         counts.is_asking = true;
-        let blocks = frame.uploads().push(&counts.asked.rows)?;
+        let blocks = view_pass.frame.uploads().push(&counts.asked.rows)?;
         let transmittance = if has_transmittance {
-            Some(record_transmittance(passes, frame, executor, counts, blocks, view)?)
+            Some(record_transmittance(view_pass, counts, blocks)?)
         } else {
             None
         };
-        record_counts(passes, frame, counts, FlareBlockIo { blocks, transmittance }, view);
+        record_counts(view_pass, counts, FlareBlockIo { blocks, transmittance });
     }
-    record_sprites(passes, frame, counts, flares, view)
+    record_sprites(view_pass, counts, flares)
 }
 
 /// Returns true if there are transparent objects in the view being recorded.
@@ -65,23 +63,17 @@ fn has_transparent(passes: &FramePasses) -> bool {
 /// Adds up how much the transparent objects in front of the lights take at each pixel of the
 /// blocks.
 fn record_transmittance(
-    passes: &mut FramePasses,
-    frame: &mut Frame<'_>,
-    executor: &PlanExecutor,
+    view_pass: &mut ViewPass<'_, '_>,
     counts: &FlareCounts,
     blocks: BufferSlice,
-    view: &CullView,
 ) -> Result<BufferSlice, Error> {
     let cells = std::iter::repeat_n(0_u32, counts.asked.cells as usize);
-    let transmittance = frame.uploads().push_iter(cells)?;
+    let transmittance = view_pass.frame.uploads().push_iter(cells)?;
     let [low, high] = counts.asked.covering;
-    let origin = [0, 1].map(|axis| view.origin[axis] + low[axis]);
+    let origin = [0, 1].map(|axis| view_pass.view.origin[axis] + low[axis]);
     let size = [0, 1].map(|axis| high[axis].saturating_sub(low[axis]));
-    passes.target.prepare_tests(frame.commands());
-    let target = passes.target_of(view, None);
-    let target =
-        passes.scope_target(frame.commands(), AttachmentSchedule::FlareTransmittance, target);
-    let passes = &*passes;
+    let target = view_pass.prepare_tests(AttachmentSchedule::FlareTransmittance);
+    let ViewPass { passes, frame, scene, view } = view_pass;
     frame.commands().pass("transmittance flares", |commands| {
         commands.rendering(target, |commands| {
             let (Some(transparent), Some(pass), Some(surfaces)) =
@@ -90,7 +82,7 @@ fn record_transmittance(
                 return;
             };
             commands.clip(origin, size);
-            transparent.draw_bound(executor, commands, surfaces, &|commands, surfaces| {
+            transparent.draw_bound(scene, commands, surfaces, &|commands, surfaces| {
                 pass.bind_transmittance(
                     commands,
                     surfaces,
@@ -108,17 +100,10 @@ fn record_transmittance(
 }
 
 /// Counts the samples of the blocks.
-fn record_counts(
-    passes: &mut FramePasses,
-    frame: &mut Frame<'_>,
-    counts: &FlareCounts,
-    io: FlareBlockIo,
-    view: &CullView,
-) {
+fn record_counts(view_pass: &mut ViewPass<'_, '_>, counts: &FlareCounts, io: FlareBlockIo) {
     let (Some(queries), asked) = (&counts.queries, &counts.asked) else { return };
-    passes.target.prepare_tests(frame.commands());
-    let target = passes.target_of(view, None);
-    let target = passes.scope_target(frame.commands(), AttachmentSchedule::FlareCounts, target);
+    let target = view_pass.prepare_tests(AttachmentSchedule::FlareCounts);
+    let ViewPass { passes, frame, view, .. } = view_pass;
     let Some(pass) = passes.pipelines.flares.get() else { return };
     frame.commands().pass("count flares", |commands| {
         commands.rendering(target, |commands| {
@@ -138,12 +123,11 @@ fn record_counts(
 
 /// Adds the glow and the ghosts of the flares to the image.
 fn record_sprites(
-    passes: &mut FramePasses,
-    frame: &mut Frame<'_>,
+    view_pass: &mut ViewPass<'_, '_>,
     counts: &mut FlareCounts,
     flares: &[LensFlare],
-    view: &CullView,
 ) -> Result<(), Error> {
+    let view = view_pass.view;
     let mut sprites_drawn = std::mem::take(&mut counts.sprites);
     sprites_drawn.clear();
     let drawn = flares.iter().zip(counts.states()).filter_map(|(flare, state)| {
@@ -153,18 +137,17 @@ fn record_sprites(
     });
     sprites_drawn.extend(drawn.flatten());
     let count = sprites_drawn.len() as u32;
-    let rows = frame.uploads().push(&sprites_drawn);
+    let rows = view_pass.frame.uploads().push(&sprites_drawn);
     counts.sprites = sprites_drawn;
     let rows = rows?;
     if count == 0 {
         return Ok(());
     }
-    if passes.pipelines.flares.get().is_none() {
+    if view_pass.passes.pipelines.flares.get().is_none() {
         return Ok(());
     }
-    passes.target.prepare(frame.commands());
-    let target = passes.target_of(view, None);
-    let target = passes.scope_target(frame.commands(), AttachmentSchedule::Flares, target);
+    let target = view_pass.prepare(AttachmentSchedule::Flares);
+    let ViewPass { passes, frame, .. } = view_pass;
     let Some(pass) = passes.pipelines.flares.get() else { return Ok(()) };
     frame.commands().pass("lens flares", |commands| {
         commands.rendering(target, |commands| {

@@ -3,13 +3,14 @@
 
 mod api;
 
+use occlusion::ScenePartsMut;
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use cull::{Aabb, DetailPolicy, Hierarchy, LeafIndex, ObjectId};
 use glam::Affine3A;
 use gpu::{Buffer, BufferSlice, Device, Frame, IndirectDraw, vk};
-use occlusion::{LeafElements, LeafTable, MeshDraw, MeshDrawId, PlanExecutor, ProxyBox};
+use occlusion::{CulledScene, LeafElements, LeafTable, MeshDraw, MeshDrawId, ProxyBox};
 use scene::{
     MeshId, Object, PreparedMesh, Scene, SurfaceVertex, TransparentId, Vertex,
     bounds_of_transformed, unpack_unorm,
@@ -428,8 +429,7 @@ impl Geometry {
     pub(crate) fn upload_changes(
         &mut self,
         frame: &mut Frame<'_>,
-        hierarchy: &Hierarchy,
-        executor: &mut PlanExecutor,
+        scene: &mut CulledScene,
     ) -> Result<(), Error> {
         let targets = UploadTargets {
             vertices: self.vertices.whole(),
@@ -439,7 +439,7 @@ impl Geometry {
             textures: self.surfaces.as_ref().map(|surfaces| &surfaces.textures),
         };
         self.uploads.record(frame, targets)?;
-        let PlanExecutor { passes, leaves } = executor;
+        let ScenePartsMut { hierarchy, leaves, passes } = scene.parts_mut();
         let scatter = &passes.scatter;
         leaves.begin()?;
         if let Some(surfaces) = &self.surfaces {

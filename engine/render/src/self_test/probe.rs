@@ -73,7 +73,8 @@ impl Probe {
         let renderer = Renderer::new(device, &scene, &options)?;
         let view = renderer.view_of(&probe_scene::camera());
         let draws = (0..(PROBES + TWINS) as u32).map(|object| {
-            let leaf = renderer.hierarchy.leaf_of(cull::ObjectId(object)).map_or(0, |leaf| leaf.0);
+            let leaf =
+                renderer.scene.hierarchy().leaf_of(cull::ObjectId(object)).map_or(0, |leaf| leaf.0);
             let mesh = renderer.passes.geometry.mesh_draw(scene::MeshId(0));
             IndirectDraw { first_instance: leaf, instance_count: 1, ..mesh }
         });
@@ -142,12 +143,12 @@ impl Probe {
         }
         let Self { renderer, device, view, draws, boxes, .. } = self;
         let count = boxes.len();
-        let Renderer { frames, passes, executor, .. } = renderer;
+        let Renderer { frames, passes, scene, .. } = renderer;
         let mut frame = frames.begin()?;
         queries.begin(&mut frame, &vec![(); 4 * count])?;
         let draws = frame.uploads().push(draws)?;
         let io = ProxyIo { boxes: frame.uploads().push(boxes)?, flags: None };
-        let proxies = &executor.passes.proxies;
+        let proxies = &scene.passes().proxies;
         let test = |commands: &Commands, first: usize| {
             proxies.bind(commands, &io, &*view);
             for (number, area) in (0..count as u32).zip(areas) {
@@ -186,8 +187,8 @@ impl Probe {
     /// Tests proxies by flags; `None` where the device has none.
     pub(super) fn by_flags(&mut self) -> Result<Option<TestedProxies>, Error> {
         let Self { renderer, device, view, draws, boxes, .. } = self;
-        let Renderer { frames, passes, executor, .. } = renderer;
-        let proxies = &executor.passes.proxies;
+        let Renderer { frames, passes, scene, .. } = renderer;
+        let proxies = &scene.passes().proxies;
         if !proxies.can_flag() {
             return Ok(None);
         }
@@ -224,11 +225,12 @@ impl Probe {
         shaders: &ShaderSet,
     ) -> Result<Option<TestedProxies>, Error> {
         let Self { renderer, device, view, draws, boxes, .. } = self;
-        let Renderer { frames, passes, executor, .. } = renderer;
-        if !executor.passes.testers(device, &passes.target).compute {
+        let Renderer { frames, passes, scene, .. } = renderer;
+        if !scene.passes().testers(device, &passes.target).compute {
             return Ok(None);
         }
-        let compute = ComputeTest::new(device, shaders, SIZE)?;
+        let compute =
+            ComputeTest::sized(device, shaders, passes.target.attachments().samples, SIZE)?;
         let mut results = FlagRing::new(device, 1, ResultSource::Compute, "self-test results");
         let count = boxes.len();
         let mut frame = frames.begin()?;
@@ -268,7 +270,7 @@ impl Probe {
         source: ResultSource,
         shaders: &ShaderSet,
     ) -> Result<Option<Vec<u8>>, Error> {
-        if source == ResultSource::Fragments && !self.renderer.executor.passes.proxies.can_flag() {
+        if source == ResultSource::Fragments && !self.renderer.scene.passes().proxies.can_flag() {
             return Ok(None);
         }
         let decisions = PROBES / PER_DECISION;
@@ -281,7 +283,7 @@ impl Probe {
         let mut queries = QueryRing::new(&self.device, 1, "self-test predicates")?;
         let mut flags = FlagRing::new(&self.device, 1, ResultSource::Fragments, "self-test flags");
         let Self { renderer, view, boxes, image, .. } = self;
-        let Renderer { frames, passes, executor, .. } = renderer;
+        let Renderer { frames, passes, scene, .. } = renderer;
         let mut frame = frames.begin()?;
         queries.begin(&mut frame, &vec![(); decisions])?;
         flags.begin(&frame, std::iter::repeat_n((), decisions))?;
@@ -299,7 +301,7 @@ impl Probe {
             .map(|lists| lists.io(&mut frame, &decided_ranges(), source, results, &predicates))
             .transpose()?;
         let io = ProxyIo { boxes: frame.uploads().push(boxes)?, flags: flags.results() };
-        let proxies = &executor.passes.proxies;
+        let proxies = &scene.passes().proxies;
         let numbers = 0..decisions as u32;
         frame.commands().pass("self-test predicates", |commands| {
             wait_for_reset(commands);
@@ -340,7 +342,7 @@ impl Probe {
         };
         for number in 0..LATE_FRAMES {
             let Self { renderer, device, view, boxes, .. } = self;
-            let Renderer { frames, passes, executor, .. } = renderer;
+            let Renderer { frames, passes, scene, .. } = renderer;
             let mut frame = frames.begin()?;
             queries.collect(device.completed()?, &mut judge);
             let tags: Vec<(u32, u32)> = (0..LATE_QUERIES).map(|query| (number, query)).collect();
@@ -348,11 +350,11 @@ impl Probe {
             let io = ProxyIo { boxes: frame.uploads().push(boxes)?, flags: None };
             frame.commands().pass("self-test late queries", |commands| {
                 rendering(passes, commands, HIDES_NOTHING, |_, commands| {
-                    executor.passes.proxies.bind(commands, &io, &*view);
+                    scene.passes().proxies.bind(commands, &io, &*view);
                     for query in 0..LATE_QUERIES {
                         queries.scope(commands, QueryIndex(query), |commands| {
                             if shows(number, query) {
-                                executor.passes.proxies.draw(commands, query);
+                                scene.passes().proxies.draw(commands, query);
                             }
                         });
                     }

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use cull::{Aabb, Containment, CullView, Frustum, PlaneMask, Rays};
 use glam::Affine3A;
 use gpu::{BufferSlice, Commands, Device, Frame, IndirectDraw};
-use occlusion::{BucketDraw, OcclusionPasses, PlanExecutor, TransparentList};
+use occlusion::{BucketDraw, CulledScene, OcclusionPasses, TransparentList};
 use scene::{ENCLOSING, Light, Mesh, Object, Scene, TransparentId, signed_volume};
 
 use crate::error::Error;
@@ -247,13 +247,13 @@ impl Transparent {
     pub(crate) fn draw(
         &self,
         pass: &SurfacePass,
-        executor: &PlanExecutor,
+        scene: &CulledScene,
         commands: &Commands,
         surfaces: SurfaceIo<'_>,
         view: &CullView,
         light: &Light,
     ) {
-        self.draw_bound(executor, commands, surfaces, &|commands, surfaces| {
+        self.draw_bound(scene, commands, surfaces, &|commands, surfaces| {
             pass.bind(commands, surfaces, view, light);
         });
     }
@@ -261,7 +261,7 @@ impl Transparent {
     /// Draws the same with whatever `bind` binds.
     pub(crate) fn draw_bound(
         &self,
-        executor: &PlanExecutor,
+        scene: &CulledScene,
         commands: &Commands,
         surfaces: SurfaceIo<'_>,
         bind: &dyn Fn(&Commands, &SurfaceIo<'_>),
@@ -270,7 +270,7 @@ impl Transparent {
         let section = surfaces.section.zip(self.states);
         let section = section.map(|(section, states)| section.of_states(states));
         let surfaces = SurfaceIo { instances, section, ..surfaces };
-        self.list.draw(executor.leaves.predicates(), commands, &|commands, _| {
+        self.list.draw(scene.leaves().predicates(), commands, &|commands, _| {
             bind(commands, &surfaces);
         });
     }

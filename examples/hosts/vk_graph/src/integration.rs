@@ -12,24 +12,20 @@ use gpu::{
     IndirectDraw, NearDepth, RenderTarget, Resubmission, Target, Tick,
 };
 use occlusion::{
-    BucketDraw, BucketId, BucketTableInfo, HostObject, HostScene, ObjectPass, ObjectRenderer,
-    OcclusionPasses, OcclusionState, Rendering, ShaderSet, execute,
+    BucketDraw, BucketId, BucketTableInfo, CulledScene, DrawRequest, HostObject, ObjectRenderer,
+    OcclusionPasses, OcclusionState, Rendering, ShaderSet,
 };
 use walk::{BoxScene, HostInstance, ViewConstants};
 
 use crate::device::GraphDevice;
 use crate::renderer::{FRAMES_IN_FLIGHT, GraphRenderer};
 
-/// The most occlusion queries of a frame, where tests are queries.
-const QUERY_BUDGET: usize = 4096;
-
 /// The state of the engine for this host.
 pub struct GraphCulling {
     device: Device,
     frames: FrameRing,
-    scene: HostScene,
+    scene: CulledScene,
     view: OcclusionState,
-    shaders: ShaderSet,
     objects: HostObjects,
 }
 
@@ -65,7 +61,7 @@ impl GraphCulling {
             predication: None,
             frames_in_flight: slots,
         };
-        let mut scene = HostScene::new(&device, passes, walk.objects.len(), info)?;
+        let mut scene = CulledScene::new(&device, passes, walk.objects.len(), info)?;
         let draw = |number: u32| BucketDraw {
             bucket: BucketId(walk.parts[number as usize].bucket),
             draw: IndirectDraw {
@@ -84,7 +80,7 @@ impl GraphCulling {
         let mut frames = FrameRing::new(&device, slots)?;
         frames.set_resubmission(Resubmission::Never);
         let objects = HostObjects { renderer: renderer.clone(), target };
-        Ok(Self { device, frames, scene, view, shaders, objects })
+        Ok(Self { device, frames, scene, view, objects })
     }
 
     /// Records the draws of a frame: its number, and the newest frame that is over.
@@ -98,20 +94,13 @@ impl GraphCulling {
     ) -> Result<(), Box<dyn Error>> {
         let numbers = FrameNumbers { current: Tick(current), safe: Tick(over) };
         // SAFETY: the command buffer is being recorded, and frames up to `over` were waited for.
-        let mut frame = unsafe { self.frames.begin_in(commands, numbers) }?;
-        self.scene.upload(&mut frame)?;
-        let (hierarchy, executor) = self.scene.parts_mut();
-        let sub_pixel_bits = self.device.adapter().limits.sub_pixel_precision_bits;
-        let view = CullView::new(camera, walk::SIZE, sub_pixel_bits);
-        self.view.collect(self.device.completed()?, hierarchy, &executor.leaves);
-        self.view.plan_frame(hierarchy, &executor.leaves, strategy, &view, QUERY_BUDGET);
-        let objects = &mut self.objects;
-        let shaders = &self.shaders;
-        execute(&mut frame, executor, &mut self.view, objects, shaders, &view)?;
-        objects.target.restore(frame.commands());
-        let tick = frame.end()?;
-        self.view.submitted(tick, &executor.leaves, None);
-        self.scene.submitted(tick);
+        let frame = unsafe { self.frames.begin_in(commands, numbers) }?;
+        let bits = self.device.adapter().limits.sub_pixel_precision_bits;
+        let view = CullView::new(camera, walk::SIZE, bits);
+        let request = DrawRequest { strategy, ..DrawRequest::from(&view) };
+        let mut scope = self.scene.begin(frame)?;
+        scope.draw(&mut self.view, request, &mut self.objects)?;
+        scope.end()?;
         Ok(())
     }
 
@@ -119,8 +108,7 @@ impl GraphCulling {
     pub fn finish(mut self) -> Result<u64, Box<dyn Error>> {
         // SAFETY: the host waited for its last frame.
         unsafe { self.device.host_finished() }?;
-        let (hierarchy, executor) = self.scene.parts_mut();
-        self.view.collect(self.device.completed()?, hierarchy, &executor.leaves);
+        self.view.collect(self.device.completed()?, &self.scene);
         Ok(self.view.drain_stats().next_back().map_or(0, |outcome| outcome.draws))
     }
 }
@@ -134,7 +122,7 @@ impl ObjectRenderer for HostObjects {
         self.target.render_target((rendering == Rendering::First).then_some([0.0; 4]))
     }
 
-    fn bind(&self, commands: &Commands, view: &CullView, bucket: BucketId, _pass: ObjectPass) {
+    fn bind(&self, commands: &Commands, view: &CullView, bucket: BucketId) {
         let view_proj = view.view_proj.to_cols_array();
         let snap_steps = view.snap_steps;
         self.renderer.bind(commands.raw(), bucket.0, &ViewConstants { view_proj, snap_steps });

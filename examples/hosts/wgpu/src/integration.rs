@@ -15,8 +15,8 @@ use gpu::{
     IndirectDraw, NearDepth, Resubmission, Target, Tick,
 };
 use occlusion::{
-    BucketDraw, BucketId, BucketTableInfo, DrawList, HostObject, HostScene, OcclusionPasses,
-    OcclusionState, ShaderSet, list_draws,
+    BucketDraw, BucketId, BucketTableInfo, CulledScene, DrawList, DrawRequest, HostObject,
+    OcclusionPasses, OcclusionState, ShaderSet,
 };
 use walk::{BoxScene, HostInstance, ViewConstants};
 use wgpu::hal::{api::Vulkan, vulkan};
@@ -24,16 +24,12 @@ use wgpu::hal::{api::Vulkan, vulkan};
 use crate::device::WgpuDevice;
 use crate::renderer::{FRAMES_IN_FLIGHT, WgpuDraws, WgpuRenderer};
 
-/// The most occlusion queries of a frame, where tests are queries.
-const QUERY_BUDGET: usize = 4096;
-
 /// The state of the engine for this host.
 pub struct WgpuCulling {
     device: Device,
     frames: FrameRing,
-    scene: HostScene,
+    scene: CulledScene,
     view: OcclusionState,
-    shaders: ShaderSet,
     renderer: Arc<WgpuRenderer>,
     target: Target,
 }
@@ -64,7 +60,7 @@ impl WgpuCulling {
             predication: None,
             frames_in_flight: slots,
         };
-        let mut scene = HostScene::new(&device, passes, walk.objects.len(), info)?;
+        let mut scene = CulledScene::new(&device, passes, walk.objects.len(), info)?;
         let draw = |number: u32| BucketDraw {
             bucket: BucketId(walk.parts[number as usize].bucket),
             draw: IndirectDraw {
@@ -82,7 +78,7 @@ impl WgpuCulling {
         let view = scene.new_view(&target, CullConfig::default(), DrawPhases::Two)?;
         let mut frames = FrameRing::new(&device, slots)?;
         frames.set_resubmission(Resubmission::Never);
-        Ok(Self { device, frames, scene, view, shaders, renderer: renderer.clone(), target })
+        Ok(Self { device, frames, scene, view, renderer: renderer.clone(), target })
     }
 
     /// Encodes a frame: its number, and the newest frame that is over.
@@ -124,23 +120,18 @@ impl WgpuCulling {
         strategy: Strategy,
     ) -> Result<Mat4, Box<dyn Error>> {
         // SAFETY: the command buffer is being recorded, and frames up to `safe` were waited for.
-        let mut frame = unsafe { self.frames.begin_in(commands, numbers) }?;
-        self.scene.upload(&mut frame)?;
-        let (hierarchy, executor) = self.scene.parts_mut();
+        let frame = unsafe { self.frames.begin_in(commands, numbers) }?;
         let bits = self.device.adapter().limits.sub_pixel_precision_bits;
         // The y of wgpu's clip space goes up.
         let upwards = Mat4::from_scale(vec3(1.0, -1.0, 1.0));
         let matrix = upwards * CullView::new(camera, walk::SIZE, bits).view_proj;
         let projection = ViewProjection { matrix, depth: DepthConvention::Reversed, y: ClipY::Up };
         let view = CullView::from_matrix(&projection, walk::SIZE, bits)?;
-        self.view.collect(self.device.completed()?, hierarchy, &executor.leaves);
-        self.view.plan_frame(hierarchy, &executor.leaves, strategy, &view, QUERY_BUDGET);
-        let tests = list_draws(&mut frame, executor, &mut self.view, &view)?;
-        tests.record(&mut frame, executor, &self.view, &mut self.target, &self.shaders)?;
-        self.target.restore(frame.commands());
-        let tick = frame.end()?;
-        self.view.submitted(tick, &executor.leaves, None);
-        self.scene.submitted(tick);
+        let request = DrawRequest { strategy, ..DrawRequest::from(&view) };
+        let mut scope = self.scene.begin(frame)?;
+        let planned = scope.plan(&mut self.view, request)?;
+        scope.list(planned)?.record(&mut scope, &mut self.target)?;
+        scope.end()?;
         Ok(matrix)
     }
 
@@ -170,8 +161,7 @@ impl WgpuCulling {
     pub fn finish(mut self) -> Result<u64, Box<dyn Error>> {
         // SAFETY: the host waited for its last frame.
         unsafe { self.device.host_finished() }?;
-        let (hierarchy, executor) = self.scene.parts_mut();
-        self.view.collect(self.device.completed()?, hierarchy, &executor.leaves);
+        self.view.collect(self.device.completed()?, &self.scene);
         Ok(self.view.drain_stats().next_back().map_or(0, |outcome| outcome.draws))
     }
 }

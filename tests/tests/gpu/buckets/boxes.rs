@@ -2,13 +2,12 @@
 
 use cull::{Aabb, CullView};
 use gpu::{
-    Access, Blend, Buffer, BufferSlice, Commands, DepthMode, Device, Frame, GraphicsPipeline,
-    GraphicsPipelineInfo, IndirectDraw, MemoryBarrier, Predicates, RenderTarget, StorageLayout,
-    Target, vk,
+    Access, Blend, Buffer, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
+    GraphicsPipelineInfo, IndirectDraw, MemoryBarrier, RenderTarget, StorageLayout, Target, vk,
 };
 use occlusion::{
-    BucketDraw, BucketId, DrawBuckets, DrawList, ObjectPass, ObjectRenderer, OcclusionPasses,
-    PlanExecutor, ProxyBox, Rendering, ShaderSet, TransparentList,
+    BucketDraw, BucketId, CulledScene, DrawBuckets, DrawList, FrameScope, ObjectRenderer, ProxyBox,
+    Rendering, ShadedObjects, ShaderSet, TransparentList,
 };
 
 pub const SIZE: [u32; 2] = [96, 54];
@@ -102,14 +101,25 @@ impl ObjectRenderer for Boxes {
         self.target.render_target(clear).within(view.origin, view.size)
     }
 
-    fn bind(&self, commands: &Commands, view: &CullView, bucket: BucketId, pass: ObjectPass) {
-        let Some(boxes) = self.boxes else { return };
-        let pipeline = match (&self.depth_first, pass) {
+    fn bind(&self, commands: &Commands, view: &CullView, bucket: BucketId) {
+        let pipeline = match &self.depth_first {
             _ if bucket.0 >= GLASS => &self.glass,
-            (Some([_, colour]), ObjectPass::Colour) => colour,
-            (Some([depth, _]), _) => depth,
-            (None, _) => &self.pipeline,
+            Some([depth, _]) => depth,
+            None => &self.pipeline,
         };
+        self.bind_pipeline(commands, view, bucket, pipeline);
+    }
+}
+
+impl Boxes {
+    fn bind_pipeline(
+        &self,
+        commands: &Commands,
+        view: &CullView,
+        bucket: BucketId,
+        pipeline: &GraphicsPipeline,
+    ) {
+        let Some(boxes) = self.boxes else { return };
         commands.bind(pipeline, &[boxes]);
         // The shader makes up its vertices: any vertex buffer does.
         commands.bind_geometry(self.indices.whole(), Some(self.indices.whole()));
@@ -119,26 +129,26 @@ impl ObjectRenderer for Boxes {
         constants[20] = f32::from_bits(bucket.0);
         commands.push_constants(pipeline, &constants);
     }
+}
 
+impl ShadedObjects for Boxes {
     fn shades_later(&self) -> bool {
         self.depth_first.is_some()
     }
 
     fn shade(
         &mut self,
-        _executor: &PlanExecutor,
+        _scene: &CulledScene,
         commands: &Commands,
         view: &CullView,
         draw: DrawBuckets<'_>,
     ) {
-        if !self.shades_later() {
-            return;
-        }
         self.target.prepare(commands);
+        let Some([_, colour]) = &self.depth_first else { return };
         commands.pass("host colours", |commands| {
             commands.rendering(self.colour_rendering(view), |commands| {
                 draw(commands, &|commands, bucket| {
-                    self.bind(commands, view, bucket, ObjectPass::Colour);
+                    self.bind_pipeline(commands, view, bucket, colour);
                 });
             });
         });
@@ -177,19 +187,18 @@ pub fn write_boxes(boxes: &mut [ProxyBox], first: u32, parts: &[Part]) {
 /// Draws what is listed, as a host does between commands of the engine, and copies the counts of
 /// the lists.
 pub fn draw_lists(
-    frame: &mut Frame<'_>,
+    commands: &Commands,
     boxes: &mut Boxes,
     lists: &[DrawList],
     view: &CullView,
     counts: Option<&Buffer>,
 ) {
-    let commands = frame.commands();
     let rendering = if counts.is_some() { Rendering::Next } else { Rendering::First };
     boxes.target.prepare(commands);
     commands.rendering(boxes.rendering(view, rendering), |commands| {
         for list in lists {
             assert!(list.most > 0 && list.commands.size_bytes == u64::from(list.most) * 20);
-            boxes.bind(commands, view, list.bucket, ObjectPass::Visibility);
+            boxes.bind(commands, view, list.bucket);
             match list.count {
                 Some(count) => commands.draw_indirect_count(list.commands, count),
                 None => commands.draw_indirect(list.commands),
@@ -210,7 +219,7 @@ pub fn draw_lists(
 
 /// Draws objects, bucket by bucket, without a table.
 pub fn draw_all<'a>(
-    frame: &mut Frame<'_>,
+    commands: &Commands,
     boxes: &mut Boxes,
     parts: impl Iterator<Item = &'a (u32, Vec<Part>)>,
     view: &CullView,
@@ -218,11 +227,10 @@ pub fn draw_all<'a>(
     let mut draws: Vec<BucketDraw> =
         parts.flat_map(|(first, parts)| draws_of(*first, parts)).collect();
     draws.sort_by_key(|draw| draw.bucket);
-    let commands = frame.commands();
     boxes.target.prepare(commands);
     commands.rendering(boxes.rendering(view, Rendering::First), |commands| {
         for draws in draws.chunk_by(|a, b| a.bucket == b.bucket) {
-            boxes.bind(commands, view, draws[0].bucket, ObjectPass::Visibility);
+            boxes.bind(commands, view, draws[0].bucket);
             draws.iter().for_each(|draw| commands.draw_indexed(&draw.draw));
         }
     });
@@ -230,24 +238,22 @@ pub fn draw_all<'a>(
 
 /// Draws transparent objects over a finished image.
 pub fn draw_glass(
-    frame: &Frame<'_>,
+    scope: &FrameScope<'_, '_>,
     boxes: &mut Boxes,
     list: &TransparentList,
-    passes: &OcclusionPasses,
-    predicates: &Predicates,
     view: &CullView,
 ) {
-    let commands = frame.commands();
+    let commands = scope.commands();
     list.prepare(commands);
     boxes.target.prepare(commands);
     commands.rendering(boxes.rendering(view, Rendering::Next), |commands| {
-        list.test(passes, commands, view, boxes.viewport(view));
+        list.test(scope.scene().passes(), commands, view);
     });
     list.decide(commands);
     boxes.target.prepare(commands);
     commands.rendering(boxes.rendering(view, Rendering::Next), |commands| {
-        list.draw(predicates, commands, &|commands, bucket| {
-            boxes.bind(commands, view, bucket, ObjectPass::Visibility);
+        list.draw(scope.scene().leaves().predicates(), commands, &|commands, bucket| {
+            boxes.bind(commands, view, bucket);
         });
     });
 }

@@ -37,7 +37,7 @@ fn objects_that_come_one_by_one_find_room() {
         host.wall = host.add(vec![wall(3)])[0];
         for (frame, object) in grid(120).into_iter().enumerate() {
             host.add(vec![object]);
-            host.forget_to_upload();
+            host.upload().unwrap();
             if frame % 3 == 0 {
                 host.draw(Strategy::ANTUMBRA, &camera((frame % 7) as f32 / 3.0 - 1.0, 0.0));
             }
@@ -62,7 +62,7 @@ fn growth_that_fails_is_tried_again_and_loses_nothing() {
         let code = vk::Result::ERROR_OUT_OF_DEVICE_MEMORY;
         let faults = vec![Fault { call: CREATE, fails: number..usize::MAX, code }];
         FaultInjection { faults, ..FaultInjection::default() }.install();
-        let uploaded = host.upload_alone(&camera(0.0, 0.0));
+        let uploaded = host.upload();
         let made = calls(CREATE);
         FaultInjection::default().install();
         let is_done = uploaded.is_ok();

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 
 use cull::{Aabb, Camera, CullConfig, CullView, DrawPhases, LeafIndex, ObjectId, Strategy};
-use glam::{Mat4, Vec3};
+use glam::Vec3;
 use gpu::{Buffer, Device, FrameRing, MemoryKind, PredicationMode, Readback, vk};
 use occlusion::{
-    BucketDraw, BucketTableInfo, DriverQuirks, Error, HostObject, HostScene, LeafCount,
-    OcclusionPasses, OcclusionState, ProxyBox, ShaderSet, TransparentList, execute, list_draws,
+    BucketDraw, BucketTableInfo, CulledScene, DrawRequest, DriverQuirks, Error, HostObject,
+    LeafCount, OcclusionPasses, OcclusionState, ProxyBox, ShaderSet, TransparentList,
 };
 
 use super::boxes::{
@@ -32,24 +32,11 @@ pub enum Recorder {
     HostLate,
 }
 
-/// A mistake of a host in one frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mistake {
-    NoPlan,
-    SamePlanAgain,
-    SceneChangedBehindThePlan,
-    OtherView,
-    LargeView,
-    OtherHierarchy,
-    OtherLeaves,
-}
-
 /// Everything that a host keeps to draw its objects by our answers, and to draw all of them.
 pub struct Host {
     device: Device,
     frames: FrameRing,
-    scene: HostScene,
-    shaders: ShaderSet,
+    scene: CulledScene,
     state: OcclusionState,
     culled: Boxes,
     all: Boxes,
@@ -103,7 +90,7 @@ impl Host {
             predication: Some(predication),
             frames_in_flight: 2,
         };
-        let scene = HostScene::new(device, passes, 20, info).unwrap();
+        let scene = CulledScene::new(device, passes, 20, info).unwrap();
         let draw_phases = match recorder {
             Recorder::Engine | Recorder::EngineDepthFirst => DrawPhases::PerRound,
             Recorder::Host | Recorder::HostLate => DrawPhases::Two,
@@ -113,7 +100,6 @@ impl Host {
             device: device.clone(),
             frames: FrameRing::new(device, 2).unwrap(),
             scene,
-            shaders,
             culled,
             all,
             boxes: vec![ProxyBox::from(Aabb::EMPTY); BOXES],
@@ -197,134 +183,75 @@ impl Host {
             CullView::new(camera, SIZE, self.device.adapter().limits.sub_pixel_precision_bits);
         let mut frame = self.frames.begin().unwrap();
         let boxes = frame.uploads().push(&self.boxes).unwrap();
-        (self.culled.boxes, self.all.boxes) = (Some(boxes), Some(boxes));
-        self.scene.upload(&mut frame).unwrap();
-        let (hierarchy, executor) = self.scene.parts_mut();
-        let state = &mut self.state;
-        state.collect(self.device.completed().unwrap(), hierarchy, &executor.leaves);
-        state.plan_frame(hierarchy, &executor.leaves, strategy, &view, 4096);
+        self.culled.boxes = Some(boxes);
+        self.all.boxes = Some(boxes);
+        let mut scope = self.scene.begin(frame).unwrap();
+        let request = DrawRequest { strategy, ..DrawRequest::from(&view) };
+        let planned = scope.plan(&mut self.state, request).unwrap();
         match self.recorder {
-            Recorder::Engine | Recorder::EngineDepthFirst => {
-                execute(&mut frame, executor, state, &mut self.culled, &self.shaders, &view)
-                    .unwrap();
-            }
+            Recorder::Engine => scope.record(planned, &mut self.culled).unwrap(),
+            Recorder::EngineDepthFirst => scope.record_shaded(planned, &mut self.culled).unwrap(),
             Recorder::Host => {
-                let tests = list_draws(&mut frame, executor, state, &view).unwrap();
-                draw_lists(&mut frame, &mut self.culled, state.visible_lists(), &view, None);
-                let target = &mut self.culled.target;
-                tests.record(&mut frame, executor, state, target, &self.shaders).unwrap();
+                let listed = scope.list(planned).unwrap();
+                let revealed = listed.revealed().to_vec();
+                draw_lists(scope.commands(), &mut self.culled, listed.visible(), &view, None);
+                listed.record(&mut scope, &mut self.culled.target).unwrap();
                 let bytes = u64::from(self.bucket_count) * 4;
                 let usage = vk::BufferUsageFlags::TRANSFER_DST;
                 let name = "listed draws read back";
-                let listed =
+                let counts =
                     Buffer::new(&self.device, name, bytes, usage, MemoryKind::ReadBack).unwrap();
-                let lists = state.revealed_lists();
-                draw_lists(&mut frame, &mut self.culled, lists, &view, Some(&listed));
-                self.listed.push(listed);
+                draw_lists(scope.commands(), &mut self.culled, &revealed, &view, Some(&counts));
+                self.listed.push(counts);
             }
             Recorder::HostLate => {
-                let tests = list_draws(&mut frame, executor, state, &view).unwrap();
-                let object = |leaf: &LeafIndex| hierarchy.leaf_objects()[leaf.0 as usize];
-                let visible = state.plan().draws.iter().map(object);
-                let parts = visible.filter_map(|object| self.parts.get(&object));
-                draw_all(&mut frame, &mut self.culled, parts, &view);
-                let target = &mut self.culled.target;
-                tests.record(&mut frame, executor, state, target, &self.shaders).unwrap();
+                let objects = scope.scene().hierarchy().leaf_objects();
+                let visible = planned.state().plan().draws.iter();
+                let visible = visible.map(|leaf: &LeafIndex| objects[leaf.0 as usize]);
+                let parts: Vec<_> = visible.filter_map(|object| self.parts.get(&object)).collect();
+                let listed = scope.list(planned).unwrap();
+                draw_all(scope.commands(), &mut self.culled, parts.into_iter(), &view);
+                listed.record(&mut scope, &mut self.culled.target).unwrap();
             }
         }
-        draw_all(&mut frame, &mut self.all, self.parts.values(), &view);
+        draw_all(scope.commands(), &mut self.all, self.parts.values(), &view);
         let middle =
             |(_, parts): &(u32, Vec<Part>)| around(parts).centre().distance(view.rays.origin);
         self.glass.sort_by(|a, b| middle(b).total_cmp(&middle(a)));
-        let passes = &executor.passes;
-        let predicates = executor.leaves.predicates();
         for (boxes, is_tested) in [(&mut self.culled, true), (&mut self.all, false)] {
             self.list.clear();
             for (first, parts) in &self.glass {
                 let bounds = is_tested.then(|| around(parts));
                 self.list.push(&view, bounds, &draws_of(*first, parts));
             }
-            self.list.write(&mut frame, passes).unwrap();
-            draw_glass(&frame, boxes, &self.list, passes, predicates, &view);
+            scope.upload_transparent(&mut self.list).unwrap();
+            draw_glass(&scope, boxes, &self.list, &view);
         }
         let images = [&mut self.culled, &mut self.all].map(|boxes| {
             let image = Readback::new(&self.device, SIZE).unwrap();
-            boxes.target.copy_to(frame.commands(), &image);
+            boxes.target.copy_to(scope.commands(), &image);
             image
         });
         self.images.push(images);
-        let tick = frame.submit(None).unwrap();
-        state.submitted(tick, &executor.leaves, None);
-        self.scene.submitted(tick);
+        scope.submit(None).unwrap();
     }
 
-    /// Records a frame in which the host is mistaken, and gives it up. Returns the error.
-    pub fn refused(&mut self, camera: &Camera, mistake: Mistake, other: &HostScene) -> Error {
-        let bits = self.device.adapter().limits.sub_pixel_precision_bits;
-        let view = CullView::new(camera, SIZE, bits);
-        let mut frame = self.frames.begin().unwrap();
-        if mistake == Mistake::SceneChangedBehindThePlan {
-            let hierarchy = self.scene.hierarchy();
-            let leaves = &self.scene.executor().leaves;
-            self.state.plan_frame(hierarchy, leaves, Strategy::ANTUMBRA, &view, 4096);
-            let wall = self.wall;
-            let bounds = Aabb::new(Vec3::ZERO, Vec3::ONE);
-            self.scene.move_to(&[(wall, bounds)]).unwrap();
-            self.scene.move_to(&[(wall, around(&self.parts[&wall].1))]).unwrap();
-        }
-        self.scene.upload(&mut frame).unwrap();
-        let (hierarchy, executor) = self.scene.parts_mut();
-        let state = &mut self.state;
-        let (hierarchy, leaves) = match mistake {
-            Mistake::OtherHierarchy => (other.hierarchy(), &executor.leaves),
-            Mistake::OtherLeaves => (other.hierarchy(), &other.executor().leaves),
-            _ => (hierarchy, &executor.leaves),
-        };
-        let large = CullView::new(camera, SIZE.map(|pixels| pixels + 1), bits);
-        let side = CullView { view_proj: Mat4::IDENTITY, ..view };
-        let planned = if mistake == Mistake::LargeView { large } else { view };
-        if ![Mistake::NoPlan, Mistake::SceneChangedBehindThePlan].contains(&mistake) {
-            state.plan_frame(hierarchy, leaves, Strategy::ANTUMBRA, &planned, 4096);
-        }
-        let executed = match mistake {
-            Mistake::LargeView => &large,
-            Mistake::OtherView => &side,
-            _ => &view,
-        };
-
-        if mistake == Mistake::SamePlanAgain {
-            execute(&mut frame, executor, state, &mut self.culled, &self.shaders, executed)
-                .unwrap();
-        }
-        execute(&mut frame, executor, state, &mut self.culled, &self.shaders, executed).unwrap_err()
+    /// Draws a frame of a view of `state`, which has another size than the target if it is large,
+    /// and gives it up. Returns the error.
+    pub fn refused(&mut self, view: &CullView, state: &mut OcclusionState) -> Error {
+        let mut scope = self.scene.begin(self.frames.begin().unwrap()).unwrap();
+        scope.draw(state, view, &mut self.culled).unwrap_err()
     }
 
-    /// Submits a frame that uploads nothing of the scene, and says that it did.
-    pub fn forget_to_upload(&mut self) {
-        let tick = self.frames.begin().unwrap().submit(None).unwrap();
-        self.device.wait_idle().unwrap();
-        self.scene.submitted(tick);
+    /// Creates another view of the scene.
+    pub fn new_view(&self) -> OcclusionState {
+        let phases = DrawPhases::PerRound;
+        self.scene.new_view(&self.culled.target, CullConfig::default(), phases).unwrap()
     }
 
-    /// Uploads in a frame; returns the error if that fails, and then checks that nothing of the
-    /// scene is drawn in this frame, which is submitted all the same.
-    pub fn upload_alone(&mut self, camera: &Camera) -> Result<(), Error> {
-        let view =
-            CullView::new(camera, SIZE, self.device.adapter().limits.sub_pixel_precision_bits);
-        let mut frame = self.frames.begin().unwrap();
-        let uploaded = self.scene.upload(&mut frame);
-        if uploaded.is_err() {
-            let (hierarchy, executor) = self.scene.parts_mut();
-            let state = &mut self.state;
-            state.plan_frame(hierarchy, &executor.leaves, Strategy::FRUSTUM, &view, 0);
-
-            let refused =
-                execute(&mut frame, executor, state, &mut self.culled, &self.shaders, &view)
-                    .unwrap_err();
-            assert!(matches!(refused, Error::NotUploaded(_)), "{refused}");
-        }
-        self.scene.submitted(frame.submit(None).unwrap());
-        uploaded
+    /// Uploads the changes of the scene in a frame of their own.
+    pub fn upload(&mut self) -> Result<(), Error> {
+        self.scene.begin(self.frames.begin().unwrap())?.submit(None).map(drop)
     }
 
     /// Returns the number of revealed draws in the lists of all frames, which are over.
@@ -336,10 +263,10 @@ impl Host {
 
     /// Returns the fewest draws of a frame, and those of the scene.
     pub fn fewest_and_all(&mut self) -> (u64, u64) {
-        let (hierarchy, executor) = self.scene.parts_mut();
-        self.state.collect(self.device.completed().unwrap(), hierarchy, &executor.leaves);
+        self.state.collect(self.device.completed().unwrap(), &self.scene);
+        let hierarchy = self.scene.hierarchy();
         let leaves = (0..hierarchy.leaf_objects().len() as u32).map(cull::LeafIndex);
-        let count = |first| executor.leaves.count(cull::LeafRange { first, count: 1 });
+        let count = |first| self.scene.leaves().count(cull::LeafRange { first, count: 1 });
         let there: u64 = leaves.map(count).map(|count: LeafCount| count.draws).sum();
         let all: usize = self.parts.values().map(|(_, parts)| parts.len()).sum();
         assert_eq!(there, all as u64);

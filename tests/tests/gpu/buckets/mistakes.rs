@@ -1,15 +1,16 @@
 //! Plans and scenes that cannot be: each is refused by its name, and the frames after it are right.
 
-use cull::{Aabb, HierarchyError, Strategy};
+use cull::{Aabb, CullView, HierarchyError, Strategy};
 use gpu::{Attachments, PredicationMode, vk};
 use occlusion::{
-    BucketError, BucketTableInfo, Error, HostObject, HostScene, OcclusionPasses, PlanError,
-    ShaderSet, TargetError,
+    BucketError, BucketTableInfo, CulledScene, Error, HostObject, OcclusionPasses, ShaderSet,
+    TargetError,
 };
 use tests::run_on_all;
 
+use super::boxes::SIZE;
 use super::growth::{assert_all_equal, grid};
-use super::host::{Host, Mistake, Recorder};
+use super::host::{Host, Recorder};
 use super::{camera, wall};
 
 const INFO: BucketTableInfo = BucketTableInfo {
@@ -19,51 +20,35 @@ const INFO: BucketTableInfo = BucketTableInfo {
     frames_in_flight: 2,
 };
 
-fn scene(device: &gpu::Device, objects: usize, info: BucketTableInfo) -> Result<HostScene, Error> {
+fn scene(
+    device: &gpu::Device,
+    objects: usize,
+    info: BucketTableInfo,
+) -> Result<CulledScene, Error> {
     let shaders = ShaderSet::embedded().unwrap();
     let attachments = Attachments::default();
-    HostScene::new(device, OcclusionPasses::new(device, &shaders, attachments)?, objects, info)
+    CulledScene::new(device, OcclusionPasses::new(device, &shaders, attachments)?, objects, info)
 }
 
 #[test]
-fn a_plan_is_executed_once_for_its_scene_and_its_views() {
+fn views_of_other_scenes_and_sizes_are_refused() {
     run_on_all(|device| {
         let mut host = Host::new(device, 3, PredicationMode::Instances, Recorder::Engine);
         host.wall = host.add(vec![wall(3)])[0];
         host.add(grid(100));
-        // As large as the host's own.
-        let other = scene(device, 128, INFO).unwrap();
         let eye = camera(0.5, 0.0);
-        for mistake in [
-            Mistake::NoPlan,
-            Mistake::SamePlanAgain,
-            Mistake::SceneChangedBehindThePlan,
-            Mistake::OtherView,
-            Mistake::LargeView,
-            Mistake::OtherHierarchy,
-            Mistake::OtherLeaves,
-        ] {
-            (0..3).for_each(|_| host.draw(Strategy::ANTUMBRA, &eye));
-            let error = host.refused(&eye, mistake, &other);
-            let is_named = match mistake {
-                Mistake::NoPlan | Mistake::SamePlanAgain => {
-                    matches!(error, Error::Plan(PlanError::Missing))
-                }
-                Mistake::SceneChangedBehindThePlan => {
-                    matches!(error, Error::Plan(PlanError::SceneChanged))
-                }
-                Mistake::OtherView => matches!(error, Error::Plan(PlanError::OtherViews)),
-                Mistake::LargeView => {
-                    matches!(error, Error::Target(TargetError::ViewSize { .. }))
-                }
-                Mistake::OtherHierarchy | Mistake::OtherLeaves => {
-                    matches!(error, Error::ForeignView)
-                }
-            };
-            assert!(is_named, "{mistake:?}: {error}");
-        }
         (0..3).for_each(|_| host.draw(Strategy::ANTUMBRA, &eye));
-        assert_all_equal(device, &host, "behind mistakes");
+        let bits = device.adapter().limits.sub_pixel_precision_bits;
+        let view = CullView::new(&eye, SIZE, bits);
+        let other = Host::new(device, 3, PredicationMode::Instances, Recorder::Engine);
+        let error = host.refused(&view, &mut other.new_view());
+        assert!(matches!(error, Error::ForeignView), "{error}");
+        (0..3).for_each(|_| host.draw(Strategy::ANTUMBRA, &eye));
+        let large = CullView::new(&eye, SIZE.map(|pixels| pixels + 1), bits);
+        let error = host.refused(&large, &mut host.new_view());
+        assert!(matches!(error, Error::Target(TargetError::ViewSize { .. })), "{error}");
+        (0..3).for_each(|_| host.draw(Strategy::ANTUMBRA, &eye));
+        assert_all_equal(device, &host, "after mistakes");
     });
 }
 

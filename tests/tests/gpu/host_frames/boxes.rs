@@ -4,11 +4,9 @@
 use ash::vk;
 use cull::CullView;
 use gpu::{
-    Attachments, Commands, Device, HostImage, HostImages, ImageState, NearDepth, RenderTarget,
-    Target,
+    Commands, Device, HostImage, HostImages, ImageState, NearDepth, RenderTarget, Target, Viewport,
 };
-use occlusion::{BucketId, LeafTable, ObjectPass, ObjectRenderer, Rendering};
-use tests::host_device::Host;
+use occlusion::{BucketId, ObjectRenderer, Rendering};
 use tests::host_images::OwnImage;
 use tests::host_passes::OwnPasses;
 use tests::numbered_boxes::NumberedBoxes;
@@ -18,7 +16,7 @@ use super::host::SIZE;
 /// The objects of a host that draws boxes.
 pub struct Boxes {
     pub target: Target,
-    boxes: NumberedBoxes,
+    pub boxes: NumberedBoxes,
     pub passes: Option<OwnPasses>,
 }
 
@@ -41,7 +39,7 @@ impl ObjectRenderer for Boxes {
             return commands.begin_rendering(self.rendering(view, rendering));
         };
         passes.begin(commands.raw(), rendering);
-        commands.set_viewport(&self.viewport(view));
+        commands.set_viewport(&Viewport::covering(view.origin, view.size));
         true
     }
 
@@ -52,35 +50,19 @@ impl ObjectRenderer for Boxes {
         }
     }
 
-    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId, _pass: ObjectPass) {
+    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId) {
         self.boxes.bind(commands, view);
     }
 }
 
-impl Boxes {
-    /// Returns the attachments of the host's renderings.
-    pub fn attachments(&self) -> Attachments {
-        let attachments = self.target.attachments();
-        self.passes.as_ref().map_or(attachments, |passes| passes.attachments(attachments))
-    }
-
-    /// Draws in render passes of the host from now on.
-    pub fn take_passes(&mut self, host: &Host, device: &Device, images: [&OwnImage; 2]) {
-        let samples = self.target.attachments().samples;
-        self.passes = Some(OwnPasses::new(host, images[0], images[1], samples, SIZE));
-        self.boxes.take_attachments(device, self.attachments());
-    }
-}
-
-/// Returns the owner of the boxes, who draws to these images.
-pub fn boxes_of(
+/// Returns the target over these images.
+pub fn target_of(
     device: &Device,
     colour: &OwnImage,
     depth: &OwnImage,
     samples: vk::SampleCountFlags,
     near_depth: NearDepth,
-    leaves: &LeafTable,
-) -> Boxes {
+) -> Target {
     use vk::{AccessFlags2 as A, PipelineStageFlags2 as S};
     let fresh = |own: &OwnImage, stages, access| HostImage {
         image: own.image,
@@ -110,6 +92,5 @@ pub fn boxes_of(
         size: SIZE,
     };
     // SAFETY: the images live until all frames are over, and nothing else uses them in between.
-    let target = unsafe { Target::of_host(device, &images) }.unwrap();
-    Boxes { boxes: NumberedBoxes::new(device, leaves, target.attachments()), target, passes: None }
+    unsafe { Target::of_host(device, &images) }.unwrap()
 }

@@ -1,32 +1,23 @@
 //! A host with boxes: its images, its command buffers, its submits, and our answers in between.
 #![allow(unsafe_code, reason = "a host calls Vulkan itself")]
 
-use std::sync::Arc;
-
 use ash::vk;
-use cull::{
-    Aabb, Camera, CullConfig, Culler, DepthConvention, DrawPhases, Hierarchy, ObjectId, Projection,
-    Strategy,
-};
+use cull::{Aabb, Camera, CullConfig, DepthConvention, DrawPhases, ObjectId, Projection, Strategy};
 use glam::Vec3;
 use gpu::{
-    Attachments, Device, FrameNumbers, FrameRing, IndirectDraw, NearDepth, PredicationMode,
-    Purpose, Resubmission, Tick,
+    Device, FrameNumbers, FrameRing, NearDepth, PredicationMode, Purpose, Resubmission, Tick,
 };
-use occlusion::{
-    LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, OcclusionPasses, OcclusionState, PlanExecutor,
-    ShaderSet, execute,
-};
+use occlusion::{CulledScene, DrawRequest, OcclusionState};
 use tests::Driver;
 use tests::host_device::Host;
 use tests::host_images::{OwnBuffer, OwnImage};
 use tests::host_passes::OwnPasses;
 use tests::host_walk::{boxes, camera};
-use tests::numbered_boxes::BOX_INDICES;
+use tests::numbered_boxes::{NumberedBoxes, scene_of_boxes};
 use tests::projections::Lens;
 use tests::walk::pixels_that_differ;
 
-use super::boxes::{Boxes, boxes_of};
+use super::boxes::{Boxes, target_of};
 
 pub const SIZE: [u32; 2] = [160, 90];
 pub const FRAMES: u64 = 24;
@@ -100,11 +91,9 @@ pub struct HostLoop<'a> {
     pool: vk::CommandPool,
     fences: Vec<vk::Fence>,
     pub frames: FrameRing,
-    pub hierarchy: Hierarchy,
-    pub executor: PlanExecutor,
+    pub scene: CulledScene,
     objects: Boxes,
     pub state: OcclusionState,
-    shaders: ShaderSet,
     colour: OwnImage,
     depth: OwnImage,
     resolved: Option<OwnImage>,
@@ -147,16 +136,6 @@ pub fn compare(driver: Driver, options: &HostOptions, submits: impl Fn(u64) -> S
 impl<'a> HostLoop<'a> {
     pub fn new(host: &'a Host, options: &HostOptions) -> Self {
         let device = host.adopt(None);
-        let shaders = ShaderSet::embedded().unwrap();
-        let hierarchy = Hierarchy::build(&boxes()).unwrap();
-        let draw =
-            IndirectDraw { index_count: BOX_INDICES, instance_count: 1, ..Default::default() };
-        let info = LeafTableInfo {
-            mesh_draws: Arc::new([MeshDraw { draw, triangles: BOX_INDICES / 3 }]),
-            predication: options.predication,
-            frames_in_flight: IN_FLIGHT as usize,
-        };
-        let leaves = LeafTable::new(&device, &hierarchy, info, |_| MeshDrawId(0)).unwrap();
         use vk::ImageUsageFlags as U;
         let HostOptions { depth, samples, passes, lens, first, .. } = *options;
         let transfers = U::TRANSFER_SRC | U::TRANSFER_DST;
@@ -175,23 +154,22 @@ impl<'a> HostLoop<'a> {
             DepthConvention::Standard => NearDepth::Zero,
         };
 
-        let mut objects = boxes_of(&device, &colour, &depth, samples, near_depth, &leaves);
-        if passes == Passes::Host {
-            objects.take_passes(host, &device, [&colour, &depth]);
-        }
-        let attachments = objects.attachments();
-        let passes = OcclusionPasses::new(&device, &shaders, attachments).unwrap();
-        let executor = PlanExecutor { passes, leaves };
-        let testers = executor.testers(&device, &objects.target, DrawPhases::PerRound);
-        let culler = Culler::with_testers(CullConfig::default(), testers);
-        let slots = IN_FLIGHT as usize;
-        let state =
-            OcclusionState::new(&device, &hierarchy, &executor.leaves, slots, culler).unwrap();
+        let target = target_of(&device, &colour, &depth, samples, near_depth);
+        let passes =
+            (passes == Passes::Host).then(|| OwnPasses::new(host, &colour, &depth, samples, SIZE));
+        let attachments = target.attachments();
+        let attachments =
+            passes.as_ref().map_or(attachments, |passes| passes.attachments(attachments));
+        let scene = scene_of_boxes(&device, &boxes(), attachments, options.predication);
+        let config = CullConfig::default();
+        let state = scene.new_view(&target, config, DrawPhases::PerRound).unwrap();
+        let boxes = NumberedBoxes::new(&device, scene.leaves(), attachments);
+        let objects = Boxes { target, boxes, passes };
         let pool = vk::CommandPoolCreateInfo::default()
             .queue_family_index(host.needs.queue_family.unwrap());
         // SAFETY: the family of the host's queue.
         let pool = unsafe { host.device.create_command_pool(&pool, None) }.unwrap();
-        let mut frames = FrameRing::new(&device, slots).unwrap();
+        let mut frames = FrameRing::new(&device, IN_FLIGHT as usize).unwrap();
         frames.set_resubmission(options.resubmission);
         let fences = Vec::new();
         let images = Vec::new();
@@ -202,11 +180,9 @@ impl<'a> HostLoop<'a> {
             pool,
             fences,
             frames,
-            hierarchy,
-            executor,
+            scene,
             objects,
             state,
-            shaders,
             colour,
             depth,
             resolved,
@@ -227,16 +203,7 @@ impl<'a> HostLoop<'a> {
             (ObjectId(number as u32), Aabb::new(bounds.min + by, bounds.max + by))
         });
         let moved: Vec<(ObjectId, Aabb)> = moved.collect();
-        self.hierarchy.refit(moved.iter().copied()).unwrap();
-        for (object, _) in moved {
-            let leaf = self.hierarchy.leaf_of(object).unwrap();
-            self.executor.leaves.mark_dirty(leaf, MeshDrawId(0));
-        }
-    }
-
-    /// Returns the attachments that boxes are tested against.
-    pub fn attachments(&self) -> Attachments {
-        self.executor.passes.attachments()
+        self.scene.move_to(&moved).unwrap();
     }
 
     /// Returns a command buffer of the host in recording.
@@ -272,7 +239,7 @@ impl<'a> HostLoop<'a> {
         submits: Submits,
     ) -> Result<(), occlusion::Error> {
         let raw = self.begin_commands();
-        let Self { host, device, frames, hierarchy, executor, objects, state, shaders, .. } = self;
+        let Self { host, device, frames, scene, objects, state, .. } = self;
         let current = self.next;
         self.next += 1;
         let safe = current.saturating_sub(IN_FLIGHT).max(self.first - 1);
@@ -284,19 +251,13 @@ impl<'a> HostLoop<'a> {
         }
         let numbers = FrameNumbers { current: Tick(current), safe: Tick(safe) };
         // SAFETY: the command buffer is being recorded; frames up to `safe` were waited for.
-        let mut frame = unsafe { frames.begin_in(raw, numbers) }.unwrap();
+        let frame = unsafe { frames.begin_in(raw, numbers) }.unwrap();
         let bits = device.adapter().limits.sub_pixel_precision_bits;
         let view = self.lens.view(camera, current, SIZE, bits);
-        executor.leaves.begin().unwrap();
-        let PlanExecutor { passes, leaves } = executor;
-        leaves.upload(&mut frame, hierarchy, &passes.scatter, None).unwrap();
-        state.collect(device.completed().unwrap(), hierarchy, &executor.leaves);
-        state.plan_frame(hierarchy, &executor.leaves, strategy, &view, 4096);
-        execute(&mut frame, executor, state, objects, shaders, &view)?;
-        objects.target.restore(frame.commands());
-        let tick = frame.end().unwrap();
-        state.submitted(tick, &executor.leaves, None);
-        executor.leaves.submitted(tick);
+        let request = DrawRequest { strategy, ..DrawRequest::from(&view) };
+        let mut scope = scene.begin(frame)?;
+        scope.draw(state, request, objects)?;
+        scope.end()?;
         self.copy_image(raw);
         // SAFETY: the command buffer is complete.
         unsafe { self.host.device.end_command_buffer(raw) }.unwrap();
@@ -343,7 +304,7 @@ impl<'a> HostLoop<'a> {
     pub fn finish_draws(&mut self) -> u64 {
         self.host.say_all_is_over(&self.device);
         let completed = self.device.completed().unwrap();
-        self.state.collect(completed, &self.hierarchy, &self.executor.leaves);
+        self.state.collect(completed, &self.scene);
         self.state.drain_stats().next_back().map_or(0, |outcome| outcome.draws)
     }
 

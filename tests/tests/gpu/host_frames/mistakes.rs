@@ -58,9 +58,10 @@ fn passes_for_other_attachments_and_views_of_other_tables_are_refused() {
     let error = walk.draw(Strategy::ANTUMBRA, &camera(0), Submits::Once).unwrap_err();
     assert!(matches!(error, occlusion::Error::ForeignView), "{error}");
     std::mem::swap(&mut walk.state, &mut other.state);
-    let attachments = Attachments { depth: vk::Format::D16_UNORM, ..walk.attachments() };
+    let passes = walk.scene.parts_mut().passes;
+    let attachments = Attachments { depth: vk::Format::D16_UNORM, ..passes.attachments() };
     let shaders = ShaderSet::embedded().unwrap();
-    walk.executor.passes = OcclusionPasses::new(&walk.device, &shaders, attachments).unwrap();
+    *passes = OcclusionPasses::new(&walk.device, &shaders, attachments).unwrap();
     let error = walk.draw(Strategy::ANTUMBRA, &camera(0), Submits::Once).unwrap_err();
     assert!(matches!(error, occlusion::Error::Attachments(_)), "{error}");
     let text = error.to_string();

@@ -11,7 +11,7 @@ use super::CalibrationScene;
 use crate::costs::skipped_ranges::SkippedRanges;
 use crate::error::Error;
 use crate::leaf_table::BucketId;
-use crate::object_renderer::{ObjectPass, ObjectRenderer};
+use crate::object_renderer::ObjectRenderer;
 use crate::passes::{ComputeTest, ComputeTestIo, OcclusionPasses, ProxyBox, ProxyIo};
 use crate::rect::Rect;
 
@@ -155,9 +155,7 @@ impl<'a> Bench<'a> {
             .map(|executor| SkippedRanges::new(device, shaders, *executor, draws[0], most));
         Ok(Self {
             ranges: ranges.collect::<Result<_, _>>()?,
-            compute: ComputeTest::new(device, shaders, size)
-                .ok()
-                .map(|test| test.of_samples(passes.attachments().samples)),
+            compute: ComputeTest::sized(device, shaders, passes.attachments().samples, size).ok(),
             results: Buffer::new(
                 device,
                 "calibration results",
@@ -356,7 +354,7 @@ impl<'a> Bench<'a> {
     }
 
     fn bind_opaque(&self, commands: &Commands) {
-        self.objects.bind(commands, &self.view, BucketId(0), ObjectPass::Visibility);
+        self.objects.bind(commands, &self.view, BucketId(0));
     }
 
     fn draw_boxes(&self, commands: &Commands, batch: Batch, boxes: BufferSlice) {

@@ -56,7 +56,6 @@ impl LeafTable {
         let cell_capacity = info.cell_capacity();
         let mut table = Self {
             id: LeafTableId::new(),
-            hierarchy: hierarchy.id().clone(),
             version: 0,
             device: device.clone(),
             boxes,

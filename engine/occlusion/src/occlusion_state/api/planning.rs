@@ -1,82 +1,79 @@
 //! Plans of a view: each is made for a scene and for views, and executed once.
 
-use cull::{CullView, Culler, FramePlan, Hierarchy, LeafIndex, MultiView, Strategy};
+use cull::{CullView, Culler, FramePlan, LeafIndex, MultiView, Strategy};
 use gpu::{DrawRange, Frame};
 
-use super::super::{OcclusionState, PlannedScene};
-use crate::error::{Error, PlanError};
-use crate::leaf_table::LeafTable;
+use super::super::OcclusionState;
+use crate::culled_scene::CulledScene;
+use crate::error::Error;
 
 impl OcclusionState {
-    /// Refuses to execute the newest plan for anything but what it was made for, once.
-    ///
-    /// # Errors
-    /// [`Error::Plan`], [`Error::ForeignView`].
-    pub(crate) fn check_plan(&self, leaves: &LeafTable, views: MultiView<'_>) -> Result<(), Error> {
-        self.check(leaves)?;
-        let version = match self.planned.ok_or(PlanError::Missing)? {
-            PlannedScene::Own { version } => version,
-            PlannedScene::Foreign => return Err(Error::ForeignView),
-        };
-        if version != leaves.version {
-            return Err(PlanError::SceneChanged.into());
-        }
-        if self.planned_views.is_empty() || self.planned_views == views.as_slice() {
-            Ok(())
-        } else {
-            Err(PlanError::OtherViews.into())
+    /// Takes the views that the newest plan was made for. The plan is executed once, for the scene
+    /// as it was then.
+    pub(crate) fn take_planned_views(
+        &mut self,
+        scene: &CulledScene,
+    ) -> Result<Vec<CullView>, Error> {
+        self.check(scene)?;
+        match self.planned.take() {
+            Some(version) if version == scene.leaves.version => {
+                Ok(std::mem::take(&mut self.planned_views))
+            }
+            _ => Err(Error::NoPlan),
         }
     }
 
-    /// Plans the next frame of a view, or of several drawn at once, and lays out its tests. To be
-    /// called once all changes of the scene are [uploaded](crate::HostScene::upload); the plan is
-    /// executed once, for these views. Nothing is planned for another scene than the view's own:
-    /// the execution is [refused](Error::ForeignView).
+    /// Gives back the memory of the views of a plan.
+    pub(crate) fn keep_planned_views(&mut self, views: Vec<CullView>) {
+        self.planned_views = views;
+    }
+
+    /// Plans the next frame of a view, or of several drawn at once, and lays out its tests, after
+    /// all changes of the scene were uploaded. The plan is executed once, for these views. Nothing
+    /// is planned for another scene than the view's own.
     pub fn plan_frame<'v>(
         &mut self,
-        hierarchy: &Hierarchy,
-        leaves: &LeafTable,
+        scene: &CulledScene,
         strategy: Strategy,
         views: impl Into<MultiView<'v>>,
         query_budget: usize,
     ) {
         let views = views.into();
-        self.planned_views.clear();
-        self.planned_views.extend_from_slice(views.as_slice());
-        self.plan_by(hierarchy, leaves, |culler, plan| {
-            culler.plan(hierarchy, strategy, views, query_budget, plan);
+        self.plan_by(scene, views.as_slice(), |culler, plan| {
+            culler.plan(&scene.hierarchy, strategy, views, query_budget, plan);
         });
     }
 
     /// Plans a frame of next-frame queries ([`Culler::plan_next_frame`]) and lays out its tests.
-    pub fn plan_next_frame(&mut self, hierarchy: &Hierarchy, leaves: &LeafTable, view: &CullView) {
-        self.planned_views.clear();
-        self.planned_views.push(*view);
-        self.plan_by(hierarchy, leaves, |culler, plan| {
-            culler.plan_next_frame(hierarchy, view, plan);
+    pub fn plan_next_frame(&mut self, scene: &CulledScene, view: &CullView) {
+        self.plan_by(scene, std::slice::from_ref(view), |culler, plan| {
+            culler.plan_next_frame(&scene.hierarchy, view, plan);
         });
     }
 
-    /// Plans a frame of `visible` leaves and no test.
-    pub fn plan_known(&mut self, hierarchy: &Hierarchy, leaves: &LeafTable, visible: &[LeafIndex]) {
-        self.planned_views.clear();
-        self.plan_by(hierarchy, leaves, |culler, plan| culler.plan_known(hierarchy, visible, plan));
+    /// Plans a frame of a view that draws `visible` leaves and tests nothing.
+    pub fn plan_known(&mut self, scene: &CulledScene, view: &CullView, visible: &[LeafIndex]) {
+        self.plan_by(scene, std::slice::from_ref(view), |culler, plan| {
+            culler.plan_known(&scene.hierarchy, visible, plan);
+        });
     }
 
     fn plan_by(
         &mut self,
-        hierarchy: &Hierarchy,
-        leaves: &LeafTable,
+        scene: &CulledScene,
+        views: &[CullView],
         plan: impl FnOnce(&mut Culler, &mut FramePlan),
     ) {
-        if leaves.id != self.table || *hierarchy.id() != leaves.hierarchy {
-            self.planned = Some(PlannedScene::Foreign);
+        self.planned = None;
+        if self.check(scene).is_err() {
             return;
         }
+        self.planned_views.clear();
+        self.planned_views.extend_from_slice(views);
         plan(&mut self.culler, &mut self.plan);
-        self.planned = Some(PlannedScene::Own { version: leaves.version });
-        self.generation = hierarchy.generation();
-        self.layout.lay_out(&self.plan, leaves);
+        self.planned = Some(scene.leaves.version);
+        self.generation = scene.hierarchy.generation();
+        self.layout.lay_out(&self.plan, &scene.leaves);
     }
 
     /// Begins a frame that is not planned: an empty plan without tests.
@@ -86,18 +83,18 @@ impl OcclusionState {
     pub fn begin_unplanned(
         &mut self,
         frame: &mut Frame<'_>,
-        hierarchy: &Hierarchy,
-        leaves: &LeafTable,
+        scene: &CulledScene,
+        view: &CullView,
     ) -> Result<(), Error> {
-        leaves.check_uploaded(frame)?;
-        self.plan_known(hierarchy, leaves, &[]);
+        scene.leaves.check_uploaded(frame)?;
+        self.plan_known(scene, view, &[]);
         self.planned = None;
         let Self { rings, plan, generation, .. } = self;
         rings.queries.begin(frame, &[])?;
         rings.flags.begin(frame, std::iter::empty())?;
         rings.computed.begin(frame, std::iter::empty())?;
         let nothing = std::iter::empty::<DrawRange>();
-        let draws = leaves.copied_draws();
+        let draws = scene.leaves.copied_draws();
         rings.leaf_draws.begin(frame, (plan.frame, *generation), nothing, &draws)?;
         Ok(())
     }

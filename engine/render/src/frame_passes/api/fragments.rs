@@ -2,7 +2,7 @@
 
 use cull::CullView;
 use gpu::{Access, BufferSlice, Commands, MemoryBarrier};
-use occlusion::PlanExecutor;
+use occlusion::CulledScene;
 
 use crate::attachment_schedule::AttachmentSchedule;
 use crate::frame_passes::FramePasses;
@@ -24,7 +24,7 @@ impl FramePasses {
     /// in two renderings.
     pub(super) fn record_fragments(
         &mut self,
-        executor: &PlanExecutor,
+        scene: &CulledScene,
         commands: &Commands,
         view: &CullView,
         io: &FragmentIo,
@@ -37,7 +37,7 @@ impl FramePasses {
         let storing = self.scope_target(commands, AttachmentSchedule::Fragments, target);
         commands.pass("store fragments", |commands| {
             commands.rendering(storing, |commands| {
-                self.store_fragments(executor, commands, view, io.fragments);
+                self.store_fragments(scene, commands, view, io.fragments);
             });
             let accesses = [Access::FragmentWrite];
             commands.barrier(MemoryBarrier::between(&accesses, &accesses));
@@ -56,7 +56,7 @@ impl FramePasses {
 
     fn store_fragments(
         &self,
-        executor: &PlanExecutor,
+        scene: &CulledScene,
         commands: &Commands,
         view: &CullView,
         fragments: BufferSlice,
@@ -67,6 +67,6 @@ impl FramePasses {
             return;
         };
         let surfaces = SurfaceIo { fragments: Some(fragments), ..surfaces };
-        transparent.draw(&passes.storing, executor, commands, surfaces, view, &self.light);
+        transparent.draw(&passes.storing, scene, commands, surfaces, view, &self.light);
     }
 }

@@ -1,8 +1,8 @@
 //! The draws of a scene for their colour: surfaces, the sky, and transparent objects.
 
 use cull::CullView;
-use gpu::{BufferSlice, Commands, Viewport};
-use occlusion::PlanExecutor;
+use gpu::{BufferSlice, Commands};
+use occlusion::CulledScene;
 
 use crate::attachment_schedule::AttachmentSchedule;
 use crate::frame_passes::FramePasses;
@@ -14,7 +14,7 @@ impl FramePasses {
     /// again.
     pub(crate) fn shade_surfaces(
         &mut self,
-        executor: &PlanExecutor,
+        scene: &CulledScene,
         commands: &Commands,
         view: &CullView,
         draw: &dyn Fn(&Commands),
@@ -33,17 +33,17 @@ impl FramePasses {
         let target = self.scope_target(commands, AttachmentSchedule::Shade, target);
         commands.pass("shade surfaces", |commands| {
             commands.rendering(target, |commands| {
-                self.draw_colours(executor, commands, view, draw);
+                self.draw_colours(scene, commands, view, draw);
             });
         });
         self.shadows.end_view();
-        self.record_transparent(executor, commands, view);
+        self.record_transparent(scene, commands, view);
     }
 
     /// Draws the surfaces and the sky, and tests the boxes of transparent objects against them.
     pub(crate) fn draw_colours(
         &self,
-        executor: &PlanExecutor,
+        scene: &CulledScene,
         commands: &Commands,
         view: &CullView,
         draw: &dyn Fn(&Commands),
@@ -53,8 +53,7 @@ impl FramePasses {
             self.draw_surfaces(commands, view, None, draw);
         }
         if let Some(transparent) = &self.transparent {
-            let viewport = Viewport::covering(view.origin, view.size);
-            transparent.list().test(&executor.passes, commands, view, viewport);
+            transparent.list().test(scene.passes(), commands, view);
         }
     }
 
@@ -97,7 +96,7 @@ impl FramePasses {
     /// the sky, to the [image's target](FramePasses::image_target).
     pub(crate) fn draw_all(
         &self,
-        executor: &PlanExecutor,
+        scene: &CulledScene,
         commands: &Commands,
         view: &CullView,
         draws: Option<BufferSlice>,
@@ -105,7 +104,7 @@ impl FramePasses {
     ) {
         let draw = |commands: &Commands| {
             if let Some(draws) = draws {
-                executor.leaves.predicates().draw_after_counted(commands, draws);
+                scene.leaves().predicates().draw_after_counted(commands, draws);
             }
         };
         self.draw_caps(commands, view);
@@ -118,7 +117,7 @@ impl FramePasses {
     /// own.
     pub(crate) fn record_transparent(
         &mut self,
-        executor: &PlanExecutor,
+        scene: &CulledScene,
         commands: &Commands,
         view: &CullView,
     ) {
@@ -129,24 +128,24 @@ impl FramePasses {
         };
         transparent.list().decide(commands);
         if let Some(io) = self.fragments().and_then(Fragments::io) {
-            return self.record_fragments(executor, commands, view, &io);
+            return self.record_fragments(scene, commands, view, &io);
         }
         self.target.prepare(commands);
         let target = self.target_of(view, None);
         let target = self.scope_target(commands, AttachmentSchedule::Transparent, target);
         commands.pass("draw transparent", |commands| {
-            commands.rendering(target, |commands| self.draw_transparent(executor, commands, view));
+            commands.rendering(target, |commands| self.draw_transparent(scene, commands, view));
         });
     }
 
     /// Draws the transparent objects of a view to the current attachments.
-    fn draw_transparent(&self, executor: &PlanExecutor, commands: &Commands, view: &CullView) {
+    fn draw_transparent(&self, scene: &CulledScene, commands: &Commands, view: &CullView) {
         let (Some(transparent), Some(pass)) = (&self.transparent, &self.pipelines.transparent)
         else {
             return;
         };
         if let Some(surfaces) = self.surface_io() {
-            transparent.draw(pass, executor, commands, surfaces, view, &self.light);
+            transparent.draw(pass, scene, commands, surfaces, view, &self.light);
         }
     }
 }

@@ -1,0 +1,357 @@
+//! The scene as the culler and the GPU hold it: one hierarchy over the boxes of all objects, the
+//! draws of each leaf, and the passes that test boxes.
+
+mod api;
+
+use cull::{
+    Aabb, DrawPhases, Hierarchy, HierarchyError, LeafRange, ObjectId, QueryShares, SkippedWork,
+    VisibilityTestSupport,
+};
+use gpu::{Device, Frame, PredicationMode, Target, Tick};
+
+use crate::costs::device_costs::{ChoiceRequest, CullingSetup, DeviceCosts};
+use crate::error::Error;
+use crate::leaf_table::{BucketDraw, BucketTableInfo, LeafTable, LeafTableInfo, MeshDrawId};
+use crate::passes::{ComputeTest, OcclusionPasses};
+
+/// An object of a host.
+#[derive(Clone, Copy, Debug)]
+pub struct HostObject<'a> {
+    /// The box around all that it draws.
+    pub bounds: Aabb,
+    /// Its draws, in any order; they are recorded bucket after bucket.
+    pub draws: &'a [BucketDraw],
+}
+
+/// A scene as the culler and the GPU hold it. All its views share the hierarchy over the boxes,
+/// the table of draws, the passes that test boxes, and the decision how hidden draws are skipped.
+///
+/// A host [adds](CulledScene::add), moves and removes objects that have any number of draws in its
+/// own pipelines, and records [frames](CulledScene::begin) of it. Changes reach the GPU with the
+/// next frame; nothing waits.
+pub struct CulledScene {
+    pub(crate) device: Device,
+    pub(crate) hierarchy: Hierarchy,
+    pub(crate) passes: OcclusionPasses,
+    pub(crate) leaves: LeafTable,
+    frames_in_flight: usize,
+    setup: CullingSetup,
+    pub(crate) query_shares: QueryShares,
+    /// The ranges of a change; kept to allocate nothing.
+    reordered: Vec<LeafRange>,
+}
+
+/// The parts of a scene whose owner keeps them in step: a change of the hierarchy marks the leaves
+/// that changed, and the owner uploads them.
+pub struct ScenePartsMut<'a> {
+    /// The hierarchy over the boxes.
+    pub hierarchy: &'a mut Hierarchy,
+    /// The draws of each leaf.
+    pub leaves: &'a mut LeafTable,
+    /// The passes that test boxes.
+    pub passes: &'a mut OcclusionPasses,
+}
+
+impl CulledScene {
+    /// Creates a scene without objects, with room for `object_capacity` of them; the buffers grow
+    /// where more come. Without costs everything that may be hidden is tested, and hidden draws
+    /// are skipped by [`BucketTableInfo::predication`], or else by the device's usual mode. A mode
+    /// that the driver cannot be [trusted](OcclusionPasses::with_quirks) with is replaced.
+    ///
+    /// # Errors
+    /// [`gpu::Error::Unsupported`] for a predication mode that the device lacks;
+    /// [`gpu::Error::TooLarge`] and [`Error::Hierarchy`] for more objects or draws than there can
+    /// be; no memory; a failed call.
+    pub fn new(
+        device: &Device,
+        passes: OcclusionPasses,
+        object_capacity: usize,
+        draws: BucketTableInfo,
+    ) -> Result<Self, Error> {
+        Self::by(device, passes, draws, object_capacity, None)
+    }
+
+    /// Creates a scene without objects like [`CulledScene::new`] that decides by the
+    /// [measured](crate::measure) costs of the device: once about the predication mode, for the
+    /// capacity, and in each frame of its [views](CulledScene::new_view) about the boxes to test
+    /// and the test of each.
+    ///
+    /// A device that was adopted without a queue cannot be measured, since nothing submits there.
+    /// Before its first frame, measure the same device adopted with a queue. Where a host draws
+    /// from lists, the costs of skipped draws are the costs of
+    /// [`PredicationMode::Compacted`](gpu::PredicationMode::Compacted).
+    ///
+    /// # Errors
+    /// The errors of [`CulledScene::new`].
+    pub fn with_costs(
+        device: &Device,
+        passes: OcclusionPasses,
+        object_capacity: usize,
+        draws: BucketTableInfo,
+        device_costs: &DeviceCosts,
+    ) -> Result<Self, Error> {
+        Self::by(device, passes, draws, object_capacity, Some(device_costs))
+    }
+
+    fn by(
+        device: &Device,
+        passes: OcclusionPasses,
+        draws: BucketTableInfo,
+        object_capacity: usize,
+        device_costs: Option<&DeviceCosts>,
+    ) -> Result<Self, Error> {
+        check_memory(object_capacity)?;
+        let hierarchy = Hierarchy::build(&vec![Aabb::EMPTY; object_capacity])?;
+        let cells_draws = u64::from(draws.cell_capacity());
+        let executors =
+            passes.quirks().usable_executors(device, draws.predication, cells_draws, 0)?;
+        let leaves = (object_capacity as u32).max(draws.draw_capacity);
+        let work = SkippedWork::of_leaves(leaves).in_buckets(draws.bucket_count);
+        let request = ChoiceRequest { executors: &executors, work };
+        let setup = match device_costs {
+            Some(device_costs) => CullingSetup::of_costs(&request, device_costs),
+            None => CullingSetup::usual(&request, None),
+        };
+        let frames_in_flight = draws.frames_in_flight;
+        let draws = BucketTableInfo { predication: Some(setup.predication), ..draws };
+        let leaves = LeafTable::bucketed(device, &hierarchy, draws)?;
+        Ok(Self::of_parts(device, hierarchy, leaves, passes, setup, frames_in_flight))
+    }
+
+    /// Creates a scene with one mesh per object, of a hierarchy that its owner keeps
+    /// [in step](CulledScene::parts_mut) with the draws. `draw_of` returns the mesh of an object.
+    /// Everything that may be hidden is tested, as in [`CulledScene::new`].
+    ///
+    /// # Errors
+    /// [`gpu::Error::Unsupported`] for a predication mode that the device lacks;
+    /// [`gpu::Error::TooLarge`] for more objects than the device takes; no memory; a failed call.
+    pub fn of_meshes(
+        device: &Device,
+        passes: OcclusionPasses,
+        hierarchy: Hierarchy,
+        meshes: LeafTableInfo,
+        draw_of: impl Fn(ObjectId) -> MeshDrawId,
+    ) -> Result<Self, Error> {
+        let leaves = hierarchy.leaf_objects().len() as u32;
+        let executors =
+            passes.quirks().usable_executors(device, meshes.predication, leaves.into(), 0)?;
+        let work = SkippedWork::of_leaves(leaves);
+        let setup = CullingSetup::usual(&ChoiceRequest { executors: &executors, work }, None);
+        let frames_in_flight = meshes.frames_in_flight;
+        let meshes = LeafTableInfo { predication: Some(setup.predication), ..meshes };
+        let leaves = LeafTable::new(device, &hierarchy, meshes, draw_of)?;
+        Ok(Self::of_parts(device, hierarchy, leaves, passes, setup, frames_in_flight))
+    }
+
+    /// Decides by `setup`, which the predication mode of the scene was chosen by.
+    #[must_use]
+    pub fn with_setup(self, setup: CullingSetup) -> Self {
+        Self { setup, ..self }
+    }
+
+    fn of_parts(
+        device: &Device,
+        hierarchy: Hierarchy,
+        leaves: LeafTable,
+        passes: OcclusionPasses,
+        setup: CullingSetup,
+        frames_in_flight: usize,
+    ) -> Self {
+        Self {
+            device: device.clone(),
+            hierarchy,
+            passes,
+            leaves,
+            frames_in_flight,
+            setup,
+            query_shares: QueryShares::default(),
+            reordered: Vec::new(),
+        }
+    }
+
+    /// Returns the visibility tests that plans may use, for views that are drawn to `target` in
+    /// these phases: the tests that the device has and that it can be
+    /// [trusted](OcclusionPasses::with_quirks) with, and none where a mode that skips hidden draws
+    /// is not to be trusted.
+    pub fn testers(&self, target: &Target, draw_phases: DrawPhases) -> VisibilityTestSupport {
+        let own = self.leaves.predicates.predication();
+        let executors: &[PredicationMode] = match draw_phases {
+            DrawPhases::PerRound => &[own],
+            // The host draws compacted lists, whose commands lack instances where their number is
+            // not counted; boxes of leaves are drawn by the table.
+            DrawPhases::Two => &[own, PredicationMode::Compacted, PredicationMode::Instances],
+        };
+        let offered = self.passes.testers(&self.device, target);
+        let offered = VisibilityTestSupport { draw_phases, ..offered };
+        let quirks = self.passes.quirks();
+        executors.iter().fold(offered, |offered, executor| quirks.testers(offered, *executor))
+    }
+
+    /// Refuses a change of the target's size, from the first to the second, that takes away a
+    /// visibility test: views plan with the tests that there were when they were made.
+    ///
+    /// # Errors
+    /// A size that is too large for a test.
+    pub fn check_resize(&self, from: [u32; 2], to: [u32; 2]) -> Result<(), Error> {
+        match ComputeTest::check(&self.device, from) {
+            Ok(()) => ComputeTest::check(&self.device, to),
+            Err(_) => Ok(()),
+        }
+    }
+
+    /// Returns the device of the scene.
+    pub fn device(&self) -> &Device {
+        &self.device
+    }
+
+    /// Returns the hierarchy over the boxes.
+    pub fn hierarchy(&self) -> &Hierarchy {
+        &self.hierarchy
+    }
+
+    /// Returns the draws of each leaf.
+    pub fn leaves(&self) -> &LeafTable {
+        &self.leaves
+    }
+
+    /// Returns the passes that test boxes.
+    pub fn passes(&self) -> &OcclusionPasses {
+        &self.passes
+    }
+
+    /// Returns the parts of the scene, for an owner who changes them in step.
+    pub fn parts_mut(&mut self) -> ScenePartsMut<'_> {
+        ScenePartsMut {
+            hierarchy: &mut self.hierarchy,
+            leaves: &mut self.leaves,
+            passes: &mut self.passes,
+        }
+    }
+
+    /// Returns the number of frames that may be in flight at once.
+    pub fn frames_in_flight(&self) -> usize {
+        self.frames_in_flight
+    }
+
+    /// Changes the number of frames that may be in flight at once.
+    pub fn set_frames_in_flight(&mut self, frames_in_flight: usize) {
+        self.frames_in_flight = frames_in_flight;
+        self.leaves.set_frames_in_flight(frames_in_flight);
+    }
+
+    /// Returns what was decided about the device and the scene when it was made: the predication
+    /// mode, and the costs that decided.
+    pub fn culling_setup(&self) -> &CullingSetup {
+        &self.setup
+    }
+
+    /// Adds objects, and their ids, in the same order, to `added`. An id may have belonged to an
+    /// object that is gone. Where there are as many as there were before, the hierarchy is built
+    /// again; else the time depends on their number alone, unless there is no room for them. Then
+    /// room is made for a sixteenth more than all, and the next frame uploads everything to larger
+    /// buffers. A large scene should be created with its capacity.
+    ///
+    /// # Errors
+    /// [`BucketError::Unknown`](crate::BucketError::Unknown); [`Error::Hierarchy`] for the first
+    /// bad box, by its place in `objects`, or more objects than a hierarchy holds. Nothing is
+    /// changed then.
+    pub fn add(
+        &mut self,
+        objects: &[HostObject<'_>],
+        added: &mut Vec<ObjectId>,
+    ) -> Result<(), Error> {
+        let leaves = &self.leaves;
+        objects.iter().try_for_each(|object| leaves.check_draws(object.draws))?;
+        let boxes: Vec<Aabb> = objects.iter().map(|object| object.bounds).collect();
+        check_memory(boxes.len())?;
+        let first = added.len();
+        self.reordered.clear();
+        self.hierarchy.insert_all(&boxes, added, &mut self.reordered)?;
+        self.leaves.reorder(&self.hierarchy, &self.reordered)?;
+        let placed = added[first..].iter().zip(objects);
+        let draws =
+            placed.filter_map(|(id, placed)| Some((self.hierarchy.leaf_of(*id)?, placed.draws)));
+        self.leaves.set_draws(&draws.collect::<Vec<_>>())
+    }
+
+    /// Takes objects out.
+    ///
+    /// # Errors
+    /// [`Error::Hierarchy`] for the first object that is not in the scene; the objects before it
+    /// are gone. [`BucketError::OneDrawPerLeaf`](crate::BucketError::OneDrawPerLeaf).
+    pub fn remove(&mut self, objects: &[ObjectId]) -> Result<(), Error> {
+        self.leaves.check_draws(&[])?;
+        let mut gone = Vec::with_capacity(objects.len());
+        let outcome = objects.iter().try_for_each(|object| {
+            self.hierarchy.remove(*object)?;
+            gone.extend(self.hierarchy.leaf_of(*object).map(|leaf| (leaf, &[][..])));
+            Ok(())
+        });
+        // Those before a bad one are gone.
+        self.leaves.set_draws(&gone)?;
+        outcome
+    }
+
+    /// Moves objects: sets their boxes. Their draws stay as they are; where they read the objects'
+    /// new places is the host's concern.
+    ///
+    /// # Errors
+    /// [`Error::Hierarchy`] for the first object that cannot be moved; those before it have been.
+    pub fn move_to(&mut self, moved: &[(ObjectId, Aabb)]) -> Result<(), Error> {
+        let outcome = self.hierarchy.refit(moved.iter().copied());
+        // Those before a bad one have moved: a leaf is marked once too often rather than not at
+        // all.
+        let leaves = moved.iter().filter_map(|(object, _)| self.hierarchy.leaf_of(*object));
+        leaves.for_each(|leaf| self.leaves.mark_moved(leaf));
+        Ok(outcome?)
+    }
+
+    /// Replaces the draws of an object.
+    ///
+    /// # Errors
+    /// [`Error::Hierarchy`] for an object that is not there; those of [`LeafTable::set_draws`].
+    pub fn set_draws(&mut self, object: ObjectId, draws: &[BucketDraw]) -> Result<(), Error> {
+        match self.hierarchy.leaf_of(object).filter(|_| self.hierarchy.contains(object)) {
+            Some(leaf) => self.leaves.set_draws(&[(leaf, draws)]),
+            None => Err(HierarchyError::UnknownObject { object }.into()),
+        }
+    }
+
+    /// Records the upload of all changes since the last frame, before anything of `frame` reads
+    /// them, and rebuilds subtrees that movement has degraded. Changes stay marked until a frame
+    /// that was [submitted](CulledScene::submitted) is known to have run. The buffers are replaced
+    /// where more objects came than there was room for.
+    ///
+    /// # Errors
+    /// [`gpu::Error::TooLarge`] for more draws than the device takes; no memory, a failed call.
+    /// Nothing is lost: the next upload tries again.
+    pub(crate) fn upload(&mut self, frame: &mut Frame<'_>) -> Result<(), Error> {
+        if !self.leaves.has_one_draw_per_leaf() {
+            self.reordered.clear();
+            self.hierarchy.rebuild_subtrees(&mut self.reordered);
+            self.leaves.reorder(&self.hierarchy, &self.reordered)?;
+        }
+        self.leaves.begin()?;
+        self.leaves.upload(frame, &self.hierarchy, &self.passes.scatter, None)
+    }
+
+    /// Notes that the frame of the last upload was submitted.
+    pub fn submitted(&mut self, tick: Tick) {
+        self.leaves.submitted(tick);
+    }
+}
+
+/// The most memory that an object with a draw takes on the CPU, while the scene is built.
+const BYTES_PER_OBJECT: usize = 640;
+
+/// Refuses more objects than there is memory for.
+///
+/// # Errors
+/// More than a hierarchy holds; no memory.
+fn check_memory(count: usize) -> Result<(), HierarchyError> {
+    Hierarchy::check_capacity(count)?;
+    // All at once, and given back: an allocation that fails half-way would end the program.
+    let size_bytes = count.saturating_mul(BYTES_PER_OBJECT);
+    let asked = Vec::<u8>::new().try_reserve_exact(size_bytes);
+    asked.map_err(|_| HierarchyError::NoMemory { count, size_bytes })
+}

@@ -1,0 +1,4 @@
+//! The views and frames of a scene.
+
+mod frames;
+mod views;
