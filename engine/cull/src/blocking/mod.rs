@@ -13,6 +13,7 @@
 //! 3. For [`NextAction::Submit`] the executor submits, and calls again at once with the available
 //!    results. For [`NextAction::Wait`] it submits, waits for this result, and calls again with all
 //!    available results. After [`NextAction::Done`] the frame is complete with this batch.
+//!
 //! A result may be missing after a wait: its node then counts as visible. Results that come twice,
 //! or that belong to queries never sent, are ignored. So every frame ends, and its image is the
 //! same as with everything drawn, for the reason in [`Margin`](crate::Margin). A visibility

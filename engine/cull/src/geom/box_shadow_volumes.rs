@@ -8,9 +8,9 @@
 //! Occlusion Culling and Geometry Shaders", GPU Gems 3, chapter 11).
 //!
 //! The volume of a box is the hull of two images of it: the box moved towards the light, and the
-//! box moved away from the light until no receiver is beyond. A factor `k` moves a point `v` to `v
-//! + k (w v - l)`, where `l` and `w` are the light in homogeneous coordinates: along its rays for a
-//! sun (w = 0), or scaled from the light as the centre otherwise (w = 1).
+//! box moved away from the light until no receiver is beyond. A factor `k` moves a point `v`
+//! to `v + k (w v - l)`, where `l` and `w` are the light in homogeneous coordinates: along its rays
+//! for a sun (w = 0), or scaled from the light as the centre otherwise (w = 1).
 //!
 //! # Margins
 //! A filter lights a receiver by the casters around it. So a caster counts if it misses the
