@@ -162,7 +162,7 @@ pub struct CullConfig {
     ///
     /// Halved: +10.6 % rounds, `cut`; doubled: -27.6 % rounds, `cut`.
     pub round_tests_min: u32,
-    /// The number of leaves from which on a node that shows has its leaves tested individually in the
+    /// The least number of leaves for testing the leaves of a node that shows individually in the
     /// same frame, if the device supports it.
     ///
     /// Halved: +7.5 % tests, `street`; doubled: -5.8 % tests, `fly`.

@@ -104,7 +104,7 @@ impl Predicates {
         Self::over(device, predication, draws, Some(links), frames_in_flight)
     }
 
-    /// Prepares `predication` (if `None`, the device's best) for `count` draws of one instance each,
+    /// Prepares `predication` (if `None`, the device's best) for `count` draws of one instance,
     /// which are undefined until they are written. Other predicates may draw before these.
     ///
     /// # Errors
