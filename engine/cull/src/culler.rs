@@ -246,7 +246,7 @@ impl Culler {
             can_flag: tester != VisibilityTest::Query,
             has_leaf_tests,
             is_turning: self.turned.is_within(now, config.turning_frames),
-            // Starts one step finer than the last frame ended: each attempt is another walk.
+            // Begins one step finer than the last frame: each further attempt is another walk.
             coarseness: self.coarseness.saturating_sub(1),
         };
 

@@ -24,7 +24,7 @@
 //!
 //! # Example
 //!
-//! A wall with a hundred things behind it. In this example a closure stands for the GPU: only the
+//! A wall with a hundred objects behind it. In this example a closure replaces the GPU: only the
 //! wall shows.
 //!
 //! ```

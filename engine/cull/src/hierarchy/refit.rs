@@ -89,7 +89,7 @@ pub(super) struct Scratch {
     is_stale: Vec<bool>,
 }
 
-/// Sets the boxes of `moved` objects, then those of their ancestors, the deepest first. Logs the
+/// Sets the boxes of `moved` objects and then updates their ancestors, the deepest first. Logs the
 /// moves, and calls `touched` with every ancestor.
 pub(super) fn refit(
     topology: &Topology,

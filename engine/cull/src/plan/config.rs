@@ -130,7 +130,7 @@ pub struct CullConfig {
     ///
     /// Halved: -4.4 % triangles, `cut`; doubled: +9.3 % draws, `cut`.
     pub occluders: u32,
-    /// The threshold of "much is unknown": at least one of this number of tests is unknown ...
+    /// The threshold of "much is unknown": at least one in this number of tests is unknown ...
     ///
     /// Halved: +15.3 % tests, `cut`; doubled: nothing.
     pub cut_share: u32,

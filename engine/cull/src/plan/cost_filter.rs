@@ -111,8 +111,8 @@ impl<'a> CostFilter<'a> {
         }
     }
 
-    /// Weighs a test against its cost; `None` for the few kinds of tests that are not a reason for
-    /// a round.
+    /// Returns the saving and the cost of a test; `None` for kinds of tests that are few and do not
+    /// justify a round.
     fn weigh(
         &self,
         kind: QueryKind,

@@ -44,7 +44,7 @@ impl AddressSpace {
         self.limit_bytes.saturating_sub(self.used_bytes)
     }
 
-    /// Refuses a limit under which no driver can run.
+    /// Returns an error if no driver can run under the limit.
     fn check(&self) -> Result<(), Error> {
         if self.room_bytes() < LEAST_DRIVER_BYTES {
             Err(self

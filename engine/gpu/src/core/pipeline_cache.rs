@@ -98,7 +98,7 @@ impl PipelineCache {
     /// Writes the cache back to its file. A failure costs time, not correctness.
     pub(crate) fn save(&self, device: &ash::Device) {
         let Some(path) = &self.path else { return };
-        // SAFETY: the cache is ours.
+        // SAFETY: the engine created this cache.
         match unsafe { device.get_pipeline_cache_data(self.raw) } {
             Ok(data) if data.is_empty() => {}
             Ok(data) => self.write(path, &data),

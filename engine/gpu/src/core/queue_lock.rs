@@ -74,7 +74,7 @@ impl Drop for Turn<'_> {
 
 /// Locks a value that stays valid even if a thread panicked while it held the lock.
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // A poisoned lock means that a thread panicked; the values of our locks stay valid.
+    // A poisoned lock means that a thread panicked; the locked values stay valid.
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

@@ -62,7 +62,8 @@ impl BufferSlice {
         self.raw
     }
 
-    /// Returns the part of this part from `offset_bytes` on, `size_bytes` long, clamped to its end.
+    /// Returns the part of this slice from `offset_bytes` on, `size_bytes` long, clamped to its
+    /// end.
     #[must_use]
     pub fn part(self, offset_bytes: u64, size_bytes: u64) -> Self {
         let offset = offset_bytes.min(self.size_bytes);

@@ -84,8 +84,8 @@ impl FrameRing {
         Ok(Self { device, slots, next: 0, timed_interval: 1, begun: 0, resubmission, stamps })
     }
 
-    /// Sets if frames may be submitted again, from now on. By default a host's frames may be, and
-    /// frames of a device with a queue are submitted once.
+    /// Allows or forbids to submit frames again, from now on. By default a host's frames may be
+    /// submitted again, and frames of a device with a queue are submitted once.
     pub fn set_resubmission(&mut self, resubmission: Resubmission) {
         self.resubmission = resubmission;
     }
@@ -297,8 +297,8 @@ impl Frame<'_> {
     }
 
     /// Submits the commands recorded so far and continues the same frame in another command buffer.
-    /// Must be called outside of passes. The GPU starts this piece once `after`, if given, is
-    /// reached.
+    /// Must be called outside of passes. The GPU starts the submitted commands once `after`,
+    /// if given, is reached.
     ///
     /// # Errors
     /// A failure while recording, or a failed call.

@@ -165,7 +165,7 @@ pub struct GraphicsPipelineInfo<'a> {
     pub polygon: Polygon,
     /// The faces that are not drawn; counter-clockwise is front.
     pub cull: vk::CullModeFlags,
-    /// The test of the depth, and if it is stored.
+    /// The depth test, and the storage of the depth.
     pub depth: DepthMode,
     /// The depths that are drawn.
     pub range: DepthRange,
