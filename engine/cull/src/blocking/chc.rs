@@ -24,10 +24,10 @@ use crate::rng::SplitMix64;
 /// The test of a visible leaf.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LeafTest {
-    /// Its own draw, which is needed anyway (6.5.2).
+    /// The leaf's own draw, which is needed anyway (6.5.2).
     #[default]
     OwnGeometry,
-    /// Its box, in addition to its draw.
+    /// The leaf's box, in addition to its draw.
     Box,
 }
 

@@ -16,7 +16,7 @@ use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::{QueryKind, VisibilityTest, VisibilityTestSupport};
 use crate::plan::strategy::Strategy;
 
-/// The interval between own-draw tests from which on there are no such tests.
+/// The least interval between own-draw tests that stands for no such tests.
 const NEVER_FRAMES: u32 = 1 << 20;
 
 /// The interval in which a leaf is tested even if leaves hardly ever become hidden ...
@@ -27,8 +27,8 @@ const CALM_SHARE: f32 = 0.01;
 /// The most frames by which [`CALM_SHARE`] may delay noticing a change in the scene.
 const MOST_GATE_FRAMES: u32 = 32;
 
-/// The frames without a test that pays, after which it is of little use to learn what tests could
-/// hide.
+/// The number of frames without a worthwhile test after which it is of little use to learn what
+/// tests could hide.
 const IDLE_AFTER_FRAMES: u32 = 8;
 
 /// The number of frames for which the knowledge that something is hidden is useful, before a test

@@ -74,7 +74,7 @@ pub enum Outcome {
 pub struct LeafExplanation {
     /// The object that is explained.
     pub object: ObjectId,
-    /// Its box in metres.
+    /// The box of the object in metres.
     pub bounds: Aabb,
     /// The depth of its leaf in the hierarchy.
     pub level: u32,
