@@ -1,8 +1,8 @@
-//! Measures the CPU's work: build and refit of the hierarchy, plans, and ingested answers, by the
-//! number of objects. `cargo bench -p antumbra-cull`; docs/measuring.md has the results.
+//! Measures the CPU's work for several numbers of objects: build and refit of the hierarchy, plans,
+//! and ingested answers. `cargo bench -p antumbra-cull`; docs/measuring.md has the results.
 //!
-//! The objects stand on a square, and a camera walks between them. The distance of boxes decides
-//! which of them show, in place of a rasteriser, so that as many show at every size.
+//! The objects stand on a square, and a camera walks between them. In place of a rasteriser, the
+//! distance of a box decides if it shows, so that the same number of boxes show at every size.
 #![allow(clippy::unwrap_used, reason = "a benchmark fails by panicking")]
 
 use std::cell::RefCell;
@@ -16,11 +16,11 @@ use divan::counter::ItemsCount;
 use glam::Vec3;
 
 const OBJECTS: [usize; 3] = [10_000, 100_000, 1_000_000];
-/// Distance between neighbours in metres.
+/// The distance between neighbours in metres.
 const PITCH_M: f32 = 4.0;
 const SHOWS_WITHIN_M: f32 = 60.0;
 const QUERIES: usize = 4_096;
-/// The frames after which the frontier has shrunk to its lasting size.
+/// The number of frames after which the frontier has its final size.
 const WARM_UP: u32 = 200;
 
 fn main() {
@@ -49,8 +49,8 @@ fn build(bencher: Bencher<'_, '_>, count: usize) {
     bencher.counter(ItemsCount::new(count)).bench_local(|| Hierarchy::build(&boxes).unwrap());
 }
 
-/// Measures a refit: one object of a hundred moves by half a metre, and back with the next call;
-/// they stand far apart.
+/// Measures a refit: one object of a hundred moves by half a metre, and back with the next call.
+/// The moved objects are far apart.
 #[divan::bench(args = OBJECTS, sample_count = 100, sample_size = 1)]
 fn refit(bencher: Bencher<'_, '_>, count: usize) {
     let boxes = houses(count);
@@ -126,7 +126,7 @@ impl Walk {
     }
 }
 
-/// Measures the first plan, when nothing is known yet.
+/// Measures the first plan, without any history.
 #[divan::bench(args = OBJECTS, sample_count = 50, sample_size = 1)]
 fn first_plan(bencher: Bencher<'_, '_>, count: usize) {
     let walk = RefCell::new(Walk::new(count));
@@ -151,7 +151,7 @@ fn plan(bencher: Bencher<'_, '_>, count: usize) {
         .bench_local_values(|()| walk.borrow_mut().plan());
 }
 
-/// Takes the answers of one frame.
+/// Measures ingesting the answers of one frame.
 #[divan::bench(args = OBJECTS, sample_count = 200, sample_size = 1)]
 fn ingest(bencher: Bencher<'_, '_>, count: usize) {
     let walk = RefCell::new(Walk::new(count));

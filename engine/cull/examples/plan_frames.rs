@@ -1,5 +1,5 @@
-//! Plans frames of a wall with a thousand boxes behind it. Made-up answers stand for the GPU: of
-//! all that is tested, the wall shows and nothing else.
+//! Plans frames of a wall with a thousand boxes behind it. Invented answers replace the GPU: only
+//! the wall shows.
 
 use std::error::Error;
 
@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut plan = FramePlan::default();
     let mut answers: Vec<Answer> = Vec::new();
     for frame in 0..100_u8 {
-        // The results of the frame before. They may also come later, in any order, or never.
+        // The results of the last frame. They may also come later, in any order, or never.
         culler.ingest(&hierarchy, answers.drain(..));
 
         let eye = vec3(f32::from(frame) * 0.001, 0.0, 0.0);

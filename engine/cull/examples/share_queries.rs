@@ -1,7 +1,7 @@
-//! Plans the six faces of a cube in one call that shares a budget of queries, and by six calls with
-//! a sixth of it each, in turns. Prints the medians of the CPU's time per frame, their ratio, and
-//! the leaves that were drawn untested because there were too few queries. Arguments: the number of
-//! objects, of frames, and of queries.
+//! Plans the six faces of a cube in one call that shares a budget of queries, and in six calls with
+//! a sixth of the budget each, alternately. Prints the medians of the CPU time per frame, their
+//! ratio, and the number of leaves that were drawn untested because of missing queries. Arguments:
+//! the number of objects, of frames, and of queries.
 
 use std::error::Error;
 use std::time::{Duration, Instant};
@@ -27,7 +27,7 @@ impl Face {
         self.culler.plan(hierarchy, Strategy::ANTUMBRA, view, queries, &mut self.plan);
     }
 
-    /// Answers in place of a GPU: what is near shows.
+    /// Answers in place of a GPU: near objects show.
     fn answer(&mut self, hierarchy: &Hierarchy, view: &CullView) {
         let Self { plan, answers, .. } = self;
         let tested = plan.tests.iter().map(|test| test.tag);
@@ -50,7 +50,7 @@ fn houses(count: usize) -> Vec<Aabb> {
     (0..count).map(house).collect()
 }
 
-/// Returns the faces around a place on a walk through the houses.
+/// Returns the six faces around a position on a walk through the houses.
 fn views(count: usize, frame: usize) -> [CullView; 6] {
     let middle = count.isqrt() as f32 * 2.0;
     let step = frame as f32 * 0.1;

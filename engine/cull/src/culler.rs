@@ -30,8 +30,8 @@ use crate::rng::SplitMix64;
 
 /// The decisions for one view of one hierarchy: what to draw and what to test.
 ///
-/// It keeps the history: use one culler for each eye, light or probe. It follows rebuilds of its
-/// hierarchy by itself. Its history never changes the image, only its cost.
+/// A culler keeps the history of its view: use one culler for each eye, light or probe. It adapts
+/// to rebuilds of its hierarchy automatically. Its history affects only the cost, never the image.
 #[derive(Debug)]
 pub struct Culler {
     config: CullConfig,
@@ -42,9 +42,9 @@ pub struct Culler {
     grouping: Grouping,
     fronts: Fronts,
     learned_costs: Option<LearnedCosts>,
-    /// Samples of a query that count as none.
+    /// The most samples of a query that still count as hidden.
     sample_threshold: u32,
-    /// The configuration as tuned by the cost model.
+    /// The configuration after tuning by the cost model.
     tuned: CullConfig,
     /// Leaves that the last frame took as visible.
     visible: u32,
@@ -55,20 +55,20 @@ pub struct Culler {
     /// The direction of sight in the last planned frame.
     forward: Option<Vec3>,
     turned: FrameStamp,
-    /// The steps by which the tests of the last frame were coarser than wished.
+    /// The number of times that the last frame raised the allowed size of tested nodes.
     coarseness: u32,
 }
 
 impl Culler {
-    /// Creates a culler that knows nothing yet and has nothing but queries.
+    /// Creates a culler without history, for a device that tests with occlusion queries only.
     #[must_use]
     pub fn new(config: CullConfig) -> Self {
         Self::with_testers(config, VisibilityTestSupport::default())
     }
 
-    /// Creates a culler without history, for a device that can do more than queries, or less. In
-    /// place of a strategy whose tester is not there it plans
-    /// [another](VisibilityTestSupport::strategy).
+    /// Creates a culler without history, for a device with the given testers. Where a strategy
+    /// needs a tester that the device does not have, the culler plans [another
+    /// strategy](VisibilityTestSupport::strategy).
     #[must_use]
     pub fn with_testers(config: CullConfig, testers: VisibilityTestSupport) -> Self {
         Self {
@@ -92,7 +92,7 @@ impl Culler {
         }
     }
 
-    /// Takes the memory for the history of a hierarchy's nodes, instead of in the first plan.
+    /// Reserves the memory for the history of a hierarchy's nodes, so that the first plan need not.
     ///
     /// # Errors
     /// [`HierarchyError::NoMemory`].
@@ -102,11 +102,12 @@ impl Culler {
         reserved.map_err(|size_bytes| HierarchyError::NoMemory { count, size_bytes })
     }
 
-    /// Takes a test with no more than `samples` samples as hidden from now on (GPU Gems 2, 6.5.4):
-    /// the executor of the plans leaves the leaves of such tests out. Above 0 the image is not
-    /// exact, a query must count, and all tests are queries: other testers count nothing. Each
-    /// [`Culler::plan`] passes it on ([`FramePlan::sample_threshold`]); tests on their way keep
-    /// theirs. [`Culler::plan_next_frame`] goes by a single sample.
+    /// Sets the most samples of a test that still count as hidden (GPU Gems 2, 6.5.4): the executor
+    /// of a plan does not draw the leaves of such tests. Above 0 the image is not exact, queries
+    /// must count samples, and all tests are queries, because other testers do not count. Each
+    /// [`Culler::plan`] copies the threshold to its plan ([`FramePlan::sample_threshold`]); tests
+    /// of earlier plans keep theirs. [`Culler::plan_next_frame`] ignores the threshold: a single
+    /// sample makes an object visible.
     pub fn set_sample_threshold(&mut self, samples: u32) {
         self.sample_threshold = samples;
     }
@@ -117,11 +118,11 @@ impl Culler {
         self.sample_threshold
     }
 
-    /// Leaves out tests that cost more than they save, from now on. Without costs everything is
-    /// tested that may be hidden.
+    /// Enables the cost model: from now on, tests that cost more than they save are left out.
+    /// Without it, every node that may be hidden is tested.
     ///
     /// # Errors
-    /// [`BadCost`] for impossible costs; the culler is then as it was.
+    /// [`BadCost`] for impossible costs; the culler then stays unchanged.
     pub fn set_costs(&mut self, table: CostTable, scene: SceneCosts) -> Result<(), BadCost> {
         self.learned_costs = Some(LearnedCosts::new(table, scene)?);
         Ok(())
@@ -133,7 +134,7 @@ impl Culler {
         self.learned_costs.as_ref()
     }
 
-    /// Returns the same, to pass it the times of frames ([`LearnedCosts::observe`]).
+    /// Returns the cost model mutably, to pass it the times of frames ([`LearnedCosts::observe`]).
     pub fn cost_model_mut(&mut self) -> Option<&mut LearnedCosts> {
         self.learned_costs.as_mut()
     }
@@ -144,20 +145,20 @@ impl Culler {
         &self.config
     }
 
-    /// Returns the frame planned last; 0 before the first.
+    /// Returns the number of the frame planned last; 0 before the first.
     #[must_use]
     pub fn frame(&self) -> FrameId {
         self.frame
     }
 
-    /// Returns the state of a node; unknown for a foreign id.
+    /// Returns the state of a node; [`NodeState::Unknown`] for a foreign id.
     #[must_use]
     pub fn state(&self, node: NodeId) -> NodeState {
         self.history.record(node.0).state
     }
 
-    /// Forgets everything; the next frame starts like the first, and answers to earlier ones are
-    /// ignored. To be called after a change that makes the past worthless, such as a new scene.
+    /// Clears the history: the next frame starts like the first, and answers to earlier frames are
+    /// ignored. Call this after a change that makes the history worthless, such as a new scene.
     pub fn reset(&mut self) {
         self.history.reset();
         self.next_frame.reset();
@@ -170,9 +171,9 @@ impl Culler {
         }
     }
 
-    /// Takes answers to queries of earlier plans: in any order, late, twice, or never. Answers that
-    /// fit nothing (another generation of the node, a frame to come, an older answer than the last)
-    /// are ignored.
+    /// Takes answers to queries of earlier plans: in any order, late, twice, or never. Ignores an
+    /// answer about another generation of the node, an answer to a future frame, and an answer
+    /// older than the node's last one.
     pub fn ingest(&mut self, hierarchy: &Hierarchy, answers: impl IntoIterator<Item = Answer>) {
         self.history.adopt(hierarchy);
         let now = self.stamp(self.frame).unwrap_or(FrameStamp::NEVER);
@@ -204,9 +205,9 @@ impl Culler {
         }
     }
 
-    /// Plans the next frame of a view, or of several that are drawn in one pass, into `plan`, whose
-    /// vectors are reused. Never asks for more than `query_budget` queries, and draws the leaves
-    /// that are left without one.
+    /// Plans the next frame of a view, or of several views that are drawn in one pass, into `plan`.
+    /// Reuses the vectors of `plan`. The plan has at most `query_budget` queries; leaves that
+    /// cannot be tested within this budget are drawn.
     pub fn plan<'v>(
         &mut self,
         hierarchy: &Hierarchy,
@@ -245,7 +246,7 @@ impl Culler {
             can_flag: tester != VisibilityTest::Query,
             has_leaf_tests,
             is_turning: self.turned.is_within(now, config.turning_frames),
-            // Begins with the coarseness of last time: each attempt is a walk.
+            // Begins one step finer than the last frame: each further attempt is another walk.
             coarseness: self.coarseness.saturating_sub(1),
         };
 
@@ -310,9 +311,10 @@ impl Culler {
         }
     }
 
-    /// Plans a frame of next-frame queries (GPU Gems, 29.4) into `plan`: what was visible at its
-    /// last test is drawn, every object is tested, and no draw depends on the tests of the frame.
-    /// Not exact: an object that comes into view is missing until its result is read back.
+    /// Plans a frame of next-frame queries (GPU Gems, 29.4) into `plan`: every object is tested, an
+    /// object is drawn if it was visible at its last test, and no draw depends on the tests of this
+    /// frame. The image is not exact: an object that comes into view is missing until its result is
+    /// read back.
     pub fn plan_next_frame(
         &mut self,
         hierarchy: &Hierarchy,
@@ -324,9 +326,10 @@ impl Culler {
         self.next_frame.plan(hierarchy, view, plan);
     }
 
-    /// Plans the next frame from the outcome: draws `leaves` in their order and tests nothing
-    /// ([`Strategy::needs_still_scene`]; [`Culler::plan`] cannot know them and falls back to
-    /// frustum culling).
+    /// Plans the next frame of a strategy that [needs a still scene](Strategy::needs_still_scene):
+    /// draws `leaves`, which were found visible beforehand, in their order, and tests nothing.
+    /// [`Culler::plan`] does not have these leaves and falls back to frustum culling for such a
+    /// strategy.
     pub fn plan_known(
         &mut self,
         hierarchy: &Hierarchy,
@@ -338,7 +341,7 @@ impl Culler {
         plan.stats.visible = leaves.len() as u32;
     }
 
-    /// Returns the history of a node; an empty one for a foreign id.
+    /// Returns the history of a node; an empty history for a foreign id.
     #[must_use]
     pub(crate) fn node_history(&self, node: NodeId) -> NodeHistory {
         let record = self.history.record(node.0);
@@ -353,8 +356,8 @@ impl Culler {
         }
     }
 
-    /// Explains the decision of `plan`, made for `views` over the hierarchy as it is now, about an
-    /// object. `None` if there is no such object.
+    /// Explains the decision of `plan` about an object. The plan must be made for `views` over the
+    /// hierarchy in its present state. Returns `None` if there is no such object.
     #[must_use]
     pub fn explain<'v>(
         &self,
@@ -385,7 +388,7 @@ impl Culler {
         if let Some(now) = self.stamp(self.frame) {
             return now;
         }
-        // Two years at 60 Hz are over: stamps are 32 bits, so the past starts again.
+        // Stamps have 32 bits, enough for two years at 60 Hz. After that the history starts again.
         self.reset();
         self.epoch = self.frame.0.saturating_sub(1);
         FrameStamp::FIRST
@@ -407,7 +410,7 @@ impl Culler {
     }
 }
 
-/// Returns the tester of proxies under a strategy whose tester is there.
+/// Returns the tester of proxies under a strategy that the device supports.
 fn tester(strategy: Strategy, testers: VisibilityTestSupport) -> VisibilityTest {
     let usual = if testers.flags { VisibilityTest::Flag } else { VisibilityTest::Query };
     strategy.tester().unwrap_or(usual)

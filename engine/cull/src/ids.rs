@@ -3,8 +3,8 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-/// An object of the scene: its position in the slice of boxes the hierarchy was built from. When an
-/// object is gone, its id is given to one that comes.
+/// An object of the scene: its position in the slice of boxes that the hierarchy was built from.
+/// The id of a removed object is reused for an object that is added later.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ObjectId(pub u32);
 
@@ -40,24 +40,24 @@ impl LeafRange {
         (self.first.0..self.first.0.saturating_add(self.count)).map(LeafIndex)
     }
 
-    /// Returns true if it has no leaves.
+    /// Returns true if the range has no leaves.
     #[must_use]
     pub fn is_empty(self) -> bool {
         self.count == 0
     }
 
-    /// Returns true if `leaf` is one of these.
+    /// Returns true if `leaf` is in the range.
     #[must_use]
     pub fn contains(self, leaf: LeafIndex) -> bool {
         leaf.0 >= self.first.0 && leaf.0 - self.first.0 < self.count
     }
 }
 
-/// A frame of one [`Culler`](crate::Culler): the first that it plans is 1.
+/// The number of a frame of one [`Culler`](crate::Culler), counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FrameId(pub u64);
 
-/// The identity of a hierarchy: what is made for one fits no other. Clones share it.
+/// The identity of a hierarchy, to detect data made for another hierarchy. Clones share it.
 #[derive(Clone, Debug, Default)]
 pub struct HierarchyId(Arc<()>);
 
@@ -69,7 +69,7 @@ impl PartialEq for HierarchyId {
 
 impl Eq for HierarchyId {}
 
-/// The count of the changes after which some nodes of a hierarchy stand for something else than
-/// before: rebuilds of all or of a part, and leaves that another object moved into.
+/// The number of changes so far after which some nodes of a hierarchy have another meaning than
+/// before: rebuilds of the whole or a part, and leaves that another object moved into.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Generation(pub u32);

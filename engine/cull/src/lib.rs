@@ -2,18 +2,18 @@
 //!
 //! A [`Culler`] turns the results of earlier frames into a [`FramePlan`]: leaves to draw at once,
 //! and a *frontier* of proxies to test, each with the contiguous range of leaves to draw in the
-//! same frame if a sample of it shows. The answers come back frames later, or never, and only steer
-//! what the next plans cost: an object that owns a pixel is drawn in any case. If it is not drawn
-//! at once, it lies under a proxy of this frame's tests. The method follows Bittner and Wimmer's
-//! coherent hierarchical culling ("Hardware Occlusion Queries Made Useful", GPU Gems 2, chapter 6),
-//! with predicates on the GPU in place of waiting on the CPU.
+//! same frame if a sample of it shows. The answers arrive frames later, or never, and only affect
+//! the cost of later plans, not the image: an object with a visible pixel is either drawn at once,
+//! or it lies under a proxy that is tested in the same frame. The method follows Bittner and
+//! Wimmer's coherent hierarchical culling ("Hardware Occlusion Queries Made Useful", GPU Gems 2,
+//! chapter 6), with predicates on the GPU in place of waiting on the CPU.
 //!
-//! Nothing here knows Vulkan, reads a clock, or allocates in a steady frame, and equal inputs make
-//! equal plans.
+//! The crate does not use Vulkan, does not read a clock, and does not allocate in a steady frame.
+//! Equal inputs make equal plans.
 //!
 //! - [`Hierarchy`]: the tree over the objects' boxes. Every subtree is one range of leaves.
-//! - [`CullView`]: the matrix and the volumes of one camera and image; [`Margin`] makes proxies
-//!   large enough, with the proof.
+//! - [`CullView`]: the matrix and the volumes of one camera and image. [`Margin`] makes proxies
+//!   large enough, and its documentation has the proof.
 //! - [`Culler::plan`] and [`Culler::ingest`]: the loop, once per frame.
 //! - [`QueryShares`]: the loop for several views with histories of their own, on one budget.
 //! - [`LearnedCosts`]: leaves out tests that cost more than they save, by the costs of a
@@ -24,7 +24,7 @@
 //!
 //! # Example
 //!
-//! A wall with a hundred things behind it. In this example a closure stands for the GPU: only the
+//! A wall with a hundred objects behind it. In this example a closure replaces the GPU: only the
 //! wall shows.
 //!
 //! ```

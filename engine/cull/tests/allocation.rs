@@ -1,4 +1,4 @@
-//! Checks that a steady frame does not allocate: everything is kept and reused.
+//! Checks that a steady frame does not allocate: all memory is kept and reused.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,

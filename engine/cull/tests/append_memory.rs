@@ -1,5 +1,5 @@
-//! Growing a hierarchy takes memory for what grows and for one part of it, not for another
-//! hierarchy: one test per process, whose allocator counts.
+//! Checks that growing a hierarchy takes memory for the growth and for one part of the hierarchy,
+//! not for a second hierarchy. The process has one test and a counting allocator.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use antumbra_cull::{Aabb, BUILD_BYTES_PER_OBJECT, Hierarchy};

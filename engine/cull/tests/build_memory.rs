@@ -1,5 +1,5 @@
-//! Building a hierarchy takes no more memory than it asks for beforehand: one test per process,
-//! whose allocator counts.
+//! Checks that building a hierarchy takes at most the memory that it checks beforehand. The process
+//! has one test and a counting allocator.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use antumbra_cull::{Aabb, BUILD_BYTES_PER_OBJECT, Hierarchy};

@@ -1,5 +1,5 @@
-//! Changes of a hierarchy whose objects move, come and go: always well formed, always tight, at a
-//! cost in proportion to the changes.
+//! Tests of a hierarchy whose objects move, are removed and are inserted: it is always well formed
+//! and tight, at a cost in proportion to the changes.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -207,7 +207,7 @@ fn worn_parts_are_rebuilt_a_bounded_number_of_leaves_at_a_time() {
     let mut boxes = grid(40_000);
     let mut hierarchy = Hierarchy::build(&boxes).unwrap();
     let good = cost(&hierarchy);
-    // Under each of twenty nodes the objects change seats.
+    // Under each of twenty nodes the objects swap positions.
     let seats = boxes.clone();
     let nodes = (0..hierarchy.node_count() as u32).map(NodeId);
     let parts = nodes.map(|node| hierarchy.leaves(node)).filter(|l| (200..400).contains(&l.count));
@@ -296,7 +296,7 @@ fn a_free_leaf_is_found_however_many_there_are() {
         hierarchy.remove(ObjectId(object)).unwrap();
         boxes[object as usize] = Aabb::EMPTY;
     }
-    // So far away that no leaf fits better than another.
+    // At such a distance no leaf fits better than another.
     for number in 0..500 {
         let bounds = lifted(&grid(500)[number], 1.0e6);
         let object = hierarchy.insert(bounds).unwrap();
@@ -319,7 +319,7 @@ fn an_id_is_told_from_the_same_id_of_another_object() {
     let came = hierarchy.insert(boxes[30]).unwrap();
     assert_eq!(came, goes);
     let between = hierarchy.generation();
-    // Its place changes, and it does not.
+    // The object gets another leaf, but keeps its id.
     hierarchy.rebuild(&boxes).unwrap();
     for (object, since, is_same) in [
         (stays, before, true),
@@ -329,7 +329,7 @@ fn an_id_is_told_from_the_same_id_of_another_object() {
     ] {
         assert_eq!(hierarchy.is_same_object_since(object, since), is_same, "{object:?}");
     }
-    // One that was not there and is there after a rebuild is new, too.
+    // An object that a rebuild adds is also new.
     let mut fewer = boxes.clone();
     fewer[7] = Aabb::EMPTY;
     hierarchy.rebuild(&fewer).unwrap();
@@ -358,14 +358,14 @@ fn growing_rebuilds_a_bounded_part_and_stays_shallow() {
         boxes.push(lifted(&boxes[0], 3.0));
         boxes.resize(hierarchy.leaf_objects().len(), Aabb::EMPTY);
         check(&hierarchy, &boxes);
-        // What is not in the last part stands for the same as before.
+        // Nodes outside of the last part keep their meaning.
         let first = reordered[0].first;
         let kept = (0..count as u32).map(ObjectId).filter(|o| hierarchy.leaf_of(*o) < Some(first));
         let mut same =
             kept.map(|o| hierarchy.is_same_since(hierarchy.node_of(o).unwrap(), before.0));
         assert!(count < 1024 || same.next() == Some(true));
         assert!(same.all(|is_same| is_same));
-        // Three times as many, one after the other.
+        // Three times the number of objects, inserted one after the other.
         for number in 0..2 * count.min(10_000) {
             let bounds = lifted(&boxes[number % count], 6.0);
             hierarchy.insert_all(&[bounds], &mut added, &mut reordered).unwrap();

@@ -1,4 +1,5 @@
-//! Hierarchies over input that is difficult for clustering: ties, points, and extreme scales.
+//! Tests of hierarchies over input that is difficult for clustering: ties, points, and extreme
+//! scales.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,

@@ -1,4 +1,4 @@
-//! Properties of the hierarchy over random input.
+//! Tests properties of the hierarchy over random input.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,

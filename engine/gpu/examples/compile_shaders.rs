@@ -1,4 +1,4 @@
-//! Compiles every GLSL file of the shader folder and writes SPIR-V and hash beside it.
+//! Compiles every GLSL file of the shader folder and writes SPIR-V and a hash next to it.
 
 use std::path::Path;
 

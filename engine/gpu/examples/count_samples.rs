@@ -1,5 +1,5 @@
-//! Draws a triangle over the left half of an image, without a window, under an occlusion query, and
-//! reads both back.
+//! Draws a triangle over the left half of an image without a window, under an occlusion query, and
+//! reads the image and the result back.
 
 use std::error::Error;
 
@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let found = shaders::find(name).ok_or("no such shader")?;
         Ok::<_, Box<dyn Error>>(Spirv::from_bytes(name, found.spirv)?)
     };
-    // One triangle over everything, in the colour of its constants.
+    // A triangle that covers everything, in the colour of its constants.
     let vertex = shader("sky.vert")?;
     let fragment = shader("sky.frag")?;
     let pipeline = GraphicsPipelineInfo {
@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     target.copy_to(commands, &image);
     queries.submitted(frame.submit(None)?);
 
-    // A frame loop reads them when they are there; this waits.
+    // A frame loop would read them once they are available; this example waits.
     device.wait_idle()?;
     queries.collect(device.completed()?, |tag, samples| println!("{tag}: {samples} samples"));
     let red = image.rgba8()?.chunks_exact(4).filter(|pixel| pixel[0] > 0).count();

@@ -1,25 +1,25 @@
-//! A thin Vulkan 1.3 executor: it knows devices, memory, frames, passes, queries and predicates,
-//! and no scene.
+//! A thin Vulkan 1.3 executor: devices, memory, frames, passes, queries and predicates, without any
+//! knowledge of scenes.
 //!
-//! All the `unsafe` of the engine lives here, but for the boundary to C. The types are thin on
-//! purpose: they own one Vulkan thing each, give it a debug name, free it when the GPU is done with
-//! it, and leave deciding to the caller. What is worth reading first:
+//! All `unsafe` code of the engine is in this crate, except for the boundary to C. The types are
+//! thin on purpose: each owns one Vulkan object, gives it a debug name and frees it when the GPU is
+//! done with it. Decisions are left to the caller. Start reading here:
 //!
-//! - [`FrameRing`]: N frames in flight, the waits of a frame loop.
+//! - [`FrameRing`]: N frames in flight, and the waits of a frame loop.
 //! - [`QueryRing`]: occlusion queries whose results are read back through mapped memory without a
 //!   blocking call, each with the caller's tag.
-//! - [`BlockingQueryPool`]: queries of a frame that is submitted in pieces and reads its results in
-//!   between.
-//! - [`Predicates`]: draws that the GPU skips by itself, with conditional rendering or without.
-//! - [`Swapchain`]: frames in a window, whatever becomes of the window.
-//! - [`Access`]: named accesses, from which every barrier of the engine is computed.
+//! - [`BlockingQueryPool`]: queries of a frame that is submitted in pieces, with results read
+//!   between the pieces.
+//! - [`Predicates`]: draws that the GPU skips, with conditional rendering or without.
+//! - [`Swapchain`]: frames in a window, also while the window is resized, hidden or closed.
+//! - [`Access`]: named accesses, from which all barriers of the engine are computed.
 //!
-//! A host that has a device already makes it from [`Requirements`] and lends it
-//! ([`Device::adopt`]).
+//! A host with a device of its own creates the device from [`Requirements`] and lends it to the
+//! engine ([`Device::adopt`]).
 //!
-//! [`Device`] and what it makes can be sent to other threads; `Device`, [`Buffer`]s, [`Timeline`]s,
-//! [`Readback`]s, pipelines and [`TextureUploads`] can be used by several at once. Frames are
-//! recorded by one thread each.
+//! [`Device`] and all objects made from it can be sent to other threads. Several threads at once
+//! can use `Device`, [`Buffer`]s, [`Timeline`]s, [`Readback`]s, pipelines and [`TextureUploads`].
+//! One frame is recorded by one thread.
 //!
 //! ```no_run
 //! # use antumbra_gpu as gpu;
@@ -45,7 +45,7 @@
 //! # } Ok(()) }
 //! ```
 
-// Presenting is the only user of some methods.
+// Some methods are only used for presenting.
 #![cfg_attr(not(feature = "window"), allow(dead_code))]
 
 mod api;

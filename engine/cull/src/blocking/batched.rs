@@ -1,8 +1,8 @@
-//! Some large occluders, then a query for every other object, then a wait for all of them (GPU
-//! Gems, 29.3).
+//! Draws some large occluders, then tests all other objects by queries, then waits for all results
+//! (GPU Gems, 29.3).
 //!
-//! The queries do not wait for each other, so no test profits from what another one revealed: only
-//! objects that were drawn before all of them, untested, are occluders (29.3.2).
+//! No query waits for another, so no test profits from objects that another test revealed: only
+//! objects that were drawn before all queries, without a test, are occluders (29.3.2).
 
 use super::recorder::{BlockingStats, BlockingStrategy, NextAction, QueryResult, Recorder};
 use crate::hierarchy::front_to_back::{InSight, ViewedHierarchy};
@@ -11,10 +11,10 @@ use crate::ids::NodeId;
 /// The options of [`BlockingKind::Batched`](crate::BlockingKind::Batched).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BatchedOptions {
-    /// The size from which on an object is drawn first, without a test: the diagonal of the box
-    /// over its distance (radians, nearly).
+    /// The size from which on an object is drawn first, without a test: the diagonal of its box
+    /// over its distance (nearly radians).
     pub occluder_angle: f32,
-    /// Tests that are submitted together: the GPU begins while the CPU records the others.
+    /// The number of tests per submit: the GPU starts while the CPU records the next ones.
     pub tests_per_submit: usize,
 }
 
@@ -24,7 +24,7 @@ impl Default for BatchedOptions {
     }
 }
 
-/// The phase that a frame is in.
+/// The phase of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Phase {
     #[default]
@@ -33,7 +33,7 @@ enum Phase {
     Reading,
 }
 
-/// The state of a frame that sends all queries at once.
+/// The state of a frame whose queries are all sent before their results are used.
 #[derive(Debug)]
 pub(super) struct Batched {
     options: BatchedOptions,

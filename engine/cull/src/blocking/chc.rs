@@ -1,14 +1,15 @@
-//! Coherent hierarchical culling as published (GPU Gems 2, 6.4 and 6.5): the last frame's
-//! visibility is the guess that keeps both sides busy, and every guess is checked within the frame.
+//! Coherent hierarchical culling as published (GPU Gems 2, 6.4 and 6.5): the visibility of the last
+//! frame predicts the present one, so that CPU and GPU stay busy, and every prediction is checked
+//! within the frame.
 //!
-//! Leaves that were visible are drawn at once, with their own geometry as the test; hidden ones are
-//! tested by the boxes of the topmost hidden nodes; results are taken as they come back, and waited
-//! for only when there is nothing else to do.
+//! Leaves that were visible are drawn at once, and their own geometry is the test. Hidden leaves
+//! are tested by the boxes of the topmost hidden nodes. Results are taken as they arrive; the CPU
+//! waits for a result only when there is nothing else to do.
 //!
 //! In place of the listing's flag and frame number, a node keeps the last frame in which it was
-//! found visible: it was visible in the last frame if that is the last frame.
+//! found visible. It was visible in the last frame if the two are equal.
 //!
-//! A query starts only once its commands are submitted, so queries are sent in batches.
+//! A query starts only when its commands are submitted, so queries are sent in batches.
 
 use std::sync::Arc;
 
@@ -23,22 +24,22 @@ use crate::rng::SplitMix64;
 /// The test of a visible leaf.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LeafTest {
-    /// Its own draw, which happens anyway (6.5.2).
+    /// The leaf's own draw, which is needed anyway (6.5.2).
     #[default]
     OwnGeometry,
-    /// Its box, beside its draw.
+    /// The leaf's box, in addition to its draw.
     Box,
 }
 
-/// The draws of the phase that tests.
+/// The draws of the phase with tests.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FirstPass {
-    /// The image itself.
+    /// The draws of the image.
     #[default]
     Shaded,
-    /// The depth only; the image is drawn at the end of the frame, when every result is known
-    /// (6.5.3). Where faces of one object have equal depth at a pixel, the last one then wins, and
-    /// else the first.
+    /// Draws of the depth only. The image is drawn at the end of the frame, when every result is
+    /// known (6.5.3). If two faces of an object have equal depth at a pixel, the last one then wins
+    /// instead of the first.
     DepthOnly,
 }
 
@@ -47,18 +48,18 @@ pub enum FirstPass {
 pub struct ChcOptions {
     /// The test of a visible leaf.
     pub leaf_test: LeafTest,
-    /// The draws of the phase that tests.
+    /// The draws of the phase with tests.
     pub first_pass: FirstPass,
-    /// The number of samples up to which an object counts as hidden (6.5.4). Above 0 the image is
-    /// no longer exact, and the device must count samples precisely.
+    /// The most samples that an object may show and still count as hidden (6.5.4). Above 0 the
+    /// image is not exact, and the device must count samples precisely.
     pub visibility_threshold_samples: u32,
-    /// The frames for which a leaf found visible is drawn without a test (6.5.5). The first such
-    /// time is shorter at random, so that leaves are not all tested in the same frame.
+    /// The number of frames for which a leaf found visible is drawn without a test (6.5.5). The
+    /// first such period is randomly shorter, so that leaves are not all tested in the same frame.
     pub assumed_visible_frames: u32,
-    /// Boxes that are tested together. Fewer of them, and results come back sooner; more, and there
-    /// are fewer submits.
+    /// The number of boxes per submit. With fewer, results come back sooner; with more, there are
+    /// fewer submits.
     pub tests_per_submit: usize,
-    /// Draws that are submitted together, so that the GPU has work from the beginning.
+    /// The number of draws per submit, so that the GPU has work from the beginning.
     pub draws_per_submit: usize,
 }
 
@@ -75,7 +76,7 @@ impl Default for ChcOptions {
     }
 }
 
-/// The record of an object. Nothing is known of frames before the first.
+/// The record of an object. Frame 0 stands for never.
 #[derive(Clone, Copy, Debug)]
 struct LastTest {
     /// The last frame that drew it.
@@ -95,11 +96,11 @@ impl LastTest {
 pub(super) struct Chc {
     options: ChcOptions,
     frame: FrameId,
-    /// For each node, the last frame in which something of it was visible.
+    /// For each node, the last frame in which a part of it was visible.
     shown: Vec<FrameId>,
     /// The records by object.
     records: Vec<LastTest>,
-    /// The hierarchy of `shown`, and the generation since which its nodes are the same.
+    /// The identity of the hierarchy of `shown`, and the generation of its nodes.
     known: Option<(Arc<()>, Generation)>,
     queue: NearestFirst,
     rng: SplitMix64,
@@ -122,9 +123,9 @@ impl Chc {
         }
     }
 
-    /// Follows the hierarchy to its present generation. An object's new leaf was visible when its
-    /// old one was, an inner node when one of its children was. Nothing is known of an object that
-    /// was inserted since, even if its id was in use before.
+    /// Updates the history to the present generation of the hierarchy. A leaf was visible when its
+    /// object was, and an inner node when one of its children was. An object inserted since has no
+    /// history, even if its id was in use before.
     fn adopt(&mut self, hierarchy: &Hierarchy) {
         let identity = hierarchy.journal().identity();
         let generation = hierarchy.generation();
@@ -164,7 +165,7 @@ impl Chc {
         shown.0 > 0 && shown.0 + 1 == self.frame.0
     }
 
-    /// Marks a node as visible, and hence all nodes above it.
+    /// Marks a node and all nodes above it as visible.
     fn pull_up(&mut self, node: NodeId, viewed: &ViewedHierarchy<'_>) {
         let frame = self.frame;
         if let Some(record) = self.record(node, viewed) {
@@ -187,7 +188,7 @@ impl Chc {
         self.records.get_mut(object.0 as usize).filter(|_| leaves.count == 1)
     }
 
-    /// Traverses the children of a node, or draws a leaf that is not drawn yet.
+    /// Queues the children of a node, or draws a leaf that is not drawn yet.
     fn traverse(&mut self, node: &InSight, recorder: &mut Recorder<'_>) {
         if let Some(children) = recorder.viewed.children(node) {
             self.queue.extend(children);
@@ -196,17 +197,17 @@ impl Chc {
         }
     }
 
-    /// Returns true if a leaf is to be drawn, which is so only the first time in a frame.
+    /// Returns true if a leaf must be drawn, which is the case once per frame.
     fn draws_now(&mut self, leaf: NodeId, viewed: &ViewedHierarchy<'_>) -> bool {
         let frame = self.frame;
         let Some(record) = self.record(leaf, viewed) else { return true };
         std::mem::replace(&mut record.drawn, frame) != frame
     }
 
-    /// Takes a result: the listing's first part.
+    /// Takes a result: the first part of the published listing.
     fn take(&mut self, answer: &QueryResult, recorder: &mut Recorder<'_>) {
         if answer.samples <= self.options.visibility_threshold_samples {
-            // A leaf that was visible in the last frame is drawn beside its test.
+            // A leaf that was visible in the last frame is drawn in addition to its test.
             let frame = self.frame;
             let record = self.record(answer.node, &recorder.viewed);
             if record.is_none_or(|record| record.drawn != frame) {
@@ -227,7 +228,7 @@ impl Chc {
         }
     }
 
-    /// Visits a node: the listing's second part.
+    /// Visits a node: the second part of the published listing.
     fn visit(&mut self, node: &InSight, recorder: &mut Recorder<'_>) {
         recorder.stats.nodes_visited += 1;
         let was_visible = self.was_visible(node.node);

@@ -1,24 +1,23 @@
-//! Methods that need results before a frame can go on.
+//! Methods that need results of a frame within this frame.
 //!
-//! A [`BlockingCuller`] is the CPU's half of the published methods with occlusion queries, each as
-//! in its paper. It says what to draw and to test next, takes the results so far, and may say that
-//! it cannot go on without a result. It is a pure state machine: the executor submits, waits and
-//! polls.
+//! A [`BlockingCuller`] is the CPU's part of the published methods with occlusion queries, each as
+//! in its paper. It returns what to draw and to test next, takes the results so far, and may have
+//! to wait for a result. It is a pure state machine: the executor submits, waits and polls.
 //!
 //! One frame:
 //!
 //! 1. [`BlockingCuller::begin`] with the hierarchy and the view.
 //! 2. [`BlockingFrame::next`] fills a [`Batch`] and returns a [`NextAction`]. The executor records
-//!    the batch: its draws in their order, those with a token under a query of their own; then its
+//!    the batch: first its draws in their order, each under a query if it has a token, then its
 //!    tests, front faces of the boxes only, without writing. A batch may be empty.
-//! 3. [`NextAction::Submit`]: the executor submits, and calls again at once with the results that
-//!    are available. [`NextAction::Wait`]: it submits, waits for that result, and calls again with
-//!    all available results. [`NextAction::Done`]: the frame is complete with this batch.
+//! 3. For [`NextAction::Submit`] the executor submits, and calls again at once with the available
+//!    results. For [`NextAction::Wait`] it submits, waits for this result, and calls again with all
+//!    available results. After [`NextAction::Done`] the frame is complete with this batch.
 //!
 //! A result may be missing after a wait: its node then counts as visible. Results that come twice,
-//! or of queries never sent, are ignored. So every frame ends, and its image is the same as with
-//! everything drawn, for the reason in [`Margin`](crate::Margin); a visibility threshold above 0
-//! gives that up.
+//! or that belong to queries never sent, are ignored. So every frame ends, and its image is the
+//! same as with everything drawn, for the reason in [`Margin`](crate::Margin). A visibility
+//! threshold above 0 gives this exactness up.
 
 mod batched;
 mod chc;
@@ -41,25 +40,25 @@ use stop_and_wait::StopAndWait;
 /// The blocking methods of the literature, with their options.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BlockingKind {
-    /// A query per object, and a wait for each (GPU Gems, 29.2).
+    /// A query per object and a wait for each (GPU Gems, 29.2).
     Naive,
-    /// A query per object, behind some large occluders, and a wait for all (GPU Gems, 29.3).
+    /// A query per object after some large occluders, and a wait for all queries (GPU Gems, 29.3).
     Batched(BatchedOptions),
     /// The hierarchy from the root down, with a wait at each node (GPU Gems 2, 6.3).
     StopAndWait,
-    /// Coherent hierarchical culling as published, with several submits per frame and results that
-    /// are read between them (GPU Gems 2, 6.4 and 6.5).
+    /// Coherent hierarchical culling as published, with several submits per frame and results read
+    /// between them (GPU Gems 2, 6.4 and 6.5).
     Chc(ChcOptions),
 }
 
 impl BlockingKind {
-    /// Returns true if its results must be counts of samples, which a threshold needs.
+    /// Returns true if its queries must count samples, because it has a threshold above 0.
     #[must_use]
     pub const fn counts_samples(&self) -> bool {
         matches!(self, Self::Chc(options) if options.visibility_threshold_samples > 0)
     }
 
-    /// Returns the contents of its batches: the shaded image, or its depth alone.
+    /// Returns the contents of its batches: the shaded image, or only its depth.
     #[must_use]
     pub const fn first_pass(&self) -> FirstPass {
         match self {
@@ -69,7 +68,7 @@ impl BlockingKind {
     }
 }
 
-/// The CPU's half of a blocking method for one view, with its history if it keeps one.
+/// The CPU's part of a blocking method for one view, with its history if the method has one.
 #[derive(Debug)]
 pub struct BlockingCuller {
     strategy: Box<dyn BlockingStrategy>,
@@ -88,7 +87,7 @@ pub struct BlockingFrame<'a> {
 }
 
 impl BlockingCuller {
-    /// Creates a culler that knows nothing yet.
+    /// Creates a culler without history.
     #[must_use]
     pub fn new(kind: BlockingKind) -> Self {
         let strategy: Box<dyn BlockingStrategy> = match kind {
@@ -117,7 +116,7 @@ impl BlockingCuller {
 }
 
 impl BlockingFrame<'_> {
-    /// Takes the results since the last call and returns what to do next; `batch` is reused. After
+    /// Takes the results since the last call and returns what to do next. Overwrites `batch`. After
     /// [`NextAction::Done`] the frame has no further actions.
     pub fn next(&mut self, answers: &[TestAnswer], batch: &mut Batch) -> NextAction {
         batch.clear();
@@ -126,7 +125,7 @@ impl BlockingFrame<'_> {
             let node = self.pending.settle(answer.token);
             self.results.extend(node.map(|node| QueryResult { node, samples: answer.samples }));
         }
-        // A node whose result was waited for and did not come counts as visible.
+        // A node counts as visible if its result was waited for and did not arrive.
         if let Some(node) = self.waits_for.take().and_then(|token| self.pending.settle(token)) {
             self.results.push(QueryResult { node, samples: u32::MAX });
         }

@@ -1,10 +1,10 @@
-//! A query for every object, and a wait for each (GPU Gems, 29.2; GPU Gems 2, 6.2): the obvious
-//! method, and the reason why occlusion queries were thought to be slow.
+//! Tests every object by a query and waits for each result (GPU Gems, 29.2; GPU Gems 2, 6.2): the
+//! obvious method, which gave occlusion queries the reputation of being slow.
 
 use super::recorder::{BlockingStats, BlockingStrategy, NextAction, QueryResult, Recorder};
 use crate::hierarchy::front_to_back::{InSight, ViewedHierarchy};
 
-/// The queue of the objects, front to back, one at a time.
+/// The queue of objects, front to back.
 #[derive(Debug, Default)]
 pub(super) struct Naive {
     leaves: Vec<InSight>,

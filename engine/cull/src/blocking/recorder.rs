@@ -1,4 +1,4 @@
-//! The messages between a method and the GPU in a frame: batches, actions, results.
+//! The messages between a method and the GPU within a frame: batches, actions, results.
 
 use std::fmt;
 
@@ -24,21 +24,21 @@ pub struct BatchDraw {
 pub struct BatchTest {
     /// The identity of the query, unique within its frame.
     pub token: TestToken,
-    /// The box, enlarged already by the view's [margin](crate::Margin).
+    /// The box, already enlarged by the view's [margin](crate::Margin).
     pub bounds: Aabb,
 }
 
 /// The commands to record next: first all draws, then all tests.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Batch {
-    /// The draws, in this order.
+    /// The draws, in the order of recording.
     pub draws: Vec<BatchDraw>,
-    /// The boxes to test after the draws, in this order.
+    /// The boxes to test after the draws, in the order of recording.
     pub tests: Vec<BatchTest>,
 }
 
 impl Batch {
-    /// Returns true if there is nothing to do.
+    /// Returns true if there are no draws and no tests.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.draws.is_empty() && self.tests.is_empty()
@@ -50,15 +50,15 @@ impl Batch {
     }
 }
 
-/// The step that follows once a batch is recorded.
+/// The next step after a batch is recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NextAction {
-    /// Submit it, and call again with the results that are available.
+    /// Submit the batch, and call again with the available results.
     Submit,
-    /// Submit it, wait for the result of this query, and call again with all results that are
-    /// available.
+    /// Submit the batch, wait for the result of this query, and call again with all available
+    /// results.
     Wait(TestToken),
-    /// The end of the frame: this batch is the last.
+    /// Submit the batch, which is the last of the frame.
     Done,
 }
 
@@ -67,7 +67,7 @@ pub enum NextAction {
 pub struct TestAnswer {
     /// The identity of the query, unique within its frame.
     pub token: TestToken,
-    /// Samples that passed; where queries are not precise, any number but 0 for "some".
+    /// The number of samples that passed; any number but 0 for "some" if queries are not precise.
     pub samples: u32,
 }
 
@@ -78,38 +78,38 @@ pub struct BlockingStats {
     pub nodes_visited: u32,
     /// Boxes of nodes and leaves tested by a query each.
     pub boxes: u32,
-    /// Leaves drawn under a query of their own.
+    /// Leaves drawn under a query on the draw.
     pub visible_draw_queries: u32,
-    /// Leaves drawn, under a query or not.
+    /// Leaves drawn, with or without a query.
     pub draws: u32,
-    /// Nodes whose box would be cut by the near plane: visible without a test.
+    /// Nodes whose box the near plane would cut: visible without a test.
     pub too_near: u32,
-    /// Times that it could not go on without a result.
+    /// Waits for a result.
     pub waits: u32,
-    /// Batches, the last one included.
+    /// Batches, including the last one.
     pub batches: u32,
-    /// Samples of boxes that showed although their leaves were left out: at most so many pixels are
-    /// wrong.
+    /// Samples of boxes that showed although their leaves were not drawn: the most pixels that can
+    /// be wrong.
     pub samples_below_threshold: u64,
 }
 
-/// One of the methods.
+/// A blocking method.
 pub(super) trait BlockingStrategy: fmt::Debug + Send {
     /// Begins a frame.
     fn begin(&mut self, viewed: &ViewedHierarchy<'_>, stats: &mut BlockingStats);
 
-    /// Takes results, each of them once, and returns what to do next.
+    /// Takes results, each once, and returns what to do next.
     fn next(&mut self, results: &[QueryResult], recorder: &mut Recorder<'_>) -> NextAction;
 }
 
-/// A result, with the node that was tested.
+/// A result with the tested node.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct QueryResult {
     pub(super) node: NodeId,
     pub(super) samples: u32,
 }
 
-/// The commands of a method, as it records them.
+/// The recorder of a method's commands.
 pub(super) struct Recorder<'a> {
     pub(super) viewed: ViewedHierarchy<'a>,
     pub(super) batch: &'a mut Batch,
@@ -140,7 +140,8 @@ impl Recorder<'_> {
         token
     }
 
-    /// Returns the box to test in place of a node; `None`, counted, where it must count as visible.
+    /// Returns the box to test in place of a node. Counts and returns `None` for a node that must
+    /// count as visible.
     pub(super) fn proxy(&mut self, node: NodeId) -> Option<Aabb> {
         let proxy = self.viewed.proxy(node);
         self.stats.too_near += u32::from(proxy.is_none());
@@ -148,12 +149,12 @@ impl Recorder<'_> {
     }
 }
 
-/// The queries of one frame and the ones among them that are open.
+/// The queries of one frame, and which of them are open.
 #[derive(Debug, Default)]
 pub(super) struct PendingQueries {
-    /// The node that each query is about, until its result came.
+    /// The tested node of each query, until its result arrives.
     nodes: Vec<Option<NodeId>>,
-    /// The first query that may be open: all before it have results.
+    /// The first query that may be open: all queries before it have results.
     oldest: usize,
 }
 

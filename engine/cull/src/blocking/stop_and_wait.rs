@@ -1,4 +1,4 @@
-//! The hierarchy from the root down, a query and a wait at every node (GPU Gems 2, 6.3).
+//! Tests the hierarchy from the root down, with a query and a wait at every node (GPU Gems 2, 6.3).
 
 use super::recorder::{BlockingStats, BlockingStrategy, NextAction, QueryResult, Recorder};
 use crate::hierarchy::front_to_back::{InSight, ViewedHierarchy};
@@ -19,7 +19,7 @@ impl StopAndWait {
             Some(children) => {
                 let first = self.stack.len();
                 self.stack.extend(children);
-                // The last on the stack comes next.
+                // The last node on the stack is visited next.
                 self.stack[first..].reverse();
             }
         }

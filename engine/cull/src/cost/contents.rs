@@ -1,21 +1,21 @@
-//! The contents of a frame, and the time that they should take by the table.
+//! The contents of a frame, and the time that it should take according to the cost table.
 
 use std::ops::AddAssign;
 
 use crate::cost::table::CostTable;
 use crate::plan::frame_plan::{FramePlan, QueryKind, VisibilityTest};
 
-/// The contents of a frame.
+/// The work of a frame, in counts.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FrameContents {
-    /// Objects that were drawn.
+    /// Objects drawn.
     pub draws: u64,
-    /// Triangles of these objects.
+    /// Triangles of the drawn objects.
     pub triangles: u64,
-    /// Tests by query, own draws included.
+    /// Tests by query, including queries on own draws.
     pub queries: u32,
-    /// Indirect calls for the sake of queries of own draws: two each, for the draw and for those
-    /// behind it.
+    /// Additional indirect calls due to queries on own draws: two per query, one for the draw and
+    /// one for the draws after it.
     pub calls: u32,
     /// Boxes tested by query.
     pub queried_boxes: u32,
@@ -23,20 +23,21 @@ pub struct FrameContents {
     pub flagged_boxes: u32,
     /// Boxes tested by compute shader.
     pub computed_boxes: u32,
-    /// Rounds with such boxes.
+    /// Rounds with boxes tested by compute shader.
     pub computed_rounds: u32,
-    /// Pixels of all boxes that are rastered.
+    /// Pixels of all rasterised boxes.
     pub proxy_pixels: u64,
-    /// Ranges under a predicate.
+    /// Ranges of draws under a predicate.
     pub predicates: u32,
-    /// Leaves of all these ranges.
+    /// Leaves in these ranges.
     pub predicated_leaves: u64,
-    /// Breaks of rendering.
+    /// Breaks of rendering, in which results are made ready.
     pub breaks: u32,
 }
 
 impl FrameContents {
-    /// Returns what a plan asks for. The draws are known when the results were read back.
+    /// Returns the contents of a plan, without draws and triangles: these are known only after the
+    /// results were read back.
     #[must_use]
     pub fn of(plan: &FramePlan) -> Self {
         let mut contents = Self {
@@ -61,8 +62,7 @@ impl FrameContents {
                 contents.predicated_leaves += u64::from(test.leaves.count);
             }
             contents.computed_rounds += u32::from(has_computed);
-            // The second level of a round shares its break with the round after it, if there is
-            // one.
+            // The leaf tests of a round share their break with the next round, if there is one.
             let is_last = round.end == plan.tests.len();
             contents.breaks += u32::from(has_leaf_tests && is_last);
         }
@@ -72,10 +72,10 @@ impl FrameContents {
         contents
     }
 
-    /// Returns the time that this should take.
+    /// Returns the predicted time of the frame.
     pub(crate) fn predicted(&self, table: &CostTable) -> Predicted {
         let each = |count: u32, cost_ns: f32| f64::from(count) * f64::from(cost_ns);
-        // A range's own cost is that of its first draw.
+        // The cost of a range includes its first draw.
         let skipped = self.predicated_leaves.saturating_sub(self.predicates.into());
         let draw_ns = self.draws as f64 * f64::from(table.draw_ns)
             + self.triangles as f64 * f64::from(table.triangle_ns);
@@ -113,7 +113,7 @@ impl AddAssign for FrameContents {
     }
 }
 
-/// The time that a frame should take, in nanoseconds of GPU time.
+/// The predicted time of a frame, in nanoseconds of GPU time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Predicted {
     /// The time of its draws.

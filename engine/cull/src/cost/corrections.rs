@@ -1,4 +1,4 @@
-//! Corrections of the costs of tests in proportion to draws, learned from the times of frames.
+//! Corrections of the costs of tests relative to draws, learned from the times of frames.
 //!
 //! Recursive least squares with a prior and forgetting, as a Kalman filter (R. E. Kalman 1960, "A
 //! New Approach to Linear Filtering and Prediction Problems") for
@@ -7,30 +7,31 @@
 //! gpu_ns = draws * (draw_ns + test_ns) + excess * test_ns + rest_ns
 //! ```
 //!
-//! where `draw_ns` and `test_ns` are the table's costs of the frame, and the rest has no cost in
-//! it: above all the shading of pixels. Tests cost `draws + excess` times their cost in the table.
-//! The prior is that the table is right, and that the excess is 0 for any `draws`: a wrong clock
-//! makes everything dearer and changes no decision. The rest may have any size and drifts. So only
-//! frames that differ in their tests teach anything about tests. The corrections fade back to the
-//! prior: where tests ended because they were dear, a few are tried again after a while.
+//! where `draw_ns` and `test_ns` are the costs of the frame by the table. `rest_ns` is the work
+//! that has no entry in the table, above all the shading of pixels. Tests cost `draws + excess`
+//! times their cost in the table. The prior is that the table is right, and that the excess is 0
+//! for any `draws`: a clock of a wrong scale makes everything more expensive and changes no
+//! decision. The rest may have any size and drifts. So only frames that differ in their tests give
+//! information about tests. The corrections fade back to the prior: if tests stopped because they
+//! were expensive, a few are tried again after a while.
 //!
-//! The excess counts only as far as it is sure, so that noise decides nothing. A frame with an
-//! implausible time is left out, unless several in a row agree.
+//! The excess counts only as far as it is certain, so that noise does not affect decisions. A frame
+//! with an implausible time is left out, unless several such frames in a row agree.
 
 use crate::cost::contents::Predicted;
 
-/// The corrections of the table that follow from the times of frames. Only `proportion` steers
-/// decisions.
+/// The corrections of the cost table that follow from the times of frames. Only `proportion`
+/// affects decisions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Corrections {
-    /// The factor by which draws seem dearer than the table says (1/8 to 8).
+    /// The factor by which draws are more expensive than the table says (1/8 to 8).
     pub draws: f32,
-    /// The factor by which tests seem dearer than the table says (1/8 to 8).
+    /// The factor by which tests are more expensive than the table says (1/8 to 8).
     pub tests: f32,
-    /// The factor of the costs of tests: `tests` over `draws`, as far as that is sure (1/8 to 8; 1
-    /// as long as it is not).
+    /// The factor for the costs of tests: `tests` over `draws` as far as it is certain (1/8 to 8),
+    /// and 1 until then.
     pub proportion: f32,
-    /// The frames that these were learned from; 0 where the device measures no times.
+    /// The number of frames that this was learned from; 0 if the device does not measure times.
     pub frames: u64,
 }
 
@@ -43,56 +44,56 @@ impl Default for Corrections {
 /// The largest correction, in either direction.
 const MOST: f64 = 8.0;
 
-/// The longest time of a frame (ns): a clock that says more is wrong.
+/// The longest time of a frame (ns): a longer time means that the clock is wrong.
 const LONGEST_NS: f64 = 60.0e9;
 /// The shortest time of a frame (ns).
 const SHORTEST_NS: f64 = 1.0;
 
-/// The factor between a table and the times of frames beyond which it is not corrected.
+/// The largest ratio of a predicted time to the times of frames; beyond it the frame is ignored.
 const MOST_PREDICTED: f64 = 1.0e3;
 
-/// The frames after which a lesson about draws and tests counts half.
+/// The number of frames after which information about draws and tests has half its weight.
 const HALF_LIFE_FRAMES: f64 = 64.0;
 
-/// Variance of the factor of draws, before anything is learned.
+/// The prior variance of the factor of draws.
 const DRAWS_VARIANCE: f64 = 1.0;
-/// The same of the excess: tests that cost five times as much are two deviations away.
+/// The prior variance of the excess: tests at five times their cost are two deviations away.
 const EXCESS_VARIANCE: f64 = 4.0;
 
-/// The share of a frame by which the rest drifts in each.
+/// The drift of the rest per frame, relative to the time of a frame.
 const REST_DRIFT: f64 = 0.01;
 
-/// The deviations beyond which errors count less (Huber 1964, "Robust Estimation of a Location
-/// Parameter").
+/// The number of deviations above which errors have less weight (Huber 1964, "Robust Estimation of
+/// a Location Parameter").
 const LARGE_ERROR: f64 = 2.0;
-/// The deviations beyond which they do not count at all ...
+/// The number of deviations above which errors are ignored ...
 const ODD_ERROR: f64 = 4.0;
 /// ... unless this number of frames in a row is odd: then something has changed.
 const ODD_FRAMES: u32 = 4;
 
-/// The deviations that make a correction sure.
+/// The number of deviations after which a correction counts as certain.
 const SURE: f64 = 2.0;
 
-/// The least change of costs that is applied, so that decisions do not flap.
+/// The least change of costs that is applied, so that decisions do not flip back and forth.
 const LEAST_CHANGE: f64 = 1.125;
 
-/// The places in the state.
+/// The indices in the state.
 const DRAWS: usize = 0;
 const EXCESS: usize = 1;
 const REST: usize = 2;
 
-/// The state before anything is learned.
+/// The prior means and variances of draws and excess.
 const PRIOR: [(f64, f64); 2] = [(1.0, DRAWS_VARIANCE), (0.0, EXCESS_VARIANCE)];
 
-/// The estimate of the corrections, and its variance.
+/// The estimate of the corrections with its covariance.
 #[derive(Clone, Debug)]
 pub(crate) struct Learner {
     /// The factor of draws, the excess, and the rest (ns).
     state: [f64; 3],
     covariance: [[f64; 3]; 3],
-    /// The level of the times of frames (ns).
+    /// The smoothed time of frames (ns).
     level_ns: f64,
-    /// The average error of the expected times (ns).
+    /// The average error of the predicted times (ns).
     noise_ns: f64,
     odd: u32,
     frames: u64,
@@ -144,7 +145,7 @@ impl Learner {
         self.settle()
     }
 
-    /// Steps back towards the prior: lessons weigh less, and the prior as much as before.
+    /// Moves the state towards the prior: older information loses weight, the prior does not.
     fn reset(&mut self) {
         let keep = (-std::f64::consts::LN_2 / HALF_LIFE_FRAMES).exp();
         for (place, (mean, prior)) in PRIOR.into_iter().enumerate() {
@@ -166,7 +167,7 @@ impl Learner {
         let variance = (1.25 * noise_ns).powi(2);
         let expected = dot(self.times(contents), contents) + variance;
         let deviations = error.abs() / expected.sqrt();
-        // Bounded, so that odd frames neither hide in the noise they make nor are the noise.
+        // Bounded, so that odd frames do not inflate the noise and then pass as normal.
         self.noise_ns = noise_ns + 0.05 * (error.abs().min(3.0 * noise_ns) - noise_ns);
         let is_odd = deviations > ODD_ERROR;
         self.odd = if is_odd { self.odd + 1 } else { 0 };
@@ -189,13 +190,13 @@ impl Learner {
         let draws = self.state[DRAWS].clamp(1.0 / MOST, MOST);
         self.state[DRAWS] = draws;
         self.state[EXCESS] = self.state[EXCESS].clamp(1.0 / MOST - draws, MOST - draws);
-        // Rounding must not make anything surer than sure.
+        // Rounding must not make a variance zero or negative.
         for (place, least) in [(DRAWS, 1.0e-9), (EXCESS, 1.0e-9), (REST, 1.0e-9 * variance)] {
             self.covariance[place][place] = self.covariance[place][place].max(least);
         }
     }
 
-    /// Forgets the rest, but for an error of about `error_ns`.
+    /// Resets the knowledge of the rest to an uncertainty of about `error_ns`.
     fn rest_changed(&mut self, error_ns: f64) {
         for place in [DRAWS, EXCESS] {
             self.covariance[REST][place] = 0.0;
@@ -208,7 +209,7 @@ impl Learner {
         self.covariance.map(|row| dot(row, contents))
     }
 
-    /// Moves the proportion as far as it is sure. Returns true if it changed.
+    /// Updates the proportion as far as it is certain. Returns true if it changed.
     fn settle(&mut self) -> bool {
         let beyond_doubt = |place: usize, mean: f64| {
             let learned = self.state[place] - mean;
@@ -218,7 +219,7 @@ impl Learner {
         let [draws, excess] = [DRAWS, EXCESS].map(|place| beyond_doubt(place, PRIOR[place].0));
         let sure = (1.0 + excess / draws).clamp(1.0 / MOST, MOST);
         let change = (sure / self.proportion).max(self.proportion / sure);
-        // Not a number, should that ever be, changes nothing.
+        // A NaN changes nothing.
         let changes = change >= LEAST_CHANGE;
         if changes {
             self.proportion = sure;

@@ -1,12 +1,12 @@
-//! Counts of the results of tests, which fade: the present counts more than the past.
+//! Counts of the results of tests, which fade: recent results have more weight.
 
-/// The frames after which evidence counts half.
+/// The number of frames after which evidence has half its weight.
 const HALF_LIFE_FRAMES: f32 = 64.0;
 
-/// The most results that count: more do not make a rate surer.
+/// The most results that count: more would not make a rate more certain.
 const MOST: f32 = 256.0;
 
-/// The counts of how often something was so, and how often not.
+/// Fading counts of positive and negative results.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct DecayingRate {
     pub(crate) yes: f32,
@@ -34,7 +34,7 @@ impl DecayingRate {
         self.no *= keep;
     }
 
-    /// Returns the probability that it is so, if this is all that is known beside `prior`.
+    /// Returns the probability of a positive result, given `prior` and these counts.
     pub(crate) fn probability(&self, prior: Self) -> f32 {
         (self.yes + prior.yes) / (self.yes + self.no + prior.yes + prior.no)
     }
@@ -44,11 +44,11 @@ impl DecayingRate {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct HideRate {
     hides: f64,
-    /// Visible leaves, added up over frames.
+    /// The number of visible leaves, summed over frames.
     exposure: f64,
 }
 
-/// The weight of the expected rate, in leaves times frames.
+/// The weight of the prior rate, in leaves times frames.
 const EXPECTED_EXPOSURE: f64 = 256.0;
 
 impl HideRate {
@@ -56,14 +56,15 @@ impl HideRate {
         self.hides += 1.0;
     }
 
-    /// Fades the counts by a frame with `visible` visible leaves.
+    /// Fades the counts by one frame that has `visible` visible leaves.
     pub(crate) fn fade(&mut self, visible: u32) {
         let keep = f64::from(keep());
         self.hides *= keep;
         self.exposure = self.exposure * keep + f64::from(visible);
     }
 
-    /// Returns the probability per leaf and frame that a visible leaf becomes hidden.
+    /// Returns the probability per leaf and frame that a visible leaf becomes hidden, with the
+    /// prior `expected`.
     pub(crate) fn per_leaf_and_frame(&self, expected: f64) -> f64 {
         (self.hides + expected * EXPECTED_EXPOSURE) / (self.exposure + EXPECTED_EXPOSURE)
     }

@@ -1,10 +1,10 @@
 //! The cost model: decides which tests are worth their cost.
 //!
-//! It counts the results of tests and sets costs against them. It reads no clock: its caller
-//! passes the times of frames, and it corrects its costs by them. An object that it leaves
-//! untested is drawn, so that no image depends on it. Evidence fades, so that old findings are
-//! tried again. Leaves drawn without a test are still tested on their own draw, now and then. Both
-//! together notice within a bounded number of frames that tests pay again.
+//! It counts the results of tests and compares the costs of tests with their savings. It reads no
+//! clock: the caller passes the times of frames, which correct the costs. An object that is not
+//! tested is drawn, so no image depends on the model. Evidence fades, so that old decisions are
+//! tried again. Leaves drawn without a test are still tested on their own draw now and then. So the
+//! model notices within a bounded number of frames when tests pay off again.
 
 use crate::cost::contents::FrameContents;
 use crate::cost::corrections::{Corrections, Learner};
@@ -16,45 +16,46 @@ use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::{QueryKind, VisibilityTest, VisibilityTestSupport};
 use crate::plan::strategy::Strategy;
 
-/// The interval of own-draw tests from which on there are none.
+/// The least interval between own-draw tests that stands for no such tests.
 const NEVER_FRAMES: u32 = 1 << 20;
 
-/// The interval in which a leaf is tested however seldom leaves become hidden ...
+/// The interval in which a leaf is tested even if leaves hardly ever become hidden ...
 const CALM_RETEST_FRAMES: f32 = 256.0;
-/// ... unless all those tests together would cost more than this share of the draws.
+/// ... unless all these tests together would cost more than this share of the draws.
 const CALM_SHARE: f32 = 0.01;
 
-/// The most frames by which [`CALM_SHARE`] may delay the notice of a change in the scene.
+/// The most frames by which [`CALM_SHARE`] may delay noticing a change in the scene.
 const MOST_GATE_FRAMES: u32 = 32;
 
-/// The frames without a paying test after which it is of little use to learn what tests could hide.
+/// The number of frames without a worthwhile test after which it is of little use to learn what
+/// tests could hide.
 const IDLE_AFTER_FRAMES: u32 = 8;
 
-/// The frames for which it is worth knowing that something is hidden, before its own draw would
-/// have shown it.
+/// The number of frames for which the knowledge that something is hidden is useful, before a test
+/// of its own draw would have found it.
 const HORIZON_FRAMES: f32 = 8.0;
 
-/// The share of its box's pixels that an object covers: the pixels of a hidden object fail the
-/// depth test like the box's.
+/// The share of the box's pixels that an object covers: the pixels of a hidden object fail the
+/// depth test like the pixels of its box.
 const LEAF_FILL: f32 = 0.5;
 
-/// The prior of unknown nodes: an even bet that they are hidden, until some were tested.
+/// The prior of unknown nodes: hidden with a probability of one half, until some were tested.
 const UNKNOWN_PRIOR: DecayingRate = DecayingRate { yes: 2.0, no: 2.0 };
-/// The prior of drawn leaves: they show, unless enough tests of own draws found otherwise.
+/// The prior of drawn leaves: visible, unless enough tests of own draws found otherwise.
 const DRAWN_PRIOR: DecayingRate = DecayingRate { yes: 0.0, no: 8.0 };
-/// The prior of hidden nodes: they stay hidden nine times of ten.
+/// The prior of hidden nodes: nine of ten stay hidden.
 const KNOWN_PRIOR: DecayingRate = DecayingRate { yes: 7.2, no: 0.8 };
 
-/// The pixels that the tests of a frame cover, as a multiple of those of the image: the boxes of a
+/// The pixels that the tests of a frame cover, relative to the pixels of the image: the boxes of a
 /// city at street level.
 const COVERED: f32 = 2.0;
 
-/// A test that could be made.
+/// A possible test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct TestEstimate {
-    /// Leaves that are drawn without it.
+    /// The number of leaves that are drawn without the test.
     pub(crate) leaves: u32,
-    /// Pixels that its proxy covers.
+    /// The number of pixels that the proxy covers.
     pub(crate) pixels: f32,
     /// True if nothing is known of the node.
     pub(crate) is_unknown: bool,
@@ -63,14 +64,14 @@ pub(crate) struct TestEstimate {
 /// The saving and the cost of a test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CostBenefit {
-    /// The average saving.
+    /// The expected saving.
     pub(crate) saving_ns: f32,
-    /// The part of it that is saved in this frame.
+    /// The part of the saving that occurs in this frame.
     pub(crate) saving_now_ns: f32,
     /// The cost of the test itself, in nanoseconds.
     pub(crate) cost_ns: f32,
-    /// The expected time of the draws that show, in the frames for which they are then taken as
-    /// visible.
+    /// The expected time of the draws that the test reveals, over the frames for which the leaves
+    /// then count as visible.
     pub(crate) revealed_ns: f32,
 }
 
@@ -82,11 +83,11 @@ impl CostBenefit {
     }
 }
 
-/// One view's costs, and its statistics of the results of tests.
+/// The costs for one view, and the statistics of the results of its tests.
 #[derive(Clone, Debug)]
 pub struct LearnedCosts {
     table: CostTable,
-    /// The table with the corrected costs of tests in proportion to draws.
+    /// The table with corrected costs of tests.
     costs: CostTable,
     leaf_ns: f32,
     unknown: DecayingRate,
@@ -95,12 +96,12 @@ pub struct LearnedCosts {
     drawn: DecayingRate,
     hides: HideRate,
     learner: Learner,
-    /// Frames since tests could have paid for the breaks of rendering that they need.
+    /// The number of frames since tests could last pay for the breaks of rendering that they need.
     idle_frames: u32,
 }
 
 impl LearnedCosts {
-    /// Creates a cost model that saw nothing yet.
+    /// Creates a cost model without results.
     ///
     /// # Errors
     /// [`BadCost`] if a value of `table` or `scene` is impossible.
@@ -113,7 +114,7 @@ impl LearnedCosts {
         Ok(Self {
             table,
             costs: table,
-            // Finite costs may have a product that is not.
+            // The product of finite costs may be infinite.
             leaf_ns: table.leaf_ns(triangles).min(f32::MAX),
             unknown: DecayingRate::default(),
             known: DecayingRate::default(),
@@ -130,7 +131,7 @@ impl LearnedCosts {
         self.table
     }
 
-    /// Returns the corrections that were learned from the times of frames.
+    /// Returns the corrections learned from the times of frames.
     #[must_use]
     pub fn corrections(&self) -> Corrections {
         self.learner.corrections()
@@ -148,7 +149,7 @@ impl LearnedCosts {
         self.known.probability(KNOWN_PRIOR)
     }
 
-    /// Forgets the results of tests, but not the costs.
+    /// Resets the results of tests, but not the costs.
     pub fn reset(&mut self) {
         self.unknown = DecayingRate::default();
         self.known = DecayingRate::default();
@@ -157,7 +158,7 @@ impl LearnedCosts {
         self.idle_frames = 0;
     }
 
-    /// Begins a frame, after one in which `visible` leaves were taken as visible.
+    /// Begins a frame. The frame before took `visible` leaves as visible.
     pub(crate) fn begin_frame(&mut self, visible: u32) {
         self.unknown.fade();
         self.known.fade();
@@ -166,9 +167,8 @@ impl LearnedCosts {
         self.idle_frames = self.idle_frames.saturating_add(1);
     }
 
-    /// Notes what the tests of this frame would save and what their breaks would cost, in a frame
-    /// that takes `visible` leaves as visible. Some of those are hidden by now without a test that
-    /// found it.
+    /// Notes the saving of the tests of this frame and the cost of their breaks. The frame takes
+    /// `visible` leaves as visible, some of which have become hidden without a test that found it.
     pub(crate) fn note_prospect(&mut self, saving_ns: f32, break_ns: f32, visible: u32) {
         let hidden = self.drawn.probability(DRAWN_PRIOR) * visible as f32;
         let prospect_ns = saving_ns + hidden * self.leaf_ns;
@@ -177,8 +177,8 @@ impl LearnedCosts {
         }
     }
 
-    /// Returns true if tests have not paid for a while. Hidden leaves are then drawn all the same,
-    /// so that finding them saves nothing until they are many.
+    /// Returns true if tests have not paid off for a while. Hidden leaves are then drawn anyway, so
+    /// finding a hidden leaf saves nothing until there are many.
     fn is_idle(&self) -> bool {
         self.idle_frames > IDLE_AFTER_FRAMES
     }
@@ -212,35 +212,36 @@ impl LearnedCosts {
         }
     }
 
-    /// Returns the frames after which a calm leaf's own draw is tested again. A test costs its
-    /// cost once in the interval T, a leaf that became hidden is drawn in vain for T / 2 frames on
-    /// average, and the sum is least at the square root of twice the cost over rate and cost of
-    /// draws.
+    /// Returns the number of frames after which a calm leaf's own draw is tested again. With an
+    /// interval of T frames, a leaf pays the cost of a test every T frames, and a leaf that became
+    /// hidden is drawn in vain for T / 2 frames on average. The sum is least at T = sqrt(2 * test
+    /// cost / (rate * draw cost)).
     pub(crate) fn retest_frames(&self, config: &CullConfig) -> u32 {
         let least = config.retest_max.max(1) as f32;
-        // The draw becomes a call of its own, and so do those behind it.
+        // The tested draw becomes an indirect call of its own, and so do the draws after it.
         let CostTable { query_ns, call_ns, .. } = self.costs;
         let item_cost = (f64::from(query_ns) + 2.0 * f64::from(call_ns)) / f64::from(self.leaf_ns);
         if item_cost.is_nan() {
             return config.retest_max;
         }
-        // Until something was seen, the rate is that to which the policy's interval is the answer.
+        // Without results, the rate is chosen so that the interval of the configuration is best.
         let expected = 2.0 * item_cost / f64::from(least * least);
         let best = (2.0 * item_cost / self.hides.per_leaf_and_frame(expected)).sqrt();
         let calm = f64::from(CALM_RETEST_FRAMES).max(item_cost / f64::from(CALM_SHARE));
         let wished = if best.is_nan() { f64::from(least) } else { best };
-        // So seldom that it hardly costs, and no more often while nothing is made of the answers.
+        // While the results are not used, tests are rare enough to cost next to nothing.
         let frames =
             if self.is_idle() { wished.max(item_cost / f64::from(CALM_SHARE)) } else { wished };
-        // A cost that makes even the calm tests too rare to matter makes all tests too dear.
+        // If even the calm tests are too rare to matter, all tests are too expensive.
         let frames = if calm >= f64::from(NEVER_FRAMES) { calm } else { frames.min(calm) };
         frames.max(f64::from(least)).min(f64::from(u32::MAX / 4)) as u32
     }
 
-    /// Returns `config` with the constants that are best now.
+    /// Returns `config` with the constants that are best at present.
     pub(crate) fn tuned(&self, config: &CullConfig) -> CullConfig {
         let frames = self.retest_frames(config);
-        // Tests of boxes alone are not worth a break of rendering where next to nothing hides.
+        // If next to nothing becomes hidden, tests of boxes alone are not worth a break of
+        // rendering.
         let is_calm = self.is_idle() || frames > config.retest_max.saturating_mul(2);
         let visible_box_angle = if is_calm { 0.0 } else { config.visible_box_angle };
         let retest_first = if is_calm { frames / 4 } else { config.retest_first };
@@ -255,13 +256,13 @@ impl LearnedCosts {
         }
     }
 
-    /// Returns the interval of the frames of a calm view that have tests, chosen so that waiting
-    /// for results costs no more than [`CALM_SHARE`] of all.
+    /// Returns the interval between frames with tests in a calm view. It is chosen so that waiting
+    /// for results costs at most [`CALM_SHARE`] of a frame.
     fn gate_frames(&self) -> u32 {
         ((self.costs.break_wait_share / CALM_SHARE) as u32).clamp(1, MOST_GATE_FRAMES)
     }
 
-    /// Weighs a test that `tester` answers.
+    /// Weighs a test by `tester`.
     #[must_use]
     pub(crate) fn weigh(&self, estimate: &TestEstimate, tester: VisibilityTest) -> CostBenefit {
         let (hidden, frames) = if estimate.is_unknown {
@@ -279,9 +280,8 @@ impl LearnedCosts {
         CostBenefit { saving_ns, saving_now_ns, revealed_ns, cost_ns: cost_ns.min(f32::MAX) }
     }
 
-    /// Weighs a pull-up query. It saves nothing now, but the parts of its node may be left undrawn
-    /// at the cost of one test from then on. Where a test of a single leaf does not pay, one of
-    /// many may.
+    /// Weighs a pull-up query. It saves nothing in this frame, but from then on one test may cover
+    /// all parts of its node. So it may pay off even if a test of a single leaf does not.
     #[must_use]
     pub(crate) fn weigh_pull_up(
         &self,
@@ -293,7 +293,7 @@ impl LearnedCosts {
         CostBenefit { saving_ns: saving_ns.min(f32::MAX), ..benefit }
     }
 
-    /// Returns the available tester that tests a box at the least cost.
+    /// Returns the cheaper available tester of a box: flag or query.
     #[must_use]
     pub(crate) fn cheaper(&self, estimate: &TestEstimate, has_flags: bool) -> VisibilityTest {
         let cost = |tester| self.weigh(estimate, tester).cost_ns;
@@ -304,9 +304,10 @@ impl LearnedCosts {
         }
     }
 
-    /// Returns true if a compute shader tests a round at the least cost. The round has `boxes` that
-    /// cover `pixels` together. Its `shared` ones cost the other testers nothing. The compute
-    /// shader has a fixed cost, the others are paid by the pixel.
+    /// Returns true if a compute shader is the cheapest tester of a round. The round has `boxes`
+    /// boxes that cover `pixels` in total, and `shared` tests that share a result. A shared result
+    /// costs the other testers nothing. The compute shader has a fixed cost per round, the others a
+    /// cost per pixel.
     #[must_use]
     pub(crate) fn is_for_compute(
         &self,
@@ -325,9 +326,10 @@ impl LearnedCosts {
         self.costs.compute_round_ns + computed * self.costs.compute_box_ns < raster
     }
 
-    /// Returns the tester that costs least in a frame of this work at this size in pixels, as far
-    /// as is known before the first frame: boxes that cover the image twice, in as many rounds, or
-    /// in one of the compute shader. Without queries that of [`VisibilityTestSupport::strategy`].
+    /// Returns the cheapest tester for frames with this work and this size in pixels, as far as it
+    /// can be estimated before the first frame. Assumes that the boxes cover the image twice, in
+    /// the rounds of `work`, or in one round by the compute shader. Without queries, returns the
+    /// tester of [`VisibilityTestSupport::strategy`].
     #[must_use]
     pub fn tester_for(
         &self,
@@ -354,23 +356,23 @@ impl LearnedCosts {
         if is_computed { VisibilityTest::Compute } else { rastered }
     }
 
-    /// Returns the cost of the breaks of a frame that takes `leaves` as visible, of one round that
-    /// `tester` tests. Tests that save less together are left out.
+    /// Returns the cost of the breaks of a frame that takes `leaves` leaves as visible, with one
+    /// round that `tester` tests. Tests whose total saving is less are left out.
     pub(crate) fn break_ns(&self, leaves: usize, tester: VisibilityTest) -> f32 {
         let drawn = leaves as f32 * self.leaf_ns;
         (self.round_ns(tester) + self.costs.break_wait_share * drawn).min(f32::MAX)
     }
 
-    /// Returns the cost of a further round: its break, and what `tester` costs however little it
-    /// tests. What is drawn before the first one is waited for once.
+    /// Returns the cost of a further round: its break, and the fixed cost of `tester`. The wait for
+    /// the draws before the tests is not included, because it occurs only once.
     pub(crate) fn round_ns(&self, tester: VisibilityTest) -> f32 {
         let CostTable { break_ns, compute_round_ns, .. } = self.costs;
         break_ns + if tester == VisibilityTest::Compute { compute_round_ns } else { 0.0 }
     }
 
-    /// Takes the GPU time of a frame with these contents. If different frames agree that tests are
-    /// dearer or cheaper than the table says, in proportion to draws, the costs of tests follow
-    /// ([`LearnedCosts::corrections`]). Impossible times are ignored.
+    /// Takes the GPU time of a frame with these contents. The costs of tests are corrected if
+    /// different frames agree that tests are more or less expensive, relative to draws, than the
+    /// table says ([`LearnedCosts::corrections`]). Impossible times are ignored.
     pub fn observe(&mut self, gpu_ns: f64, contents: &FrameContents) {
         if self.learner.note(gpu_ns, contents.predicted(&self.table)) {
             self.costs = self.table.with_tests_at(self.corrections().proportion);
@@ -387,15 +389,15 @@ impl LearnedCosts {
                 let shown = (1.0 - hidden) * table.flagged_pixel_ns;
                 table.flag_box_ns + pixels * (hidden * table.hidden_pixel_ns + shown)
             }
-            // The round's own cost is for the whole round.
+            // The fixed cost of the round is counted once per round.
             VisibilityTest::Compute => table.compute_box_ns,
-            // Somebody else pays.
+            // The test whose result is shared includes the cost.
             VisibilityTest::SharedProxy(_) => 0.0,
         }
     }
 }
 
-/// Returns true if an interval stands for no own-draw tests at all.
+/// Returns true if an interval stands for no own-draw tests.
 pub(crate) const fn is_never(retest_frames: u32) -> bool {
     retest_frames >= NEVER_FRAMES
 }

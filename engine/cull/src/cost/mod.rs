@@ -1,4 +1,4 @@
-//! The cost and the saving of tests, corrected by the times of frames.
+//! The costs and savings of tests, corrected by the times of frames.
 
 pub(crate) mod contents;
 pub(crate) mod corrections;

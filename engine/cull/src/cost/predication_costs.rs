@@ -1,18 +1,18 @@
-//! The costs of the ways to keep the GPU from drawing what tests found hidden, and the choice
-//! among them. Pure: a device's times come in, a place in a list goes out.
+//! The costs of the ways to keep the GPU from drawing hidden objects, and the choice among these
+//! ways. The module measures nothing: it gets the times of a device and returns an index.
 
 /// The costs of one way to skip hidden draws, in nanoseconds of GPU time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PredicationCosts {
-    /// A round: what turns the results of its tests into that which its draws depend on.
+    /// A round: the time to turn the results of its tests into data that its draws depend on.
     pub round_ns: f32,
-    /// A range of draws that depends on a result, with one draw that is skipped.
+    /// A range of draws that depends on a result, including one skipped draw.
     pub range_ns: f32,
-    /// Each further draw of such a range.
+    /// Each further draw of a range.
     pub draw_ns: f32,
 }
 
-/// The skipped work of a frame.
+/// The work that a frame skips.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SkippedWork {
     /// Rounds of tests.
@@ -23,43 +23,44 @@ pub struct SkippedWork {
     pub draws: u32,
 }
 
-/// The GPU times of frames with ranges that are skipped, in nanoseconds.
+/// The GPU times of frames that skip ranges of draws, in nanoseconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkipTimes {
-    /// No range at all, but a draw.
+    /// A frame without ranges, but with a draw.
     pub nothing_ns: f64,
-    /// [`SkipTimes::RANGES`] ranges of a draw each, in one round.
+    /// A frame with [`SkipTimes::RANGES`] ranges of one draw each, in one round.
     pub few_ns: f64,
-    /// Twice as many.
+    /// A frame with twice the ranges of `few_ns`.
     pub many_ns: f64,
-    /// As many as in `few_ns`, of [`SkipTimes::WIDE_DRAWS`] draws each.
+    /// A frame with the ranges of `few_ns`, of [`SkipTimes::WIDE_DRAWS`] draws each.
     pub wide_ns: f64,
 }
 
 /// The measured costs of one way to skip hidden draws.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MeasuredSkip {
-    /// The costs by the shortest time of each batch.
+    /// The costs from the shortest time of each batch.
     pub costs: PredicationCosts,
-    /// The costs by the times of each round, in which all ways took turns.
+    /// The costs from each measuring round, in which all ways took turns.
     pub rounds: Vec<PredicationCosts>,
 }
 
-/// The factor by which a way must be cheaper than the first one: below, noise decides.
+/// The factor by which a way must be cheaper than the first way: smaller differences may be noise.
 const LEAST_GAIN: f64 = 1.25;
 
-/// The fewest rounds that can show that a way is cheaper: its dearest round against the cheapest
-/// one of the first way. Of two ways that noise alone tells apart, that happens once in 70 times.
+/// The least measuring rounds that can show that a way is cheaper: its most expensive round must be
+/// cheaper than the cheapest round of the first way. For two equal ways, noise causes this once in
+/// 70 times.
 const LEAST_ROUNDS: usize = 4;
 
 impl SkipTimes {
-    /// The ranges of the shorter measurement.
+    /// The number of ranges in the shorter measurement.
     pub const RANGES: u32 = 256;
-    /// The draws of a wide range.
+    /// The number of draws in a wide range.
     pub const WIDE_DRAWS: u32 = 8;
 
-    /// Returns the costs that follow. What is lost in noise costs nothing; NaN of a time that was
-    /// not measured stays.
+    /// Returns the costs that follow from the times. A negative cost, which is noise, becomes 0.
+    /// The NaN of a time that was not measured stays.
     #[must_use]
     pub fn costs(&self) -> PredicationCosts {
         let ranges = f64::from(Self::RANGES);
@@ -75,16 +76,16 @@ impl SkipTimes {
 }
 
 impl SkippedWork {
-    /// Returns what a frame skips of a scene of `leaves` objects that are nearly all hidden, as in
-    /// a city at street level: one round, as in a calm frame, and twice as many ranges as the
-    /// square root of the leaves, since subtrees are skipped as a whole.
+    /// Returns the work that a frame skips in a scene of `leaves` objects that are nearly all
+    /// hidden, as in a city at street level: one round, as in a calm frame, and twice the square
+    /// root of the leaves in ranges, because subtrees are skipped as a whole.
     #[must_use]
     pub fn of_leaves(leaves: u32) -> Self {
         Self { rounds: 1, ranges: (2 * leaves.isqrt()).min(leaves), draws: leaves }
     }
 
-    /// Returns the same of objects whose draws lie in so many buckets: a subtree is a range in each
-    /// bucket that it has draws in.
+    /// Returns this work for objects whose draws are divided into `buckets`: a subtree has one
+    /// range in each bucket that contains draws of it.
     #[must_use]
     pub fn in_buckets(self, buckets: u32) -> Self {
         Self { ranges: self.ranges.saturating_mul(buckets.max(1)).min(self.draws), ..self }
@@ -92,7 +93,7 @@ impl SkippedWork {
 }
 
 impl PredicationCosts {
-    /// Returns the time that skipping takes in a frame of this work (ns).
+    /// Returns the time that skipping this work takes in a frame (ns).
     #[must_use]
     pub fn frame_ns(&self, work: &SkippedWork) -> f64 {
         let each = |count: u32, cost_ns: f32| f64::from(count) * f64::from(cost_ns);
@@ -103,9 +104,10 @@ impl PredicationCosts {
 }
 
 impl MeasuredSkip {
-    /// Returns the place of the way that skips `work` at the least cost: the first, unless another
-    /// one is cheaper by a quarter in the worst of several rounds, so that noise does not choose.
-    /// Costs that are not numbers are never chosen before others; `None` of no costs.
+    /// Returns the index of the way that skips `work` at the least cost. It is the first way unless
+    /// another is cheaper by a quarter in the worst of several measuring rounds, so that noise does
+    /// not decide. Costs that are not numbers are chosen only if all are so; `None` without any
+    /// ways.
     #[must_use]
     pub fn cheapest(ways: &[Self], work: &SkippedWork) -> Option<usize> {
         let ns = |place: usize| ways.get(place).map_or(f64::NAN, |way| way.costs.frame_ns(work));
@@ -121,8 +123,8 @@ impl MeasuredSkip {
         Some(others.min_by(|a, b| ns(*a).total_cmp(&ns(*b))).unwrap_or(0))
     }
 
-    /// Returns true if the dearest round of this way is cheaper by a quarter than the cheapest one
-    /// of another.
+    /// Returns true if the most expensive measuring round of this way is cheaper by a quarter than
+    /// the cheapest round of `than`.
     fn is_surely_cheaper(&self, than: &Self, work: &SkippedWork) -> bool {
         let of = |way: &Self| -> Vec<f64> {
             way.rounds.iter().map(|costs| costs.frame_ns(work)).collect()
@@ -147,7 +149,7 @@ mod tests {
         PredicationCosts { round_ns, range_ns, draw_ns }
     }
 
-    /// Returns the times of a device of these costs, whose frames take `frame_ns` besides.
+    /// Returns the times of a device with these costs, whose frames take `frame_ns` in addition.
     fn times(costs: PredicationCosts, frame_ns: f64) -> SkipTimes {
         let ns = |ranges: u32, each: u32| {
             let work = SkippedWork { rounds: 1, ranges, draws: ranges * each };

@@ -1,4 +1,4 @@
-//! The costs of a device's work, which decide if a test pays.
+//! The costs of a device's work, which decide if a test pays off.
 
 use thiserror::Error;
 
@@ -6,47 +6,46 @@ use crate::cost::predication_costs::PredicationCosts;
 
 /// The costs of the work in a frame, in nanoseconds of GPU time.
 ///
-/// Only their proportions steer decisions. They may come from a measurement of the device; no image
-/// depends on them.
+/// Only their ratios affect decisions. They may be measured on the device; no image depends on
+/// them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CostTable {
-    /// Begin and end of an occlusion query, with the copy of its result and, where commands do it,
-    /// its reset.
+    /// The begin and end of an occlusion query, including the copy of its result and, if commands
+    /// reset it, its reset.
     pub query_ns: f32,
-    /// The box of a test by query, its pixels apart: a draw of its own.
+    /// The box of a test by query without its pixels: a draw of its own.
     pub query_box_ns: f32,
-    /// The box of a test by flag, its pixels apart: an instance among many.
+    /// The box of a test by flag without its pixels: one instance of many.
     pub flag_box_ns: f32,
     /// A pixel of a proxy that fails the depth test.
     pub hidden_pixel_ns: f32,
     /// A pixel of a proxy that passes and sets a flag.
     pub flagged_pixel_ns: f32,
-    /// A range of draws that depends on a result, with one draw that is skipped.
+    /// A range of draws that depends on a result, including one skipped draw.
     pub predicate_ns: f32,
-    /// Each further draw of such a range.
+    /// Each further skipped draw of a range.
     pub skipped_draw_ns: f32,
-    /// An indirect call, its draws apart.
+    /// An indirect call without its draws.
     pub call_ns: f32,
-    /// A draw, its triangles apart.
+    /// A draw without its triangles.
     pub draw_ns: f32,
-    /// A triangle of an object, with its share of vertices and of small pixels.
+    /// A triangle of an object, including its share of vertices and of small pixels.
     pub triangle_ns: f32,
-    /// A break of rendering, in which results are made ready: its time when there is little to wait
-    /// for.
+    /// A break of rendering, in which results are made ready, if there is little to wait for.
     pub break_ns: f32,
-    /// The cost of a break beyond that, as a share of the cost of all that is drawn before it,
-    /// since nothing overlaps with its end (0 to 1; the one entry that is no time).
+    /// The additional cost of a break, as a share of the cost of all draws before it, because
+    /// nothing overlaps with their end (0 to 1; the only entry that is not a time).
     pub break_wait_share: f32,
-    /// A round of tests by compute shader, of any number: a copy and a reduction of the depth.
+    /// A round of tests by compute shader without its boxes: a copy and a reduction of the depth.
     pub compute_round_ns: f32,
     /// A box tested by compute shader, of any size.
     pub compute_box_ns: f32,
 }
 
 impl Default for CostTable {
-    /// Returns the costs found on Mesa's software rasteriser (lavapipe 22.3, two cores, 1280x720):
-    /// a fallback where nothing can be measured. A GPU is faster in all, but in similar proportions
-    /// of setup to work.
+    /// Returns the costs measured on Mesa's software rasteriser (lavapipe 22.3, two cores,
+    /// 1280x720), as a fallback if nothing can be measured. A GPU is faster in everything, but with
+    /// similar ratios of setup to work.
     fn default() -> Self {
         Self {
             query_ns: 8_000.0,
@@ -81,7 +80,7 @@ pub struct BadCost {
 }
 
 impl CostTable {
-    /// Returns a table with `ns` for every cost, and without waits at breaks.
+    /// Returns a table with `ns` for every cost, and without the additional cost of breaks.
     #[must_use]
     pub const fn uniform(ns: f32) -> Self {
         Self {
@@ -102,7 +101,7 @@ impl CostTable {
         }
     }
 
-    /// Returns a table of values in the order of [`CostTable::entries`].
+    /// Returns a table from values in the order of [`CostTable::entries`].
     #[must_use]
     pub fn from_values(value: impl Fn(usize) -> f32) -> Self {
         Self {
@@ -123,7 +122,7 @@ impl CostTable {
         }
     }
 
-    /// Returns every entry with its name, for reports.
+    /// Returns all entries with their names, for reports.
     #[must_use]
     pub const fn entries(&self) -> [(&'static str, f32); 14] {
         [
@@ -147,7 +146,7 @@ impl CostTable {
     /// Returns the table itself if all its entries are possible.
     ///
     /// # Errors
-    /// [`BadCost`] for the first that is infinite, NaN, negative, or a share above 1.
+    /// [`BadCost`] for the first entry that is infinite, NaN, negative, or a share above 1.
     pub fn checked(self) -> Result<Self, BadCost> {
         let is_bad = |&(name, value): &(&str, f32)| {
             !value.is_finite() || value < 0.0 || (name == "break_wait_share" && value > 1.0)
@@ -158,8 +157,7 @@ impl CostTable {
         }
     }
 
-    /// Returns the table with tests, and the breaks that they need, `times` as dear in proportion
-    /// to draws.
+    /// Returns the table with the costs of tests and of their breaks multiplied by `times`.
     pub(crate) fn with_tests_at(&self, times: f32) -> Self {
         let at = |item_cost: f32| (item_cost * times).min(f32::MAX);
         Self {
@@ -180,8 +178,8 @@ impl CostTable {
         }
     }
 
-    /// Returns the table of a device that skips hidden draws at these costs. A round's own cost
-    /// is part of its break.
+    /// Returns the table of a device that skips hidden draws at these costs. The cost of a round
+    /// becomes part of its break.
     #[must_use]
     pub fn skipping_at(self, skip: &PredicationCosts) -> Self {
         Self {
@@ -192,8 +190,7 @@ impl CostTable {
         }
     }
 
-    /// Returns the cost of drawing an object of `triangles` triangles that is hidden by earlier
-    /// draws.
+    /// Returns the cost of drawing an object of `triangles` triangles that earlier draws hide.
     #[must_use]
     pub fn leaf_ns(&self, triangles: f32) -> f32 {
         self.draw_ns + triangles * self.triangle_ns
@@ -203,7 +200,7 @@ impl CostTable {
 /// The properties of a scene that costs depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SceneCosts {
-    /// Triangles of an object on average.
+    /// The average number of triangles per object.
     pub triangles_per_leaf: f32,
 }
 

@@ -15,7 +15,7 @@ pub struct Aabb {
 }
 
 impl Aabb {
-    /// The box of nothing: the neutral element of [`Aabb::union`].
+    /// The empty box: the neutral element of [`Aabb::union`].
     pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
     /// Creates a box from its two extreme corners.
@@ -24,7 +24,7 @@ impl Aabb {
         Self { min, max }
     }
 
-    /// Returns the smallest box around both.
+    /// Returns the smallest box around both boxes.
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
@@ -36,7 +36,7 @@ impl Aabb {
         Self { min: self.min - distance, max: self.max + distance }
     }
 
-    /// Returns the middle.
+    /// Returns the centre of the box.
     #[must_use]
     pub fn centre(&self) -> Vec3 {
         self.min * 0.5 + self.max * 0.5
@@ -54,13 +54,13 @@ impl Aabb {
         (self.min - point).max(point - self.max).max(Vec3::ZERO).length_squared()
     }
 
-    /// Returns true if `point` is inside or on the surface.
+    /// Returns true if `point` is inside of the box or on its surface.
     #[must_use]
     pub fn contains_point(&self, point: Vec3) -> bool {
         point.cmpge(self.min).all() && point.cmple(self.max).all()
     }
 
-    /// Returns true if no point of `other` is outside.
+    /// Returns true if no point of `other` is outside of the box.
     #[must_use]
     pub fn contains(&self, other: &Self) -> bool {
         other.min.cmpge(self.min).all() && other.max.cmple(self.max).all()
@@ -72,14 +72,14 @@ impl Aabb {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
 
-    /// Returns true if there is nothing in it, not even a point: a free leaf, or a node with no
-    /// others.
+    /// Returns true if the box contains nothing, not even a point. Free leaves, and nodes with only
+    /// free leaves, have such a box.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.min.cmpgt(self.max).any()
     }
 
-    /// Returns half of the surface (square metres); 0 for [`Aabb::EMPTY`].
+    /// Returns half of the surface area (square metres); 0 for [`Aabb::EMPTY`].
     #[must_use]
     pub fn half_area(&self) -> f32 {
         if self.is_empty() {
@@ -95,8 +95,8 @@ impl Aabb {
         self.min.is_finite() && self.max.is_finite()
     }
 
-    /// Returns true if an object can have this box: finite, not [empty](Aabb::is_empty), and no
-    /// coordinate beyond [`MAX_COORDINATE`].
+    /// Returns true if an object may have this box: it is finite and not [empty](Aabb::is_empty),
+    /// and no coordinate is beyond [`MAX_COORDINATE`].
     #[must_use]
     pub fn is_usable(&self) -> bool {
         self.is_finite()
@@ -104,8 +104,7 @@ impl Aabb {
             && self.min.cmple(self.max).all()
     }
 
-    /// Returns the largest coordinate without its sign: single-precision rounding is relative to
-    /// it.
+    /// Returns the largest absolute coordinate, to which single-precision rounding is relative.
     #[must_use]
     pub fn largest_coordinate(&self) -> f32 {
         self.min.abs().max(self.max.abs()).max_element()

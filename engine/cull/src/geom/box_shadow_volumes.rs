@@ -1,25 +1,25 @@
-//! The shadow volumes of boxes: what a plan of casters tests in place of the boxes themselves.
+//! The shadow volumes of boxes: a plan of casters tests them in place of the boxes themselves.
 //!
-//! A caster matters to a view only if its shadow falls on something that the view sees. All of
-//! that lies in the shadow volume of the caster's box: the points whose way to the light meets the
-//! box. So the volume is the proxy. If no sample of it passes the depth test, every visible surface
-//! in its pixels is nearer than its front: none is in it, and the caster may be left out (Stich,
-//! Wächter, Keller, "Efficient and Robust Shadow Volumes Using Hierarchical Occlusion Culling and
-//! Geometry Shaders", GPU Gems 3, chapter 11).
+//! A caster matters to a view only if its shadow falls on something that the view sees. All such
+//! receivers lie in the shadow volume of the caster's box: the points whose way to the light meets
+//! the box. So the volume is the proxy. If no sample of it passes the depth test, every visible
+//! surface in its pixels is nearer than its front. Then no visible surface is in it, and the caster
+//! may be left out (Stich, Wächter, Keller, "Efficient and Robust Shadow Volumes Using Hierarchical
+//! Occlusion Culling and Geometry Shaders", GPU Gems 3, chapter 11).
 //!
-//! The volume of a box is the hull of two images of it: the box drawn towards the light, and the
-//! box drawn away from it until nothing that could receive its shadow is beyond. A point `v` is
-//! drawn by `k` to `v + k (w v - l)`, where `l` and `w` are the light in homogeneous coordinates:
-//! along its rays if it is a sun (w = 0), from the light as the centre else (w = 1).
+//! The volume of a box is the hull of two images of it: the box moved towards the light, and the
+//! box moved away from the light until no receiver is beyond. A factor `k` moves a point `v`
+//! to `v + k (w v - l)`, where `l` and `w` are the light in homogeneous coordinates: along its rays
+//! for a sun (w = 0), or scaled from the light as the centre otherwise (w = 1).
 //!
 //! # Margins
-//! A receiver is lit by what a filter finds around it. A caster beside its ray to the light, by
-//! the reach of the filter, counts as well, and one that is deeper than the receiver by as much as
-//! the filter takes the receiver's plane to be. So the box is enlarged by the former
-//! ([`LightReach::spread_m`]), and its volume begins nearer to the light by the latter
-//! ([`LightReach::lead`]). What [`Margin`](crate::Margin) asks of proxies is added to the
-//! enlargement, for the farthest receiver. Drawn towards a local light a box shrinks, and so does
-//! its margin: it is larger by as much from the start.
+//! A filter lights a receiver by the casters around it. So a caster counts if it misses the
+//! receiver's ray to the light by at most the reach of the filter. It also counts if it is deeper
+//! than the receiver by at most the depth range that the filter assumes for the receiver's plane.
+//! So the box is enlarged by the reach ([`LightReach::spread_m`]), and its volume begins nearer to
+//! the light by the depth range ([`LightReach::lead`]). The enlargement also includes the margin of
+//! proxies ([`Margin`](crate::Margin)) for the farthest receiver. A box that moves towards a local
+//! light shrinks, and so does its margin, so the margin is larger from the start to make up for it.
 
 use glam::{Vec2, Vec3, Vec4};
 
@@ -28,34 +28,36 @@ use crate::geom::frustum::{Containment, Frustum, PlaneMask};
 use crate::geom::margin::rounding;
 use crate::geom::view::CullView;
 
-/// The least share of the light's reach that a box must keep from it to have a volume of its own.
+/// The least distance of a box from the light, relative to the light's reach, for a volume of its
+/// own.
 const NEAREST_SHARE: f32 = 1.0 / 64.0;
 
-/// The least margin of a volume in metres, and its share of the size of what is around: against the
-/// rounding of vertices far away, which clipping carries to the eye.
+/// The least margin of a volume in metres, and relative to the size of its surroundings: against
+/// the rounding of far vertices, which clipping carries to the eye.
 const LEAST_MARGIN: [f32; 2] = [0.01, 2.0e-6];
 
-/// The rays of a light, and how far its shadows reach.
+/// The rays of a light and the reach of its shadows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightReach {
     /// The light in homogeneous coordinates: a point (metres) with w = 1, or the unit vector
     /// towards a sun with w = 0.
     pub light: Vec4,
-    /// The distance beyond which its shadows do not matter, in metres; infinite for a sun.
+    /// The distance from the light beyond which its shadows do not matter, in metres; infinite for
+    /// a sun.
     pub reach_m: f32,
-    /// The distance by which filters reach aside of a receiver's ray to the light, in metres.
+    /// The distance by which filters reach beyond a receiver's ray to the light, in metres.
     pub spread_m: f32,
-    /// The distance by which a caster may be deeper than the receiver that it shadows: under a sun
-    /// in metres, else as a share of the caster's distance to the light, below 1.
+    /// The distance by which a caster may be deeper than the receiver that it shadows: in metres
+    /// under a sun, otherwise relative to the caster's distance to the light and below 1.
     pub lead: f32,
 }
 
 /// The lengths of the shadow volume of a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VolumeLength {
-    /// The factor by which the box is drawn towards the light.
+    /// The factor by which the box is moved towards the light.
     pub towards: f32,
-    /// The factor by which it is drawn away from it.
+    /// The factor by which the box is moved away from the light.
     pub away: f32,
 }
 
@@ -67,13 +69,13 @@ pub struct BoxShadowVolumes<'a> {
     /// The volumes in which casters are drawn.
     frusta: &'a [Frustum],
     margin_m: f32,
-    /// A ball around what the near plane shows.
+    /// A ball around the visible part of the near plane.
     near: (Vec3, f32),
 }
 
 impl<'a> BoxShadowVolumes<'a> {
-    /// Creates the volumes for a view that sees `receivers` only. Of casters, only those in one of
-    /// the light's `frusta` count.
+    /// Creates the volumes for a view that sees only `receivers`. A caster counts only if it is in
+    /// one of the light's `frusta`.
     #[must_use]
     pub fn new(view: &CullView, reach: LightReach, receivers: Aabb, frusta: &'a [Frustum]) -> Self {
         let farthest_m = receivers
@@ -99,7 +101,8 @@ impl<'a> BoxShadowVolumes<'a> {
         &self.reach
     }
 
-    /// Returns the lengths of the volume of a box that [`MultiView`](crate::MultiView) enlarged.
+    /// Returns the lengths of the volume of `proxy`, a box that [`MultiView`](crate::MultiView)
+    /// enlarged.
     #[must_use]
     pub fn length(&self, proxy: &Aabb) -> VolumeLength {
         let LightReach { light, reach_m, lead, .. } = self.reach;
@@ -114,16 +117,16 @@ impl<'a> BoxShadowVolumes<'a> {
         VolumeLength { towards: lead, away: (reach_m / distance_m - 1.0).max(0.0) }
     }
 
-    /// Returns the way along a sun's rays after which no point of a box is among the receivers, in
-    /// metres: along each axis their end, the first of which counts.
+    /// Returns the distance along a sun's rays after which a box has left the box of receivers, in
+    /// metres: the smallest of the distances along the three axes.
     fn way_out_m(&self, proxy: &Aabb, towards: Vec3) -> f32 {
         let apart = (proxy.centre() - self.receivers.centre()) * towards.signum();
         let ways = (apart + proxy.half_extent() + self.receivers.half_extent()) / towards.abs();
-        // Parallel to an axis there is no end along it, also where nothing is divided by nothing.
+        // Rays parallel to an axis give infinity; `min` ignores the NaN of 0 / 0.
         ways.to_array().into_iter().fold(f32::INFINITY, f32::min).max(0.0)
     }
 
-    /// Returns the box around everything that a local light lights, to be tested as its own volume;
+    /// Returns the box around the whole reach of a local light, which is tested as its own volume;
     /// `None` if the near plane may cut it, and for a sun.
     #[must_use]
     pub fn whole(&self, view: &CullView) -> Option<Aabb> {
@@ -132,14 +135,14 @@ impl<'a> BoxShadowVolumes<'a> {
         is_local.then(|| self.proxy(&Aabb::new(position, position), view)).flatten()
     }
 
-    /// Returns the factor that makes up for the shrinking of what is drawn towards the light.
+    /// Returns the factor that compensates the shrinking of a box that is moved towards the light.
     fn growth(&self) -> f32 {
         if self.reach.light.w == 0.0 { 1.0 } else { (1.0 - self.reach.lead).recip() }
     }
 
-    /// Returns the box whose volume holds all shadows from `bounds`: enlarged by the margin, or,
-    /// where the light is in it or nearly so, the box around all that it lights, which is its own
-    /// volume.
+    /// Returns the box whose volume contains all shadows of `bounds`: `bounds` enlarged by the
+    /// margin. If the light is in this box or close to it, returns the box around the whole reach
+    /// of the light, which is its own volume.
     fn enlarged(&self, bounds: &Aabb) -> Aabb {
         let LightReach { light, reach_m, .. } = self.reach;
         let enlarged = bounds.enlarged(self.margin_m * self.growth());
@@ -148,7 +151,7 @@ impl<'a> BoxShadowVolumes<'a> {
         }
         let position = light.truncate();
         let least_m = reach_m * NEAREST_SHARE;
-        // Written so that a NaN takes the whole.
+        // Written so that a NaN selects the whole reach.
         if enlarged.distance_squared(position) > least_m * least_m {
             enlarged
         } else {
@@ -156,7 +159,7 @@ impl<'a> BoxShadowVolumes<'a> {
         }
     }
 
-    /// Returns `Outside` for a box that casts no shadow that the view could see, by the light's
+    /// Returns `Outside` for a box whose shadows the view cannot see, according to the light's
     /// reach, its frusta and the planes of the view.
     pub(crate) fn classify(&self, bounds: &Aabb, view: &CullView) -> Containment {
         let LightReach { light, reach_m, .. } = self.reach;
@@ -179,13 +182,13 @@ impl<'a> BoxShadowVolumes<'a> {
     }
 
     /// Returns the box whose volume is tested in place of `bounds`, or `None` if its shadows must
-    /// count as visible, because the near plane may cut the volume.
+    /// count as visible because the near plane may cut the volume.
     pub(crate) fn proxy(&self, bounds: &Aabb, view: &CullView) -> Option<Aabb> {
         let proxy = self.enlarged(bounds);
         let VolumeLength { towards, away } = self.length(&proxy);
         let LightReach { light, .. } = self.reach;
         let (centre, radius_m) = self.near;
-        // The points that are drawn to the centre: those on its ray to the light.
+        // The points that a factor moves to the centre lie on its ray to the light.
         let (way, [first, last]) = if light.w == 0.0 {
             (light.truncate(), [-towards, away])
         } else {
@@ -199,7 +202,7 @@ impl<'a> BoxShadowVolumes<'a> {
     }
 }
 
-/// Returns true if no point `from + way * u`, with `u` in a range, is in a box.
+/// Returns true if no point `from + way * u`, for `u` in `range`, is in a box.
 fn is_missed(bounds: &Aabb, from: Vec3, way: Vec3, range: [f32; 2]) -> bool {
     let [mut first, mut last] = range;
     if !(bounds.is_finite() && from.is_finite() && way.is_finite()) {
@@ -255,8 +258,8 @@ mod tests {
         LightReach { light, reach_m, spread_m: 0.1, lead }
     }
 
-    /// Returns true if a point is in the volume of an enlarged box: computed in 64 bits from its
-    /// definition, a point of the box that is drawn to it.
+    /// Returns true if a point is in the volume of an enlarged box. Follows the definition in 64
+    /// bits: searches a point of the box that a factor moves to `point`.
     fn is_in_volume(proxy: &Aabb, length: VolumeLength, light: Vec4, point: Vec3) -> bool {
         let light = light.as_dvec4();
         let point = point.as_dvec3();
@@ -289,7 +292,7 @@ mod tests {
             let size = numbers.point(4.0).abs() + 0.05;
             let low = match round % 2 {
                 0 => numbers.point(25.0),
-                // Somewhere between the eye and the light.
+                // Between the eye and the light.
                 _ => {
                     let towards = reach.light.truncate() - eye * reach.light.w;
                     eye + towards.normalize() * numbers.between(0.0, 20.0) - size * 0.5
@@ -318,7 +321,7 @@ mod tests {
                 drawn(-length.towards).max(drawn(length.away))
             });
             assert!(!is_kept, "{reach:?} {bounds:?}");
-            // Where the near plane is in the volume there is no proxy.
+            // If the near plane is in the volume, there is no proxy.
             let near = view.rays.point(Vec2::new(numbers.between(-1.0, 1.0), 0.5), view.rays.near);
             if let Some(proxy) = volumes.proxy(&bounds, &view) {
                 tested += 1;

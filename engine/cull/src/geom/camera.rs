@@ -2,12 +2,12 @@
 
 use glam::Vec3;
 
-/// The largest vertical part of a direction of sight with an upward direction of +y.
+/// The largest absolute y of a direction of sight for which +y is used as the upward direction.
 const STEEPEST: f32 = 0.999;
 
 /// A camera in a right-handed world.
 ///
-/// [`CullView::new`](crate::CullView::new) repairs values that describe no camera, and says how.
+/// [`CullView::new`](crate::CullView::new) repairs invalid values as its documentation describes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// Position of the eye (metres).
@@ -16,7 +16,7 @@ pub struct Camera {
     pub forward: Vec3,
     /// The direction that is up; not parallel to `forward`.
     pub up: Vec3,
-    /// The way in which it projects the world.
+    /// The projection to the image.
     pub projection: Projection,
     /// Distance of the near plane along `forward` (metres), above 0 in perspective.
     pub near: f32,
@@ -27,8 +27,8 @@ impl Camera {
     pub const USUAL_FOV_Y: f32 = std::f32::consts::FRAC_PI_3;
 
     /// Returns a camera at `eye` that looks at `target` (metres), in a perspective of
-    /// [`Camera::USUAL_FOV_Y`] from 0.1 m on. Up is +y, or +z where it looks along y; where both
-    /// places are the same it looks along -z.
+    /// [`Camera::USUAL_FOV_Y`] with the near plane at 0.1 m. Up is +y, or +z if the camera looks
+    /// along y. If `eye` and `target` are equal, it looks along -z.
     #[must_use]
     pub fn look_at(eye: impl Into<Vec3>, target: impl Into<Vec3>) -> Self {
         let eye = eye.into();
@@ -64,7 +64,7 @@ impl Projection {
         Self::Perspective { fov_y }
     }
 
-    /// Returns the height of the image where it is `depth_m` away (metres).
+    /// Returns the height of the image at the view depth `depth_m` (metres).
     #[must_use]
     pub fn height_at(&self, depth_m: f32) -> f32 {
         match *self {

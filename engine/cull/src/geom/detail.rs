@@ -1,29 +1,28 @@
 //! Levels of detail: the coarsest form of an object whose error is too small to be seen.
 
-/// One form of an object: 0 is the finest, each higher one is coarser.
+/// A form of an object by its level: 0 is the finest, and higher levels are coarser.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct DetailLevel(pub u8);
 
-/// The rule by which an object takes another form.
+/// The rule that chooses the form of an object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DetailPolicy {
-    /// The distance by which a surface may be misplaced (pixels in the middle of the image, above
-    /// 0).
+    /// The allowed displacement of a surface (pixels in the middle of the image, above 0).
     pub error_pixels: f32,
-    /// The share (0 to 1) by which the error of a coarser form must be below that: an object at the
-    /// limit does not change to and fro.
+    /// The share (0 to 1) by which the error of a coarser form must be below the limit before it is
+    /// taken, so that an object at the limit does not switch back and forth.
     pub hysteresis: f32,
-    /// The rule for objects of which few samples are visible; `None` leaves all to the distance.
+    /// The rule for objects with few visible samples; with `None` only the distance decides.
     pub by_samples: Option<DetailBySamples>,
 }
 
-/// The rule by which an object of which little shows takes a coarser form than its distance allows
+/// The rule that gives an object with few visible samples a coarser form than its distance allows
 /// ("Efficient Occlusion Culling", GPU Gems, 29.9).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DetailBySamples {
-    /// The number of visible samples of its box from which on the distance alone decides.
+    /// The number of visible samples of its box from which on only the distance decides.
     pub enough_samples: u32,
-    /// The factor, at least 1, by which its error may be larger where nothing of it shows.
+    /// The factor, at least 1, by which the error may be larger if no sample is visible.
     pub most: f32,
 }
 
@@ -35,23 +34,23 @@ impl Default for DetailBySamples {
 }
 
 impl Default for DetailPolicy {
-    /// Returns half a pixel by distance alone, and a hysteresis by which objects take a coarser
-    /// form a quarter farther away than they take the finer one.
+    /// Returns half a pixel by distance only. With the hysteresis, an object switches to a coarser
+    /// form at a distance larger by a quarter than the distance at which it switches back.
     fn default() -> Self {
         Self { error_pixels: 0.5, hysteresis: 0.2, by_samples: None }
     }
 }
 
 impl DetailPolicy {
-    /// Returns the pixels per metre by which to [choose](DetailPolicy::choose) the form of an
-    /// object of which so many samples are visible: fewer than its distance says where that is
-    /// little. The error may grow as the width of what shows shrinks, the square root of the
-    /// samples. Where they are not known (`None`), or without a rule for them, the distance alone
-    /// decides.
+    /// Returns the pixels per metre with which to [choose](DetailPolicy::choose) the form of an
+    /// object that has `visible` samples. With few samples the value is smaller than the distance
+    /// gives: the allowed error grows as the width of the visible part shrinks, which is the square
+    /// root of the samples. If `visible` is `None`, or without a rule for samples, only the
+    /// distance decides.
     ///
-    /// The hysteresis holds for samples as for distances: with the default, an object that took a
-    /// coarser form keeps it until half as many samples again are visible. It works if the samples
-    /// do not depend on the form, as those of its box do not.
+    /// The hysteresis applies to samples as to distances: with the default, an object that took a
+    /// coarser form keeps it until the number of samples has grown by half. This requires samples
+    /// that do not depend on the form, such as the samples of the object's box.
     #[must_use]
     pub fn seen_pixels_per_metre(&self, pixels_per_metre: f32, visible: Option<u32>) -> f32 {
         let (Some(rule), Some(visible)) = (self.by_samples, visible) else {
@@ -61,13 +60,14 @@ impl DetailPolicy {
         pixels_per_metre / ratio.sqrt().clamp(1.0, rule.most.max(1.0))
     }
 
-    /// Returns the form of an object whose forms have the errors `errors_m` (metres in the world,
-    /// ascending; the first belongs to the finest form), where a metre covers `pixels_per_metre`
-    /// (as [`CullView::pixels_per_metre`](crate::CullView::pixels_per_metre) says) and the object
-    /// has the form `now`.
+    /// Returns the form of an object. Its forms have the errors `errors_m` (metres in the world,
+    /// ascending; the first belongs to the finest form), a metre covers `pixels_per_metre` (see
+    /// [`CullView::pixels_per_metre`](crate::CullView::pixels_per_metre)), and `now` is its present
+    /// form.
     ///
-    /// It depends on nothing else, above all not on culling: every renderer of the same frame draws
-    /// the same forms. Without errors, or with values that are not numbers, it is the finest.
+    /// The result depends on nothing else, in particular not on culling: every renderer of a frame
+    /// draws the same forms. Without errors, or with values that are not numbers, it is the finest
+    /// form.
     #[must_use]
     pub fn choose(&self, pixels_per_metre: f32, errors_m: &[f32], now: DetailLevel) -> DetailLevel {
         let within = |limit_pixels: f32| {
@@ -191,7 +191,7 @@ mod tests {
                 changes.extend((next != level).then_some(next > level));
                 level = next;
             }
-            // One way only, a level at most once.
+            // The level changes in one direction only, and each level at most once.
             let first = changes.first().copied();
             assert!(changes.len() <= 3, "{seed}: {changes:?}");
             assert!(changes.iter().all(|change| Some(*change) == first), "{seed}: {changes:?}");

@@ -1,5 +1,5 @@
-//! Boxes against the view frustum: the bounding sphere first, then the box. A mask per plane saves
-//! tests below a node that lies wholly inside of it.
+//! Tests of boxes against the view frustum: the bounding sphere first, then the box. A mask of
+//! planes saves tests below a node that lies completely inside of a plane.
 
 use glam::{DVec4, Mat4, Vec3};
 
@@ -13,9 +13,9 @@ use crate::geom::rays::Rays;
 pub enum Containment {
     /// No point of the box is in the frustum.
     Outside,
-    /// Some of it may be.
+    /// Some points of the box may be in the frustum.
     Intersects,
-    /// All of it is.
+    /// All points of the box are in the frustum.
     Inside,
 }
 
@@ -27,10 +27,10 @@ impl PlaneMask {
     /// All six planes.
     pub const ALL: Self = Self(0b11_1111);
 
-    /// The mark of a box that is outside of the frustum: nothing in it has to be tested.
+    /// The mark of a box outside of the frustum: nothing in it must be tested.
     pub(crate) const OUTSIDE: Self = Self(0b1000_0000);
 
-    /// Returns true if the box that this mask came from is inside of every plane.
+    /// Returns true if the box that gave this mask is inside of every plane.
     #[must_use]
     pub fn is_inside(self) -> bool {
         self.0 == 0
@@ -39,9 +39,9 @@ impl PlaneMask {
 
 /// The volume that a view sees: near, left, right, top, bottom and, if there is one, far plane.
 ///
-/// The planes are those of the matrix that draws, so an off-centre or jittered projection has its
-/// own. Everything is computed relative to the eye; a box is only called outside when it is so by
-/// more than the rounding errors of this test.
+/// The planes are derived from the matrix that draws, so they fit off-centre and jittered
+/// projections. All computations are relative to the eye. A box counts as outside only if it is
+/// outside by more than the rounding errors of this test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frustum {
     origin: Vec3,
@@ -53,16 +53,16 @@ pub struct Frustum {
 /// The number of planes.
 const PLANES: usize = 6;
 
-/// The plane that cuts off nothing.
+/// A plane that cuts off nothing.
 const NO_PLANE: (Vec3, f32) = (Vec3::ZERO, f32::NEG_INFINITY);
 
 impl Frustum {
-    /// The frustum that holds everything.
+    /// The frustum that contains everything.
     pub const EVERYTHING: Self =
         Self { origin: Vec3::ZERO, coordinate: 0.0, planes: [NO_PLANE; PLANES] };
 
-    /// Creates the frustum of a matrix (to clip space with y down) of points relative to `anchor`,
-    /// from the depth that it gives and the rays in it.
+    /// Creates the frustum of a matrix (to clip space with y down) for points relative to `anchor`,
+    /// from the depth convention and the rays of the matrix.
     #[must_use]
     pub fn new(from_anchor: &Mat4, anchor: Vec3, depth: DepthConvention, rays: &Rays) -> Self {
         let Rows { x, y, z, w } = Rows::of(from_anchor);
@@ -81,16 +81,16 @@ impl Frustum {
         Self { origin: rays.origin, coordinate: rays.coordinate, planes }
     }
 
-    /// Returns true if a convex body is outside by one plane: `most` gives the largest coordinate
-    /// of its points along a normal (metres).
+    /// Returns true if a convex body is completely outside of one plane. `most` returns the largest
+    /// coordinate of its points along a normal (metres).
     pub(crate) fn is_outside(&self, most: impl Fn(Vec3) -> f32) -> bool {
         let is_beyond =
             |(normal, offset): &(Vec3, f32)| most(*normal) - normal.dot(self.origin) < *offset;
         self.planes.iter().any(is_beyond)
     }
 
-    /// Tests a box against the planes in `mask`; also returns the planes that its parts have to be
-    /// tested against. An [empty](Aabb::is_empty) box is outside of everything.
+    /// Tests a box against the planes in `mask`. Also returns the planes that parts of the box must
+    /// be tested against. An [empty](Aabb::is_empty) box is outside of every frustum.
     #[must_use]
     pub fn classify(&self, bounds: &Aabb, mask: PlaneMask) -> (Containment, PlaneMask) {
         if bounds.is_empty() {
@@ -132,8 +132,9 @@ impl Frustum {
 }
 
 /// Returns the row of the far plane, moved away by a bound on the rounding with which a rasteriser
-/// computes its sides; `None` if it is infinitely far away, or lost in that rounding. The far plane
-/// of a depth that is not reversed is a small difference of `w` and z: `terms` of `w` are in it.
+/// computes its sides; `None` if it is infinitely far away or lost in this rounding. For a depth
+/// that is not reversed, the row is a small difference of `w` and z that contains `w` `terms`
+/// times.
 fn far_plane(row: DVec4, w: DVec4, terms: f64, rays: &Rays) -> Option<DVec4> {
     let [constant, scaled] = rays.depth.map(|depth| f64::from(depth.abs()));
     let coordinate = f64::from(rays.coordinate);

@@ -1,4 +1,4 @@
-//! Boxes, cameras, frustums, and the margin of proxies.
+//! Boxes, cameras, frustums, and the margins of proxies.
 
 pub(crate) mod bounds;
 pub(crate) mod box_shadow_volumes;

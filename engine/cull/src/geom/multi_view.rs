@@ -1,10 +1,10 @@
-//! The views of one plan: one, or several that are drawn in one pass (multiview rendering).
+//! The views of one plan: one view, or several that are drawn in one pass (multiview rendering).
 //!
-//! A plan for several views is a plan for all that any of them sees. One history serves them: a
-//! proxy shows if a sample of it passes in any view, so what counts as hidden is hidden in all. The
-//! rules of one view hold for each of them: a box is in the frustum if it is in one of them; it has
-//! a proxy if that lies beyond the near plane of every view that sees the box; the proxy has the
-//! largest margin that one of these needs.
+//! A plan for several views includes everything that any of them sees. The views share one history:
+//! a proxy shows if a sample of it passes in any view, so a hidden node is hidden in all views. The
+//! rules for one view extend to several. A box is in the frustum if it is in any view's frustum. It
+//! has a proxy if the proxy lies beyond the near plane of every view that sees the box, with the
+//! largest margin that any of these views needs.
 //!
 //! A plan of casters has one view, and the shadow volumes of boxes in place of the boxes.
 
@@ -16,8 +16,8 @@ use crate::geom::frustum::{Containment, PlaneMask};
 use crate::geom::outline::covered_pixels;
 use crate::geom::view::CullView;
 
-/// The views of one plan: one, or several that are drawn in one pass, each to its layer of the
-/// image. The eyes of a stereo pair, or the faces of a cube.
+/// The views of one plan: one view, or several that are drawn in one pass, each to its layer of the
+/// image. Examples are the eyes of a stereo pair and the faces of a cube.
 #[derive(Clone, Copy, Debug)]
 pub struct MultiView<'a> {
     views: &'a [CullView],
@@ -28,7 +28,7 @@ pub struct MultiView<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum MultiViewError {
-    /// No view, or too many.
+    /// No view, or more than [`MultiView::MAX`].
     #[error(
         "{count} views in one pass: there may be 1 to {}; plan the others by themselves",
         MultiView::MAX
@@ -37,13 +37,13 @@ pub enum MultiViewError {
         /// The number of views.
         count: usize,
     },
-    /// A view with an image of another size or place, or with depths that grow the other way.
+    /// A view whose image differs in size or place, or whose depths grow in the other direction.
     #[error(
         "view {number} of a pass differs from the first in the size or place of its image, or in \
          the direction of depth: the layers of one image have these in common"
     )]
     Unlike {
-        /// The number of the view, from 0.
+        /// The index of the view, from 0.
         number: usize,
     },
 }
@@ -55,15 +55,15 @@ impl<'a> From<&'a CullView> for MultiView<'a> {
 }
 
 impl<'a> MultiView<'a> {
-    /// The most views of a plan: as many as every device with multiview rendering draws in one pass
-    /// (the least `maxMultiviewViewCount` that Vulkan allows).
+    /// The most views of a plan: the number that every device with multiview rendering can draw in
+    /// one pass (the least `maxMultiviewViewCount` that Vulkan allows).
     pub const MAX: usize = 6;
 
-    /// Takes views that are drawn in one pass, each to the layer of its number.
+    /// Creates the views of one pass; each view is drawn to the layer of its index.
     ///
     /// # Errors
-    /// No view or more than [`MultiView::MAX`]; views of different sizes, places or directions of
-    /// depth.
+    /// [`MultiViewError::Count`] for no view or more than [`MultiView::MAX`];
+    /// [`MultiViewError::Unlike`] for views of different sizes, places or directions of depth.
     pub fn new(views: &'a [CullView]) -> Result<Self, MultiViewError> {
         let (Some(first), 1..=Self::MAX) = (views.first(), views.len()) else {
             return Err(MultiViewError::Count { count: views.len() });
@@ -75,14 +75,14 @@ impl<'a> MultiView<'a> {
         }
     }
 
-    /// Takes a view whose plan is about the shadows of boxes in it: the leaves that it draws are
-    /// casters, and the proxies that it tests are [shadow volumes](BoxShadowVolumes).
+    /// Creates a view for a plan of shadows: the leaves of the plan are casters, and its proxies
+    /// are [shadow volumes](BoxShadowVolumes).
     #[must_use]
     pub fn of_shadows(view: &'a CullView, volumes: &'a BoxShadowVolumes<'a>) -> Self {
         Self { views: std::slice::from_ref(view), volumes: Some(volumes) }
     }
 
-    /// Returns true if the plan is about shadows: what it draws hides nothing in the view.
+    /// Returns true if the plan is about shadows: its draws hide nothing in the view.
     pub(crate) fn is_of_shadows(self) -> bool {
         self.volumes.is_some()
     }
@@ -93,15 +93,15 @@ impl<'a> MultiView<'a> {
         self.views
     }
 
-    /// Returns the first view: that of the image's size, place and direction of depth.
+    /// Returns the first view, whose image size, place and direction of depth all views share.
     #[must_use]
     pub fn first(self) -> &'a CullView {
         &self.views[0]
     }
 
-    /// Tests a box against the frustums by `masks`, which belong to a box around it, and the views
-    /// by whose section planes it `is_cut_away`. Returns its place, in whichever frustum it is
-    /// farthest inside, and the masks for its parts.
+    /// Tests a box against the frustums by `masks`, which belong to a box around it. `is_cut_away`
+    /// returns true for a view whose section planes remove the box. Returns the containment in the
+    /// frustum that the box is farthest inside, and the masks for its parts.
     pub(crate) fn classify(
         self,
         bounds: &Aabb,
@@ -135,7 +135,7 @@ impl<'a> MultiView<'a> {
     }
 
     /// Returns the box to test in place of `bounds`, or `None` if it must count as visible, because
-    /// some of the proxy is too near for a view that sees the box. `masks` are those of the box.
+    /// a part of the proxy is too near for a view that sees the box. `masks` belong to `bounds`.
     pub(crate) fn proxy(self, bounds: &Aabb, masks: ViewMasks) -> Option<Aabb> {
         if let Some(volumes) = self.volumes {
             return volumes.proxy(bounds, self.first());
@@ -159,13 +159,14 @@ impl<'a> MultiView<'a> {
         self.views[1..].iter().fold(of(self.first()), |nearest, view| nearest.min(of(view)))
     }
 
-    /// Returns how large an angle of 1 radian is at a distance (metres), where it is smallest.
+    /// Returns the length seen under an angle of 1 radian at a distance (metres), smallest of all
+    /// views.
     pub(crate) fn metres_per_radian(self, distance_m: f32) -> f32 {
         let of = |view: &CullView| view.rays.metres_per_radian(distance_m);
         self.views[1..].iter().fold(of(self.first()), |least, view| least.min(of(view)))
     }
 
-    /// Returns about how many pixels a box covers in all views together.
+    /// Returns the approximate number of pixels that a box covers in all views together.
     pub(crate) fn covered_pixels(self, bounds: &Aabb) -> f32 {
         self.views.iter().map(|view| covered_pixels(view, bounds)).sum()
     }
@@ -179,7 +180,7 @@ impl ViewMasks {
     /// All planes of all views.
     pub(crate) const ALL: Self = Self([PlaneMask::ALL; MultiView::MAX]);
 
-    /// Returns true if the box that these masks came from is inside of a view's whole frustum.
+    /// Returns true if the box that gave these masks is completely inside of a view's frustum.
     pub(crate) fn is_inside(self) -> bool {
         self.0.iter().any(|mask| mask.is_inside())
     }
@@ -222,7 +223,7 @@ mod tests {
         let ahead = cube(Vec3::NEG_Z * 10.0, 1.0);
         let (place, masks) = views.classify(&ahead, ViewMasks::ALL, |_| false);
         assert_eq!((place, masks.is_inside()), (Containment::Inside, true));
-        // The second view is not asked again.
+        // The second view is not tested again.
         let (place, _) = views.classify(&cube(Vec3::X * 10.0, 1.0), masks, |_| false);
         assert_eq!(place, Containment::Inside, "the first has nothing left to ask");
         assert_eq!(masks.0[1], PlaneMask::OUTSIDE);
@@ -241,11 +242,11 @@ mod tests {
         let [near_one, far_one] = pair.map(|view| view.margin.proxy(&far).unwrap());
         assert!(far_one.contains(&near_one) && far_one != near_one);
         assert_eq!(proxy(&far), Some(far_one));
-        // At the first eye, though far from the second.
+        // At the first eye, but far from the second.
         assert_eq!(proxy(&cube(Vec3::ZERO, 1.0)), None);
-        // Behind the first, which does not see it.
+        // Behind the first eye, which does not see it.
         assert!(proxy(&cube(Vec3::Z * 40.0, 1.0)).is_some());
-        // The margin of the second would reach the near plane of the first.
+        // The margin for the second view would reach the near plane of the first.
         let margin = pair[0].margin.distance_m(&far);
         let close = cube(Vec3::NEG_Z * (1.0 + 0.11 + 4.0 * margin), 1.0);
         assert!(pair.iter().all(|view| view.margin.proxy(&close).is_some()));

@@ -1,4 +1,4 @@
-//! The part of the screen that a box covers: its outline, and about how many pixels.
+//! The part of the screen that a box covers: its outline and its approximate number of pixels.
 
 use glam::Vec2;
 
@@ -7,7 +7,7 @@ use crate::geom::margin::rounding;
 use crate::geom::rays::Rays;
 use crate::geom::view::CullView;
 
-/// The outline of a box on the screen, in pixels, counter-clockwise or clockwise throughout.
+/// The outline of a box on the screen, in pixels; its corners are in one direction of rotation.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Outline {
     corners: [Vec2; Self::MOST],
@@ -15,15 +15,15 @@ pub(crate) struct Outline {
 }
 
 impl Outline {
-    /// The most corners: an outline has six of a box's eight, and each side of the screen can add
-    /// one.
+    /// The most corners: an outline has at most six of a box's eight corners, and each side of the
+    /// screen can add one.
     const MOST: usize = 12;
 
-    /// The outline of what covers nothing.
+    /// The outline of nothing.
     pub(crate) const EMPTY: Self = Self { corners: [Vec2::ZERO; Self::MOST], count: 0 };
 
-    /// Returns the outline of a box that is in front of the eye. `None` where it is not, or where
-    /// numbers fail.
+    /// Returns the outline of a box that is completely in front of the eye. `None` if it is not, or
+    /// if the numbers fail.
     pub(crate) fn of(bounds: &Aabb, view: &CullView) -> Option<Self> {
         let scale = Vec2::new(view.size[0] as f32, view.size[1] as f32) * 0.5;
         let mut points = [Vec2::ZERO; 8];
@@ -53,18 +53,18 @@ impl Outline {
                     hull.count += 1;
                 }
             }
-            // The last of one chain is the first of the other.
+            // The last point of one chain is the first of the other.
             hull.count = hull.count.saturating_sub(1);
         }
         hull
     }
 
-    /// Returns true if rounding moves the outline by little, both where it is computed and where it
-    /// is drawn.
+    /// Returns true if rounding moves the outline only by a little, both on the CPU and in the
+    /// rasterizer.
     pub(crate) fn is_sharp(&self, bounds: &Aabb, view: &CullView) -> bool {
         const MOST_PIXELS: f32 = 1.0 / 16.0;
-        // Beyond, a pixel's fractions are lost, and a product of two such no longer separates the
-        // sides.
+        // Beyond this, fractions of a pixel are lost, and products of two such coordinates no
+        // longer separate the sides.
         const FARTHEST_PIXELS: f32 = 32_768.0;
         let reach = view.rays.forward.abs().dot(bounds.half_extent());
         let nearest = view.rays.depth_m(bounds.centre()) - reach;
@@ -82,7 +82,7 @@ impl Outline {
         self.corners[..self.count].iter().copied()
     }
 
-    /// Returns true if it covers nothing.
+    /// Returns true if the outline covers nothing.
     pub(crate) fn is_empty(&self) -> bool {
         self.count == 0
     }
@@ -91,7 +91,7 @@ impl Outline {
         (0..self.count).map(|at| (self.corners[at], self.corners[(at + 1) % self.count]))
     }
 
-    /// Returns the part on the screen, which may be empty.
+    /// Returns the part of the outline on the screen, which may be empty.
     pub(crate) fn clipped(&self, size: [f32; 2]) -> Self {
         let [width, height] = size;
         let sides = [(Vec2::X, 0.0), (Vec2::NEG_X, width), (Vec2::Y, 0.0), (Vec2::NEG_Y, height)];
@@ -116,12 +116,13 @@ impl Outline {
         })
     }
 
-    /// Returns the area (square pixels).
+    /// Returns the area of the outline (square pixels).
     pub(crate) fn area(&self) -> f32 {
         0.5 * self.edges().map(|(from, to)| from.perp_dot(to)).sum::<f32>().abs()
     }
 
-    /// Returns true if a point is inside, with an allowance for rounding far below the margin's.
+    /// Returns true if a point is inside, with an allowance for rounding that is far below the
+    /// margin.
     pub(crate) fn holds(&self, point: Vec2) -> bool {
         const ALLOWED_PIXELS: f32 = 1.0 / 64.0;
         self.count >= 3
@@ -132,8 +133,9 @@ impl Outline {
     }
 }
 
-/// Returns about how many pixels of `view` a box covers, at most all: its silhouette as its centre
-/// is seen, as if all of it were as far away as that.
+/// Returns the approximate number of pixels of `view` that a box covers, at most all pixels. Takes
+/// the silhouette in the direction of its centre, as if the whole box were at the distance of its
+/// centre.
 pub(crate) fn covered_pixels(view: &CullView, bounds: &Aabb) -> f32 {
     let [width, height] = view.size.map(|pixels| pixels as f32);
     let Rays { origin, near, .. } = view.rays;

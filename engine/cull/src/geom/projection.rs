@@ -1,22 +1,22 @@
-//! Projections as matrices: the conventions that a host's matrix follows, and the rays in it.
+//! Projections as matrices: the conventions of a host's matrix, and the rays that follow from it.
 
 use glam::{DMat3, DVec3, DVec4, Mat4};
 use thiserror::Error;
 
 use crate::geom::rays::{ProjectionKind, Rays};
 
-/// The direction in which depths grow. They reach from 0 to 1 in both.
+/// The direction in which depths grow. Depths range from 0 to 1 in both conventions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum DepthConvention {
-    /// 1 at the near plane; 0 at the far plane, or infinitely far away.
+    /// 1 at the near plane; 0 at the far plane or at infinity.
     #[default]
     Reversed,
-    /// 0 at the near plane; 1 at the far plane, or infinitely far away.
+    /// 0 at the near plane; 1 at the far plane or at infinity.
     Standard,
 }
 
 impl DepthConvention {
-    /// Returns 1 if the larger of two depths is the nearer one, -1 if the smaller is.
+    /// Returns 1 if the larger of two depths is nearer, -1 if the smaller is.
     #[must_use]
     pub fn sign(self) -> f32 {
         match self {
@@ -34,7 +34,7 @@ impl DepthConvention {
         }
     }
 
-    /// Returns the depth where nothing was drawn: that of the far plane, or of infinity.
+    /// Returns the depth where nothing was drawn: the depth of the far plane or of infinity.
     #[must_use]
     pub fn farthest(self) -> f32 {
         1.0 - self.nearest()
@@ -44,30 +44,30 @@ impl DepthConvention {
 /// The direction of y in clip space.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ClipY {
-    /// Down, as Vulkan's.
+    /// Down, as in Vulkan.
     #[default]
     Down,
-    /// Up: the host turns its images over by a viewport of negative height.
+    /// Up: the host flips its images by a viewport of negative height.
     Up,
 }
 
-/// A host's projection: the matrix that its shaders use, and what that matrix alone does not say.
+/// A host's projection: the matrix that its shaders use, with its conventions of depth and y.
 ///
-/// The matrix may be any that keeps lines straight and has planes of equal depth parallel to the
-/// image: in perspective or orthographic, off-centre, jittered, with a finite or an infinite far
-/// plane, right-handed or left-handed, of any scale.
+/// The matrix must keep lines straight, and its planes of equal depth must be parallel to the
+/// image. It may be perspective or orthographic, off-centre, jittered, with a finite or an infinite
+/// far plane, right-handed or left-handed, of any scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ViewProjection {
-    /// World to clip space, as the host's shaders multiply it with positions: the product that
-    /// the host computed, with its jitter.
+    /// The matrix from world to clip space that the host's shaders multiply with positions: the
+    /// product that the host computed, including its jitter.
     pub matrix: Mat4,
     /// The direction in which its depths grow.
     pub depth: DepthConvention,
-    /// The direction of its y.
+    /// The direction of y in its clip space.
     pub y: ClipY,
 }
 
-/// The reason why a matrix is no projection that can be culled for.
+/// The reason why a matrix is not a projection that a culler supports.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ViewError {
@@ -77,7 +77,7 @@ pub enum ViewError {
         /// The matrix as it was given.
         matrix: Mat4,
     },
-    /// The rows for x, y and w (in an orthographic view, depth) do not span space.
+    /// The rows for x, y and w (in an orthographic view, z) are not linearly independent.
     #[error(
         "the matrix of the view flattens the world: its rows for x, y and w (orthographic: z) must \
          be independent; was it transposed? {matrix}"
@@ -86,13 +86,13 @@ pub enum ViewError {
         /// The matrix as it was given.
         matrix: Mat4,
     },
-    /// Depth depends on the place in the image, as with an oblique near plane.
+    /// Depth varies over a plane parallel to the image, as with an oblique near plane.
     #[error(
         "the depth of the view's matrix is not constant in planes parallel to the image: was it \
          transposed? An oblique near plane is for a shader to clip against"
     )]
     ObliqueDepth,
-    /// Depth grows the other way, or w does, or the near plane lies behind the eye.
+    /// Depth or w grows in the wrong direction, or the near plane lies behind the eye.
     #[error(
         "the matrix of the view has no near plane before the eye where depth is {nearest} and \
          from which it goes to {}: is its depth {}, or from -1 to 1?",
@@ -100,23 +100,25 @@ pub enum ViewError {
         if *nearest == 0.0 { "reversed" } else { "not reversed" }
     )]
     NoNearPlane {
-        /// The depth of the near plane by the given convention.
+        /// The depth of the near plane in the given convention.
         nearest: f32,
     },
 }
 
-/// The largest distance of the gradient of depth from the line of sight, relative to it. The bias
-/// of proxies pays for it: over a few pixels that is far below [`DEPTH_ROUNDING`].
+/// The largest allowed deviation of the gradient of depth from the line of sight, relative to the
+/// gradient. The depth bias of proxies covers it: over a few pixels it is far below
+/// [`DEPTH_ROUNDING`].
 const DEPTH_TILT: f64 = 1.0 / 65536.0;
 
-/// The least volume of the unit normals of the rows: what is flatter has no eye that 32 bits can
-/// tell.
+/// The least volume that the unit normals of the rows may span: in a flatter matrix, 32 bits cannot
+/// resolve the eye.
 const LEAST_VOLUME: f64 = 1.0 / 4096.0;
 
 /// A bound on the rounding of a depth in single precision, relative to its terms.
 pub(crate) const DEPTH_ROUNDING: f32 = 1.0 / 524_288.0;
 
-/// The rows of a matrix in 64 bits, for a `w` of 1 per metre of view depth, or of 1 throughout.
+/// The rows of a matrix in 64 bits, scaled so that `w` is the view depth in metres, or 1 everywhere
+/// in an orthographic view.
 #[derive(Clone, Copy)]
 pub(crate) struct Rows {
     pub(crate) x: DVec4,
@@ -143,11 +145,11 @@ impl Rows {
 }
 
 impl ViewProjection {
-    /// Returns the matrix with y down.
+    /// Returns the matrix for clip space with y down.
     pub(crate) fn downwards(&self) -> Mat4 {
         match self.y {
             ClipY::Down => self.matrix,
-            // Exact: what a viewport of negative height does to positions, this does.
+            // Exact: a viewport of negative height does the same to positions.
             ClipY::Up => Mat4::from_diagonal(glam::Vec4::new(1.0, -1.0, 1.0, 1.0)) * self.matrix,
         }
     }
@@ -172,7 +174,7 @@ impl ViewProjection {
         let volume = DMat3::from_cols_array_2d(&normals.map(|row| row.normalize_or_zero().into()));
         let volume = volume.determinant().abs();
         let from_rows = DMat3::from_cols_array_2d(&normals.map(Into::into)).transpose().inverse();
-        // Written so that a NaN is refused.
+        // Written so that a NaN is rejected.
         if !(volume >= LEAST_VOLUME && from_rows.is_finite()) {
             return Err(flat);
         }
@@ -181,7 +183,7 @@ impl ViewProjection {
             return Err(ViewError::ObliqueDepth);
         }
         let nearest_64 = f64::from(nearest);
-        // The depth of the origin along `forward`, and the depth values as the rays need them.
+        // The view depth of the origin relative to the rows, and the depth terms of the rays.
         let (along, depth) = match kind {
             ProjectionKind::Perspective => (-rows.w.w, [slope, rows.z.w - slope * rows.w.w]),
             ProjectionKind::Orthographic => ((nearest_64 - rows.z.w) / slope, [nearest_64, slope]),

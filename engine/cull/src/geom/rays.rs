@@ -1,22 +1,21 @@
-//! The rays of a view: through which points of the world a place in the image looks, and which
-//! depth a point on them has.
+//! The rays of a view: the points of the world at each position of the image, and their depths.
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use crate::geom::bounds::Aabb;
 
-/// The way in which rays run.
+/// The arrangement of the rays of a view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ProjectionKind {
-    /// All through one point, the eye.
+    /// All rays pass through one point, the eye.
     Perspective,
-    /// In parallel.
+    /// All rays are parallel.
     Orthographic,
 }
 
 impl ProjectionKind {
-    /// Returns the scale of the image at a view depth (metres): in perspective the view depth,
-    /// else 1. It is the clip coordinate w.
+    /// Returns the clip coordinate w at a view depth (metres): the view depth in perspective,
+    /// otherwise 1. It is the scale of the image at this depth.
     #[must_use]
     pub fn w(self, depth_m: f32) -> f32 {
         match self {
@@ -26,37 +25,37 @@ impl ProjectionKind {
     }
 }
 
-/// The rays of a view, one for each place in its image.
+/// The rays of a view, one for each position in its image.
 ///
-/// The point at view depth `t` (metres) under `(x, y)`, the place in normalised device coordinates
-/// (-1 to 1, y down), is `origin + middle * t + (right * x + down * y) * w`, where `w` is
+/// The point at view depth `t` (metres) and position `(x, y)` in normalised device coordinates (-1
+/// to 1, y down) is `origin + middle * t + (right * x + down * y) * w`, where `w` is
 /// [`ProjectionKind::w`] of `t`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rays {
-    /// The way in which they run.
+    /// The arrangement of the rays.
     pub kind: ProjectionKind,
-    /// The eye; where rays are parallel, the middle of the image on the near plane (metres).
+    /// The eye; in an orthographic view, the middle of the image on the near plane (metres).
     pub origin: Vec3,
     /// The direction in which view depth grows, unit length: the normal of the image.
     pub forward: Vec3,
     /// The ray through the middle of the image, over one metre of view depth.
     pub middle: Vec3,
-    /// From the middle of the image to its right edge, where w is 1 (metres).
+    /// The vector from the middle of the image to its right edge, where w is 1 (metres).
     pub right: Vec3,
-    /// From the middle of the image to its lower edge, where w is 1 (metres).
+    /// The vector from the middle of the image to its lower edge, where w is 1 (metres).
     pub down: Vec3,
-    /// View depth of the near plane (metres); 0 where rays are parallel.
+    /// The view depth of the near plane (metres); 0 in an orthographic view.
     pub near: f32,
-    /// Depth as the rasteriser stores it: the sum of the first, and of the second over the view
-    /// depth, or, where rays are parallel, times the view depth.
+    /// The terms `[a, b]` of the depth that the rasteriser stores: `a + b / view depth` in
+    /// perspective, `a + b * view depth` in an orthographic view.
     pub depth: [f32; 2],
-    /// The coordinate by which the rounding of these numbers is bounded (metres).
+    /// The coordinate that bounds the rounding of these numbers (metres).
     pub coordinate: f32,
 }
 
 impl Rays {
-    /// Returns the eye in homogeneous coordinates: where rays are parallel it lies infinitely far
-    /// away, w is 0, and x, y and z are the direction towards it.
+    /// Returns the eye in homogeneous coordinates. In an orthographic view it is infinitely far
+    /// away: w is 0, and x, y and z are the direction towards it.
     #[must_use]
     pub fn eye(&self) -> Vec4 {
         match self.kind {
@@ -65,7 +64,7 @@ impl Rays {
         }
     }
 
-    /// Returns the rows of clip x and y for points relative to the origin, where w is that of
+    /// Returns the rows of clip x and y for points relative to the origin. Their w is given by
     /// [`Rays::row_w`].
     #[must_use]
     pub fn rows_xy(&self) -> [Vec3; 2] {
@@ -73,7 +72,7 @@ impl Rays {
         [self.down.cross(self.middle) / volume, self.middle.cross(self.right) / volume]
     }
 
-    /// Returns the row of w: what it is at the origin, and how it grows along each axis.
+    /// Returns the row of w: its growth along each axis, and its value at the origin.
     #[must_use]
     pub fn row_w(&self) -> Vec4 {
         match self.kind {
@@ -88,8 +87,7 @@ impl Rays {
         self.forward.dot(point - self.origin)
     }
 
-    /// Returns the view depth at which the rasteriser stores a depth (metres): infinite for the
-    /// depth of the horizon.
+    /// Returns the view depth (metres) of a stored depth; infinite for the depth of the horizon.
     #[must_use]
     pub fn depth_m_of(&self, stored: f32) -> f32 {
         let [at_start, slope] = self.depth;
@@ -99,15 +97,15 @@ impl Rays {
         }
     }
 
-    /// Returns the point under a place in normalised device coordinates, at a view depth (metres).
+    /// Returns the point at a position in normalised device coordinates and a view depth (metres).
     #[must_use]
     pub fn point(&self, ndc: Vec2, depth_m: f32) -> Vec3 {
         let aside = self.right * ndc.x + self.down * ndc.y;
         self.origin + self.middle * depth_m + aside * self.kind.w(depth_m)
     }
 
-    /// Returns the same in double precision, for what is measured: far from the world's origin the
-    /// numbers of single precision lie centimetres apart.
+    /// Returns the point of [`Rays::point`] in double precision, for measurements: far from the
+    /// world's origin, neighbouring numbers of single precision are centimetres apart.
     #[must_use]
     pub fn point_f64(&self, ndc: Vec2, depth_m: f64) -> DVec3 {
         let aside =
@@ -119,7 +117,7 @@ impl Rays {
         self.origin.as_dvec3() + self.middle.as_dvec3() * depth_m + aside * w
     }
 
-    /// Returns the way along the ray under a place in normalised device coordinates, over one metre
+    /// Returns the vector along the ray at a position in normalised device coordinates, per metre
     /// of view depth.
     #[must_use]
     pub fn along(&self, ndc: Vec2) -> Vec3 {
@@ -129,7 +127,7 @@ impl Rays {
         }
     }
 
-    /// Returns the direction of sight towards a point, unit length; 0 at the eye itself.
+    /// Returns the direction of sight towards a point, with unit length; 0 at the eye itself.
     #[must_use]
     pub fn towards(&self, point: Vec3) -> Vec3 {
         match self.kind {
@@ -138,8 +136,8 @@ impl Rays {
         }
     }
 
-    /// Returns the distance from the eye to a box (metres); where rays are parallel, from the near
-    /// plane along `forward`. It is 0 for what contains the eye or meets the near plane.
+    /// Returns the distance from the eye to a box (metres); in an orthographic view, from the near
+    /// plane along `forward`. It is 0 for a box that contains the eye or meets the near plane.
     #[must_use]
     pub fn distance(&self, bounds: &Aabb) -> f32 {
         self.distance_squared(bounds).sqrt()
@@ -151,7 +149,8 @@ impl Rays {
         match self.kind {
             ProjectionKind::Perspective => bounds.distance_squared(self.origin),
             ProjectionKind::Orthographic => {
-                // The nearest corner, so that no part is nearer than the whole, rounding or not.
+                // The nearest corner: with it, no part is nearer than the whole box, even with
+                // rounding.
                 let is_ahead = self.forward.cmpge(Vec3::ZERO);
                 let corner = Vec3::select(is_ahead, bounds.min, bounds.max);
                 let nearest_m = self.depth_m(corner).max(0.0);
@@ -160,8 +159,9 @@ impl Rays {
         }
     }
 
-    /// Returns how large an angle of 1 radian is at a distance (metres). Where rays are parallel
-    /// that is the height of the image: things look as large as in a view 1 radian high.
+    /// Returns the length seen under an angle of 1 radian at a distance (metres). In an
+    /// orthographic view this is the height of the image: objects look as large as in a view 1
+    /// radian high.
     #[must_use]
     pub fn metres_per_radian(&self, distance_m: f32) -> f32 {
         match self.kind {
@@ -170,8 +170,8 @@ impl Rays {
         }
     }
 
-    /// Returns the shortest and the longest step from a place in an image of `size` pixels to
-    /// another one pixel away, where w is 1 (metres).
+    /// Returns the shortest and the longest vector between two positions one pixel apart in an
+    /// image of `size` pixels, where w is 1 (metres).
     pub(crate) fn pixel_m(&self, size: [u32; 2]) -> [f32; 2] {
         let across = self.right * (2.0 / size[0] as f32);
         let down = self.down * (2.0 / size[1] as f32);

@@ -1,8 +1,8 @@
-//! Section planes: what lies on their removed side is cut away from objects, and not drawn.
+//! Section planes: the parts of objects on the removed side are cut away and not drawn.
 //!
-//! A node whose box lies wholly on the removed side is outside of a view like one beyond the
-//! frustum. Proxies stay whole: the uncut box is nearer than anything that is left inside of it, so
-//! a test of it can only reveal too much.
+//! A node whose box lies completely on the removed side counts as outside of a view, as if it were
+//! outside of the frustum. Proxies stay whole: the uncut box is nearer than any remaining part
+//! inside of it, so a test of it can only reveal too much.
 
 use glam::{DVec3, DVec4};
 use thiserror::Error;
@@ -16,31 +16,31 @@ pub enum SectionMode {
     /// The part that all planes keep.
     #[default]
     Intersection,
-    /// The part that one of the planes keeps, at least.
+    /// The part that at least one plane keeps.
     Union,
 }
 
-/// The part that section planes leave of an object.
+/// The part of an object that section planes leave.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum SectionMember {
     /// The part that the planes keep.
     #[default]
     Cut,
-    /// All: section planes do not apply to it.
+    /// The whole object: section planes do not apply to it.
     Whole,
 }
 
-/// The reason why planes are no section.
+/// The reason why planes are not a valid section.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum SectionError {
-    /// A normal of length zero, or one that is no number.
+    /// A normal that is zero or not finite.
     #[error("a section plane needs a normal that is not zero and finite: give it a direction")]
     Normal,
-    /// An offset that is no number.
+    /// An offset that is not finite.
     #[error("the offset of a section plane must be a finite number of metres")]
     Offset,
-    /// More planes than there can be.
+    /// More planes than [`SectionPlanes::MAX`].
     #[error("{count} section planes: there may be up to {}", SectionPlanes::MAX)]
     Count {
         /// The number of planes.
@@ -56,16 +56,17 @@ pub struct SectionPlane {
 }
 
 impl SectionPlane {
-    /// Creates a plane. A normal of another length than 1 is normalised, and the offset with it, so
+    /// Creates a plane. A normal whose length is not 1 is normalised together with the offset, so
     /// that the same points are kept.
     ///
     /// # Errors
-    /// [`SectionError::Normal`], [`SectionError::Offset`].
+    /// [`SectionError::Normal`] or [`SectionError::Offset`].
     pub fn new(normal: DVec3, offset_m: f64) -> Result<Self, SectionError> {
         if !normal.is_finite() {
             return Err(SectionError::Normal);
         }
-        // Twice: the length of a normal beyond 1e150, or below 1e-150, overflows.
+        // Scaled first: the squared length of a normal beyond 1e150 overflows, and below 1e-150 it
+        // underflows.
         let scale = normal.abs().max_element();
         if scale <= 0.0 {
             return Err(SectionError::Normal);
@@ -79,7 +80,7 @@ impl SectionPlane {
         }
     }
 
-    /// Returns the unit normal, which points to the side that is kept.
+    /// Returns the unit normal, which points to the kept side.
     #[must_use]
     pub fn normal(&self) -> DVec3 {
         self.normal
@@ -92,20 +93,19 @@ impl SectionPlane {
         self.offset_m
     }
 
-    /// Returns the distance of a point, positive on the kept side (metres).
+    /// Returns the signed distance of a point, positive on the kept side (metres).
     #[must_use]
     pub fn distance_m(&self, point: DVec3) -> f64 {
         self.normal.dot(point) + self.offset_m
     }
 
-    /// Returns the same plane as coefficients for points relative to `anchor`.
+    /// Returns the coefficients of the plane for points relative to `anchor`.
     #[must_use]
     pub fn from_anchor(&self, anchor: DVec3) -> DVec4 {
         self.normal.extend(self.distance_m(anchor))
     }
 
-    /// Returns the distances of the nearest and of the farthest point of a box, with signs
-    /// (metres).
+    /// Returns the smallest and the largest signed distance of the points of a box (metres).
     pub(crate) fn reach_m(&self, bounds: &Aabb) -> [f64; 2] {
         let low = bounds.min.as_dvec3();
         let high = bounds.max.as_dvec3();
@@ -116,13 +116,13 @@ impl SectionPlane {
 }
 
 impl Default for SectionPlane {
-    /// Creates the plane through the origin that keeps what is above.
+    /// Creates the horizontal plane through the origin that keeps the points above it.
     fn default() -> Self {
         Self { normal: DVec3::Y, offset_m: 0.0 }
     }
 }
 
-/// The section planes of a view: up to six; none, which keep everything, by default.
+/// The section planes of a view, at most six. By default there are none, which keeps everything.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SectionPlanes {
     planes: [SectionPlane; Self::MAX],
@@ -134,10 +134,11 @@ impl SectionPlanes {
     /// The most planes.
     pub const MAX: usize = 6;
 
-    /// Takes planes and the way to combine them. No plane keeps everything, in either mode.
+    /// Creates a section from planes and their combination. Without planes everything is kept in
+    /// either mode.
     ///
     /// # Errors
-    /// [`SectionError::Count`].
+    /// [`SectionError::Count`] for more than [`SectionPlanes::MAX`] planes.
     pub fn new(planes: &[SectionPlane], mode: SectionMode) -> Result<Self, SectionError> {
         let mut section = Self { mode, ..Self::default() };
         let Some(places) = section.planes.get_mut(..planes.len()) else {
@@ -154,7 +155,8 @@ impl SectionPlanes {
         self.planes.get(..self.count).unwrap_or_default()
     }
 
-    /// Returns the same planes in coordinates whose origin is at a point of these, in metres.
+    /// Returns the same planes in coordinates whose origin is at the point `origin_m` of the
+    /// present ones.
     #[must_use]
     pub fn from_origin(&self, origin_m: DVec3) -> Self {
         let mut section = *self;
@@ -164,13 +166,13 @@ impl SectionPlanes {
         section
     }
 
-    /// Returns the way in which they are combined.
+    /// Returns the combination of the planes.
     #[must_use]
     pub fn mode(&self) -> SectionMode {
         self.mode
     }
 
-    /// Returns true if there is no plane.
+    /// Returns true if there are no planes.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.count == 0
@@ -187,7 +189,7 @@ impl SectionPlanes {
         }
     }
 
-    /// Returns true if one of the planes may cut what is in a box, or touch it.
+    /// Returns true if a plane may cut or touch the contents of a box.
     #[must_use]
     pub fn meets(&self, bounds: &Aabb) -> bool {
         let slack_m = f64::from(rounding(bounds, 0.0));
@@ -197,8 +199,8 @@ impl SectionPlanes {
         })
     }
 
-    /// Returns true if no point of a box, or nearer to it than `slack_m`, is kept for certain. In
-    /// an intersection one plane must remove the box, in a union all of them.
+    /// Returns true if no point within `slack_m` of a box is kept. In an intersection one plane
+    /// must remove the box, in a union all planes must.
     #[must_use]
     pub fn removes(&self, bounds: &Aabb, slack_m: f32) -> bool {
         let removes = |plane: &SectionPlane| {
@@ -257,7 +259,7 @@ mod tests {
             (cube(-2.0, 2.0), true, false),
             (cube(-2.0, -2.0), true, true),
             (cube(-0.5, -0.5), false, false),
-            // It touches, so it is not removed for certain.
+            // It touches the plane, so it is not certain to be removed.
             (cube(-1.0, 2.0), false, false),
         ] {
             assert_eq!(both.removes(&bounds, 1.0e-6), of_both, "{bounds:?}");

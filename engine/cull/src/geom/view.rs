@@ -13,14 +13,15 @@ use crate::geom::section::SectionPlanes;
 /// One frame's view: the matrix that draws and the volumes that cull, from the same numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CullView {
-    /// World to Vulkan clip space: y down, depth from 0 to 1. Shaders of hosts use it as it is;
-    /// those of proxies use [`CullView::proxy_view_proj`], which is made from it.
+    /// The matrix from world to Vulkan clip space: y down, depth from 0 to 1. Shaders of hosts use
+    /// it unchanged; shaders of proxies use [`CullView::proxy_view_proj`], which is derived from
+    /// it.
     pub view_proj: Mat4,
-    /// The point of the world that shaders of objects take positions relative to, near the eye
-    /// (metres): what is subtracted first loses nothing to large coordinates.
+    /// The point of the world, near the eye, that shaders of objects subtract from positions first
+    /// (metres). So large coordinates do not lose precision.
     pub anchor: Vec3,
-    /// The same as [`CullView::view_proj`], for points relative to the anchor. Unless the view has
-    /// an [`Anchor`] of its own that is [`Rays::origin`], where clip x and y are 0.
+    /// The matrix of [`CullView::view_proj`] for points relative to the anchor. Unless the view was
+    /// given an [`Anchor`], the anchor is [`Rays::origin`], where clip x and y are 0.
     pub from_anchor: Mat4,
     /// The direction in which depths grow.
     pub depth: DepthConvention,
@@ -28,17 +29,18 @@ pub struct CullView {
     pub rays: Rays,
     /// Size of the image (pixels).
     pub size: [u32; 2],
-    /// The place of the image in a larger image: its upper left corner (pixels). No decision
-    /// depends on it.
+    /// The position of the image in a larger image: its upper left corner (pixels). Culling does
+    /// not depend on it.
     pub origin: [u32; 2],
-    /// Steps of the device's sub-pixel grid from the middle of the image to its edges: drawn
-    /// vertices are moved onto it, so that no triangle carries a depth that is not its own.
+    /// The number of steps of the device's sub-pixel grid from the middle of the image to its
+    /// edges. Vertex shaders snap vertices to this grid, so that each triangle is rasterised with
+    /// its own depth.
     pub snap_steps: [f32; 2],
     /// The volume that the view sees.
     pub frustum: Frustum,
-    /// The proxies of boxes in this view.
+    /// The margin by which proxies of boxes are enlarged in this view.
     pub margin: Margin,
-    /// The planes that cut objects in this view; none unless they are set.
+    /// The planes that cut objects in this view; none by default.
     pub section: SectionPlanes,
 }
 
@@ -47,18 +49,20 @@ impl CullView {
     /// `2^-sub_pixel_bits` pixels (Vulkan's `subPixelPrecisionBits`). Depth is reversed; the far
     /// plane of a perspective camera is infinitely far away.
     ///
-    /// Never fails: a size of 0 counts as 1; an eye that is not finite is moved to the origin; a
-    /// missing `forward` becomes -z and an `up` that does not fit the axis farthest from it; the
-    /// angle is kept between 0.001 and 3.1 radians, the near plane of a perspective camera between
-    /// 1e-6 and 1e6 m, and the sides of an orthographic one's volume between 1e-6 and 1e9 m.
+    /// Never fails, but repairs its input. A size of 0 becomes 1. An eye that is not finite is
+    /// moved to the origin. A missing `forward` becomes -z, and an unusable `up` becomes some
+    /// direction perpendicular to `forward`. The angle is clamped to 0.001 to 3.1 radians, the near
+    /// plane of a perspective camera to 1e-6 to 1e6 m, and the size of an orthographic camera's
+    /// volume to 1e-6 to 1e9 m.
     #[must_use]
     pub fn new(camera: &Camera, size: [u32; 2], sub_pixel_bits: u32) -> Self {
         Self::anchored(camera, None, size, sub_pixel_bits)
     }
 
-    /// Derives a view like [`CullView::new`], with an anchor of its own if there is one. The eye
-    /// lies where that says, which far from the origin of the world need not be a place that single
-    /// precision has; the camera's eye is the nearest such place.
+    /// Derives a view like [`CullView::new`], with the given anchor if there is one. The anchor
+    /// then determines the exact position of the eye, which single precision may be unable to
+    /// represent far from the origin of the world. The camera's eye must be the nearest
+    /// representable position.
     #[must_use]
     pub fn anchored(
         camera: &Camera,
@@ -111,9 +115,9 @@ impl CullView {
     /// Derives the view of a host's matrix for an image of `size` pixels (at least 1) on a device
     /// that snaps vertices to `2^-sub_pixel_bits` pixels.
     ///
-    /// Everything follows from the one matrix: the eye, the frustum and its far plane if there is
-    /// one, the size of pixels, the depth of points. So a jitter is in all of them. Shaders use the
-    /// matrix bit for bit, but for the sign of y where that is up.
+    /// All properties follow from the one matrix: the eye, the frustum with its far plane if there
+    /// is one, the size of pixels, and the depth of points. So a jitter affects all of them.
+    /// Shaders use the matrix bit for bit, except for the sign of y if y is up.
     ///
     /// ```
     /// # use antumbra_cull as cull;
@@ -137,7 +141,7 @@ impl CullView {
     /// ```
     ///
     /// # Errors
-    /// A matrix that is no projection, or not by the conventions that come with it.
+    /// [`ViewError`] if the matrix is not a projection or does not follow the given conventions.
     pub fn from_matrix(
         projection: &ViewProjection,
         size: [u32; 2],
@@ -175,8 +179,9 @@ impl CullView {
         }
     }
 
-    /// Returns the frustum of an image that is larger by so many pixels on each side: what is drawn
-    /// wider than it is, such as a line, shows in the image only if it meets that.
+    /// Returns the frustum of an image that is larger by `pixels` on each side. An object that is
+    /// drawn wider than its geometry, such as a line, shows in the image only if it meets this
+    /// frustum.
     #[must_use]
     pub fn frustum_around(&self, pixels: f32) -> Frustum {
         let larger = self.size.map(|side| 1.0 + 2.0 * pixels.max(0.0) / side.max(1) as f32);
@@ -184,31 +189,31 @@ impl CullView {
         Frustum::new(&(smaller * self.from_anchor), self.anchor, self.depth, &self.rays)
     }
 
-    /// Returns the frustum of a pixel, counted from the upper left: what owns one of its samples
-    /// meets that.
+    /// Returns the frustum of a pixel, counted from the upper left: every object that covers a
+    /// sample of the pixel meets this frustum.
     #[must_use]
     pub fn frustum_of_pixel(&self, pixel: [u32; 2]) -> Frustum {
         let size = self.size.map(|side| side.max(1) as f32);
         let middle = [0, 1].map(|axis| (pixel[axis] as f32 + 0.5) / size[axis] * 2.0 - 1.0);
         let to_middle = Mat4::from_translation(Vec3::new(-middle[0], -middle[1], 0.0));
-        // A little more than the pixel, for the rounding of its sides.
+        // Slightly more than the pixel, for the rounding of its sides.
         let larger = Mat4::from_scale(Vec3::new(size[0] * 0.99, size[1] * 0.99, 1.0));
         Frustum::new(&(larger * to_middle * self.from_anchor), self.anchor, self.depth, &self.rays)
     }
 
-    /// Returns the clip coordinates of a point (metres), as exact far from the origin of the world
-    /// as near it.
+    /// Returns the clip coordinates of a point (metres), with the same precision far from the
+    /// origin of the world as near it.
     #[must_use]
     pub fn clip(&self, point: Vec3) -> DVec4 {
         let from_anchor = point.as_dvec3() - self.anchor.as_dvec3();
         self.from_anchor.as_dmat4() * from_anchor.extend(1.0)
     }
 
-    /// Returns the matrix that proxies are drawn with: [`CullView::view_proj`], but for depths that
-    /// are nearer by a bound on their rounding ([`Margin`] says why).
+    /// Returns the matrix that proxies are drawn with: [`CullView::view_proj`], but with depths
+    /// that are nearer by a bound on their rounding (see [`Margin`]).
     ///
-    /// It is the same where depth is reversed and the far plane infinitely far away: depths have as
-    /// many significant digits as distances then.
+    /// For a reversed depth with an infinite far plane the two are equal, because such depths have
+    /// the same number of significant digits as distances.
     #[must_use]
     pub fn proxy_view_proj(&self) -> Mat4 {
         let [constant, _] = self.rays.depth;
@@ -226,8 +231,8 @@ impl CullView {
         Mat4::from_cols_array_2d(&columns)
     }
 
-    /// Returns true if the [section planes](CullView::section) leave nothing of what is in a box,
-    /// by more than the rounding of what is drawn.
+    /// Returns true if the [section planes](CullView::section) remove everything in a box, by more
+    /// than the rounding of drawn geometry.
     #[must_use]
     pub fn cuts_away(&self, bounds: &Aabb) -> bool {
         !self.section.is_empty()
@@ -239,8 +244,8 @@ impl CullView {
         self.margin.pixel_m(distance_m)
     }
 
-    /// Returns how many pixels a metre covers at the nearest point of `bounds`, in the middle of
-    /// the image; at the near plane where the box is nearer.
+    /// Returns the number of pixels that a metre covers at the nearest point of `bounds`, in the
+    /// middle of the image; at the near plane if the box is nearer.
     #[must_use]
     pub fn pixels_per_metre(&self, bounds: &Aabb) -> f32 {
         self.pixel_m(self.rays.distance(bounds).max(self.rays.near)).recip()
@@ -252,7 +257,7 @@ fn clamp_or(value: f32, low: f32, high: f32, otherwise: f32) -> f32 {
     if value.is_nan() { otherwise } else { value.clamp(low, high) }
 }
 
-/// Returns the unit vector to the right, also for an `up` that is missing or parallel to `forward`.
+/// Returns the unit vector to the right, even if `up` is missing or parallel to `forward`.
 fn sideways(forward: Vec3, up: Vec3) -> Vec3 {
     let across = forward.cross(up.normalize_or_zero());
     if across.is_finite() && across.length_squared() > 1.0e-12 {
@@ -261,8 +266,8 @@ fn sideways(forward: Vec3, up: Vec3) -> Vec3 {
     forward.any_orthonormal_vector()
 }
 
-/// Returns the matrix from world to eye space, right-handed: x is right, y up, and the camera looks
-/// along -z.
+/// Returns the matrix from world to eye space, which is right-handed: x is right, y is up, and the
+/// camera looks along -z.
 fn world_to_eye(eye: Vec3, right: Vec3, up: Vec3, forward: Vec3) -> Mat4 {
     let back = -forward;
     let rotation =
@@ -270,17 +275,17 @@ fn world_to_eye(eye: Vec3, right: Vec3, up: Vec3, forward: Vec3) -> Mat4 {
     rotation * Mat4::from_translation(-eye)
 }
 
-/// An anchor of a view that is not its eye.
+/// The anchor of a view, if it is not the eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Anchor {
-    /// The point of the world (metres).
+    /// The anchor in the world (metres).
     pub place: Vec3,
-    /// The same as the eye sees it: to the right, up and ahead of it (metres); in an orthographic
-    /// view of the middle of the near plane.
+    /// The anchor relative to the eye: to the right, up and ahead (metres). In an orthographic view
+    /// it is relative to the middle of the near plane.
     pub seen: DVec3,
 }
 
-/// A view's matrices: of points in the world, and of points relative to the anchor.
+/// The matrices of a view: for points in the world, and for points relative to the anchor.
 #[derive(Clone, Copy)]
 struct Matrices {
     view_proj: Mat4,
@@ -289,7 +294,7 @@ struct Matrices {
 }
 
 /// Returns a host's matrix for points relative to the origin of its rays, where clip x and y are 0,
-/// and in perspective w is.
+/// and in perspective also w.
 fn from_origin(view_proj: &Mat4, rays: &Rays) -> Mat4 {
     let moved = view_proj.as_dmat4() * DMat4::from_translation(rays.origin.as_dvec3());
     let w = match rays.kind {

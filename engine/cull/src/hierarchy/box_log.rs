@@ -1,26 +1,26 @@
-//! The changes of objects' boxes, for those that keep something that depends on them, such as
-//! shadow maps. Each reader goes on where it stopped.
+//! The changes of objects' boxes, for data that depends on them, such as shadow maps. Each reader
+//! continues where it stopped.
 
 use std::collections::VecDeque;
 
 use crate::geom::bounds::Aabb;
 use crate::ids::ObjectId;
 
-/// The most changes that are held: with more of them in a frame, readers do better to start afresh.
+/// The most changes that are held: after more changes in a frame, readers should start afresh.
 const CHANGES_MAX: usize = 1 << 16;
 
 /// A change of an object's box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoxChange {
-    /// The object.
+    /// The object whose box changed.
     pub object: ObjectId,
-    /// Its box before; [empty](Aabb::EMPTY) if it was not there.
+    /// The box before; [empty](Aabb::EMPTY) if the object was inserted.
     pub before: Aabb,
-    /// Its box afterwards; [empty](Aabb::EMPTY) if it is not there any more.
+    /// The box after; [empty](Aabb::EMPTY) if the object was removed.
     pub after: Aabb,
 }
 
-/// The latest changes. Bounded: a reader that reads too seldom has to start afresh.
+/// The latest changes. The log is bounded: a reader that reads too seldom has to start afresh.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BoxLog {
     changes: VecDeque<BoxChange>,
@@ -37,7 +37,7 @@ impl BoxLog {
         self.count += 1;
     }
 
-    /// Forgets all changes: every reader has to start afresh.
+    /// Clears all changes: every reader has to start afresh.
     pub(super) fn clear(&mut self) {
         self.changes.clear();
         self.count += 1;

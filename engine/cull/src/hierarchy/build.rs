@@ -11,17 +11,17 @@ use crate::geom::bounds::Aabb;
 use crate::ids::ObjectId;
 use crate::rng::SplitMix64;
 
-/// Random growth of the boxes that the clustering sees, relative to the scene. Equal distances are
-/// its worst case: when all neighbours are equally good only one pair is merged in a pass, and a
-/// row of equal boxes takes quadratic time. This also bounds the depth, since distances below it
-/// look random.
+/// The random growth of the boxes that the clustering gets, relative to the scene. Equal distances
+/// are its worst case: if all neighbours are equally good, only one pair is merged per pass, and a
+/// row of equal boxes takes quadratic time. The growth also bounds the depth, because distances
+/// below it look random.
 const JITTER_OF_SCENE: f32 = 1.0 / (1 << 20) as f32;
 
-/// The same relative to the box itself, for boxes that are large against their distance.
+/// The random growth relative to the box itself, for boxes that are large against their distance.
 const JITTER_OF_BOX: f32 = 1.0 / 1024.0;
 
-/// Returns the shape of a good hierarchy over `boxes`. An [empty](Aabb::EMPTY) box makes a free
-/// leaf: free leaves lie together in a balanced subtree beside the rest, the last of the leaves.
+/// Returns the shape of a good hierarchy over `boxes`. An [empty](Aabb::EMPTY) box becomes a free
+/// leaf. Free leaves form a balanced subtree next to the rest, at the end of the leaves.
 pub(super) fn topology(boxes: &[Aabb]) -> Result<Topology, HierarchyError> {
     check_capacity(boxes.len())?;
     let mut occupied = Vec::with_capacity(boxes.len());
@@ -51,7 +51,7 @@ pub(super) fn topology(boxes: &[Aabb]) -> Result<Topology, HierarchyError> {
     Ok(Topology::linearise(root, boxes.len(), |node| nodes[node as usize]))
 }
 
-/// Returns a balanced tree over leaves that need no order; node 0 is its root.
+/// Returns a balanced tree over leaves in any order; node 0 is its root.
 fn balanced(objects: &[u32]) -> Vec<Split> {
     let mut nodes = Vec::new();
     let mut waiting = Vec::new();
@@ -74,7 +74,8 @@ fn balanced(objects: &[u32]) -> Vec<Split> {
     nodes
 }
 
-/// Appends the clustered tree over the `occupied` of `boxes` to `nodes` and returns its root.
+/// Appends the clustered tree over the `occupied` indices of `boxes` to `nodes` and returns its
+/// root.
 fn cluster(boxes: &[Aabb], occupied: Vec<u32>, nodes: &mut Vec<Split>) -> Option<u32> {
     if occupied.is_empty() {
         return None;
@@ -99,13 +100,13 @@ fn cluster(boxes: &[Aabb], occupied: Vec<u32>, nodes: &mut Vec<Split>) -> Option
     Some(root)
 }
 
-/// Refuses more objects than a hierarchy holds, or than there is memory for.
+/// Checks a number of objects against the limit of a hierarchy and against the available memory.
 pub(super) fn check_capacity(count: usize) -> Result<(), HierarchyError> {
     check_count(count)?;
     check_memory(count)
 }
 
-/// Refuses more objects than a hierarchy holds.
+/// Checks a number of objects against the limit of a hierarchy.
 pub(super) fn check_count(count: usize) -> Result<(), HierarchyError> {
     if count > MAX_OBJECTS {
         return Err(HierarchyError::TooMany { count });
@@ -113,15 +114,15 @@ pub(super) fn check_count(count: usize) -> Result<(), HierarchyError> {
     Ok(())
 }
 
-/// Allocates all the memory at once, and frees it: an allocation that fails in the middle of the
-/// build would end the program.
+/// Allocates the memory of a build at once and frees it again: an allocation that fails in the
+/// middle of the build would abort the program.
 pub(super) fn check_memory(count: usize) -> Result<(), HierarchyError> {
     let size_bytes = count.saturating_mul(BUILD_BYTES_PER_OBJECT);
     let asked = Vec::<u8>::new().try_reserve_exact(size_bytes);
     asked.map_err(|_| HierarchyError::NoMemory { count, size_bytes })
 }
 
-/// Returns the boxes moved into the unit cube and made different from each other.
+/// Returns the boxes moved into the unit cube and made different from each other by a jitter.
 fn distinct(boxes: &[Aabb]) -> Vec<obvhs::aabb::Aabb> {
     let scene = boxes.iter().fold(Aabb::EMPTY, |sum, next| sum.union(next));
     let origin = scene.min.as_dvec3();

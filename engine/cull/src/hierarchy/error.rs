@@ -5,10 +5,10 @@ use thiserror::Error;
 use crate::geom::bounds::Aabb;
 use crate::ids::ObjectId;
 
-/// Objects that one hierarchy can hold: its node ids stay below 2^31.
+/// The most objects of one hierarchy: node ids stay below 2^31.
 pub const MAX_OBJECTS: usize = 1 << 30;
 
-/// Memory that building a hierarchy takes for each object, at its peak (bytes).
+/// The peak memory for building a hierarchy, per object (bytes).
 pub const BUILD_BYTES_PER_OBJECT: usize = 288;
 
 /// The reason why a hierarchy cannot be built or changed.
@@ -24,16 +24,16 @@ pub enum HierarchyError {
     BadBox {
         /// The id of the object.
         object: ObjectId,
-        /// Its box as it was given.
+        /// The box as it was given.
         bounds: Aabb,
     },
-    /// More objects than [`MAX_OBJECTS`].
+    /// The number of objects is above [`MAX_OBJECTS`].
     #[error("{count} objects are more than one hierarchy holds ({MAX_OBJECTS}): split the scene")]
     TooMany {
         /// The number of objects.
         count: usize,
     },
-    /// Less memory than a hierarchy, or a view's history of it, takes.
+    /// The memory for a hierarchy, or for a view's history of it, is not available.
     #[error(
         "there is no memory to cull {count} objects (about {} MiB): use fewer, or end other programs",
         size_bytes.div_ceil(1 << 20)
@@ -44,7 +44,7 @@ pub enum HierarchyError {
         /// The size of the request in bytes.
         size_bytes: usize,
     },
-    /// An object that was never in the hierarchy, or was removed.
+    /// The object was never in the hierarchy, or was removed.
     #[error(
         "object {} is not in the hierarchy: insert it, or rebuild the hierarchy with it", object.0
     )]
@@ -52,7 +52,7 @@ pub enum HierarchyError {
         /// The id of the object.
         object: ObjectId,
     },
-    /// No free leaf: there is an object in every leaf.
+    /// The hierarchy has an object in every leaf.
     #[error(
         "the hierarchy has no free leaf: remove an object first, or build it with empty boxes as \
          room for more"

@@ -1,4 +1,4 @@
-//! The nodes in the frustum from front to back, for methods with a traversal of their own.
+//! The nodes in the frustum from front to back, for methods with their own traversal.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -21,7 +21,7 @@ pub(crate) struct ViewedHierarchy<'a> {
 /// A node in the frustum, ordered by distance, then by id.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct InSight {
-    /// The squared distance: floats that are not negative sort like their bits.
+    /// The squared distance as bits: non-negative floats sort like their bits.
     distance_bits: u32,
     pub(crate) node: NodeId,
     pub(crate) mask: PlaneMask,
@@ -35,7 +35,7 @@ impl InSight {
 }
 
 impl<'a> ViewedHierarchy<'a> {
-    /// Returns the node, if some of it may be in the frustum; `mask` comes from the node above.
+    /// Returns the node if a part of it may be in the frustum; `mask` comes from the node above.
     pub(crate) fn look(&self, node: NodeId, mask: PlaneMask) -> Option<InSight> {
         let bounds = self.hierarchy.bounds(node);
         let (containment, mask) = self.view.frustum.classify(&bounds, mask);
@@ -66,7 +66,7 @@ impl<'a> ViewedHierarchy<'a> {
         Some(seen.into_iter().flatten())
     }
 
-    /// Returns the box to test in place of a node; `None` where it must count as visible.
+    /// Returns the box to test in place of a node; `None` if the node must count as visible.
     pub(crate) fn proxy(&self, node: NodeId) -> Option<Aabb> {
         self.view.margin.proxy(&self.hierarchy.bounds(node))
     }
@@ -98,8 +98,7 @@ impl<'a> ViewedHierarchy<'a> {
     }
 }
 
-/// Nodes that wait for their turn, the nearest first ("Hardware Occlusion Queries Made Useful",
-/// 6.5.7).
+/// A queue of nodes, the nearest first ("Hardware Occlusion Queries Made Useful", 6.5.7).
 #[derive(Debug, Default)]
 pub(crate) struct NearestFirst(BinaryHeap<Reverse<InSight>>);
 

@@ -1,4 +1,4 @@
-//! The changes of nodes, for cullers that keep a history of them. Each culler reads on where it
+//! The changes of nodes, for cullers that keep a history of them. Each culler continues where it
 //! stopped, so several views can share one hierarchy.
 
 use std::collections::VecDeque;
@@ -6,43 +6,44 @@ use std::sync::Arc;
 
 use crate::ids::Generation;
 
-/// A leaf of a [`Restructured`] subtree that had no place before: nothing is known of its object.
+/// Marks a leaf of a [`Restructured`] subtree that had no position before: its object has no
+/// history.
 pub(crate) const NEW_LEAF: u32 = u32::MAX;
 
-/// A leaf without an object.
+/// Marks a leaf without an object.
 pub(crate) const FREE_LEAF: u32 = u32::MAX - 1;
 
 /// One change in the meaning of nodes.
 #[derive(Clone, Debug)]
 pub(crate) enum Change {
-    /// The leaf that is this node holds another object from now on.
+    /// The leaf with this node index holds another object from now on.
     Recycled(u32),
-    /// The nodes of a subtree were assigned again.
+    /// The nodes of a subtree were rebuilt.
     Restructured(Box<Restructured>),
 }
 
-/// A subtree before and after; if it has another number of leaves now, nothing lies behind it. A
-/// tree in depth-first pre-order is described by the leaf counts of its nodes alone: the left child
-/// of node `i` is `i + 1`, the right one `i` plus twice its leaves.
+/// A subtree before and after a rebuild. A subtree whose number of leaves changes is the last one.
+/// The leaf counts of the nodes alone describe a tree in depth-first pre-order: the left child of
+/// node `i` is `i + 1`, and the right child is `i` plus twice the leaf count of the left child.
 #[derive(Clone, Debug)]
 pub(crate) struct Restructured {
-    /// The topmost node; the others follow it.
+    /// The topmost node; the other nodes of the subtree follow it.
     pub(crate) root: u32,
     pub(crate) before: Vec<u32>,
     pub(crate) after: Vec<u32>,
-    /// For each leaf, counted from the subtree's first, the place of its object's leaf before;
-    /// [`NEW_LEAF`] or [`FREE_LEAF`] if it had none.
+    /// For each leaf of the subtree, the index of its object's leaf before, counted from the
+    /// subtree's first leaf; [`NEW_LEAF`] or [`FREE_LEAF`] if there was none.
     pub(crate) moved_from: Vec<u32>,
 }
 
-/// The latest changes, each with the generation it began. Bounded: a culler that reads too seldom
-/// has to start from nothing.
+/// The latest changes, each with the generation that it began. The journal is bounded: a culler
+/// that reads too seldom has to start without history.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Journal {
     /// The identity of the hierarchy.
     identity: Arc<()>,
     changes: VecDeque<(Generation, Change)>,
-    /// Entries held by `changes`.
+    /// The number of entries in `changes`.
     entries: usize,
     /// The newest generation whose change was dropped.
     dropped: Option<Generation>,
@@ -54,7 +55,8 @@ impl Journal {
         &self.identity
     }
 
-    /// Notes a change, and drops the oldest until no more than `most_entries` are held, or one.
+    /// Notes a change, and drops the oldest until at most `most_entries` entries or one change are
+    /// left.
     pub(super) fn push(&mut self, generation: Generation, change: Change, most_entries: usize) {
         self.entries += entries(&change);
         self.changes.push_back((generation, change));
@@ -67,12 +69,13 @@ impl Journal {
         }
     }
 
-    /// Forgets all changes: every reader has to start from nothing.
+    /// Clears all changes: every reader has to start without history.
     pub(super) fn clear(&mut self) {
         *self = Self::default();
     }
 
-    /// Returns the changes after `generation`, the oldest first; `None` if not all of it is held.
+    /// Returns the changes after `generation`, the oldest first; `None` if some of them were
+    /// dropped.
     pub(crate) fn since(&self, generation: Generation) -> Option<impl Iterator<Item = &Change>> {
         if self.dropped.is_some_and(|dropped| dropped > generation) {
             return None;

@@ -1,5 +1,5 @@
-//! The bounding-volume hierarchy: nodes in depth-first pre-order, one object per leaf, every
-//! subtree one contiguous range of leaves.
+//! The bounding-volume hierarchy: nodes in depth-first pre-order, one object per leaf. Every
+//! subtree is one contiguous range of leaves.
 
 mod api;
 mod box_log;
@@ -23,33 +23,33 @@ pub(crate) use topology::{NO_NODE, Topology};
 
 /// A bounding-volume hierarchy over the boxes of objects.
 ///
-/// An [empty box](Aabb::EMPTY) makes no object but a free leaf, room for an object that is
+/// An [empty box](Aabb::EMPTY) is not an object but a free leaf, as room for an object that is
 /// [inserted](Hierarchy::insert) later.
 ///
-/// An id of a node that is not in the hierarchy counts as an empty node; no accessor panics.
+/// A node id that is not in the hierarchy counts as an empty node; no accessor panics.
 #[derive(Clone, Debug)]
 pub struct Hierarchy {
     id: HierarchyId,
     pub(crate) topology: Topology,
     nodes: refit::Nodes,
     generation: Generation,
-    /// The generation since which each node has stood for the same.
+    /// The generation since which each node has had its meaning.
     births: Vec<Generation>,
-    /// The generation since which each id has stood for the same object, by object.
+    /// The generation since which each id has belonged to its object, by id.
     arrivals: Vec<Generation>,
     journal: journal::Journal,
     boxes: box_log::BoxLog,
     worn: rebuild_subtrees::Worn,
     refit_scratch: refit::Scratch,
     search: occupancy::Search,
-    /// Subtrees to rebuild; kept to allocate nothing.
+    /// Subtrees to rebuild; kept for its memory.
     chosen: Vec<u32>,
     work: HierarchyWork,
     whole: api::whole::WholeObjects,
 }
 
 impl Hierarchy {
-    /// Builds the hierarchy of `boxes`; the position of a box is its object's id.
+    /// Builds the hierarchy of `boxes`; the index of a box is the id of its object.
     ///
     /// # Errors
     /// [`HierarchyError::BadBox`] names the first object whose box is unusable;
@@ -76,8 +76,8 @@ impl Hierarchy {
         })
     }
 
-    /// Refuses more objects than a hierarchy holds, or than there is memory for, before their boxes
-    /// are listed.
+    /// Checks a number of objects against the limit of a hierarchy and against the available
+    /// memory, before their boxes are listed.
     ///
     /// # Errors
     /// [`HierarchyError::TooMany`]; [`HierarchyError::NoMemory`].
@@ -85,31 +85,31 @@ impl Hierarchy {
         build::check_capacity(count)
     }
 
-    /// Returns the identity.
+    /// Returns the identity of the hierarchy, which clones share.
     #[must_use]
     pub fn id(&self) -> &HierarchyId {
         &self.id
     }
 
-    /// Returns the number of changes after which some node stood for something else.
+    /// Returns the number of changes so far that gave some node another meaning.
     #[must_use]
     pub fn generation(&self) -> Generation {
         self.generation
     }
 
-    /// Returns the node above all others; `None` if there are no objects.
+    /// Returns the root; `None` if there are no leaves.
     #[must_use]
     pub fn root(&self) -> Option<NodeId> {
         (!self.nodes.bounds.is_empty()).then_some(NodeId(0))
     }
 
-    /// Returns the number of nodes: twice the leaves less one.
+    /// Returns the number of nodes: twice the number of leaves minus one.
     #[must_use]
     pub fn node_count(&self) -> usize {
         self.nodes.bounds.len()
     }
 
-    /// Returns the object of each leaf, in depth-first order; for a free leaf, the free id.
+    /// Returns the object of each leaf, in depth-first order; the free id for a free leaf.
     #[must_use]
     pub fn leaf_objects(&self) -> &[ObjectId] {
         &self.topology.leaf_objects
@@ -122,7 +122,7 @@ impl Hierarchy {
         Some(self.leaves(NodeId(node)).first)
     }
 
-    /// Returns true if an object is there.
+    /// Returns true if an object is in the hierarchy.
     #[must_use]
     pub fn contains(&self, object: ObjectId) -> bool {
         refit::occupied(&self.topology, &self.nodes, object).is_ok()
@@ -134,14 +134,14 @@ impl Hierarchy {
         self.topology.object_nodes.get(object.0 as usize).map(|node| NodeId(*node))
     }
 
-    /// Returns the box around everything under a node; [`Aabb::EMPTY`] if there is nothing, or for
-    /// a foreign id.
+    /// Returns the box around all objects under a node; [`Aabb::EMPTY`] if there are none, or for a
+    /// foreign id.
     #[must_use]
     pub fn bounds(&self, node: NodeId) -> Aabb {
         self.nodes.bounds.get(node.0 as usize).copied().unwrap_or(Aabb::EMPTY)
     }
 
-    /// Returns the leaves under a node; none for a foreign id.
+    /// Returns the leaves under a node; an empty range for a foreign id.
     #[must_use]
     pub fn leaves(&self, node: NodeId) -> LeafRange {
         match self.topology.nodes.get(node.0 as usize) {
@@ -159,14 +159,14 @@ impl Hierarchy {
         (links.leaf_count > 1).then(|| links.children(node.0).map(NodeId))
     }
 
-    /// Returns the node above; `None` for the root or a foreign id.
+    /// Returns the parent of a node; `None` for the root or a foreign id.
     #[must_use]
     pub fn parent(&self, node: NodeId) -> Option<NodeId> {
         let links = self.topology.nodes.get(node.0 as usize)?;
         (links.parent != NO_NODE).then_some(NodeId(links.parent))
     }
 
-    /// Returns the number of nodes above; 0 for the root or a foreign id.
+    /// Returns the number of ancestors of a node; 0 for the root or a foreign id.
     #[must_use]
     pub fn level(&self, node: NodeId) -> u32 {
         self.topology.nodes.get(node.0 as usize).map_or(0, |links| links.level)

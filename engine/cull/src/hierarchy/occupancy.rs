@@ -21,7 +21,7 @@ pub(super) fn vacate(
     Ok(node)
 }
 
-/// Puts an object into a free leaf near it and returns the leaf's node.
+/// Moves an object into a free leaf near it and returns the leaf's node.
 pub(super) fn occupy(
     topology: &Topology,
     nodes: &mut Nodes,
@@ -35,7 +35,7 @@ pub(super) fn occupy(
     Ok(leaf)
 }
 
-/// Computes the ancestors of a leaf again and calls `touched` with each.
+/// Updates the ancestors of a leaf and calls `touched` with each.
 pub(super) fn refit_above(
     topology: &Topology,
     nodes: &mut Nodes,
@@ -50,15 +50,15 @@ pub(super) fn refit_above(
     }
 }
 
-/// Nodes that wait in the search for a free leaf, the one with the least growth above it first;
+/// The queue of the search for a free leaf: the node with the least growth above it comes first;
 /// among equals the deepest, which is nearest to a leaf.
 pub(super) type Search = BinaryHeap<(Reverse<u32>, u32, u32)>;
 
-/// Nodes that the search looks at before it takes the first leaf within reach.
+/// The number of nodes that the search visits before it takes the first leaf within reach.
 const SEARCHED_NODES: u32 = 512;
 
-/// Returns the free leaf in which a box makes the boxes above grow least in total (after Bittner,
-/// Hapala and Havran 2015, "Incremental BVH construction for ray tracing").
+/// Returns the free leaf in which a box makes the boxes above it grow least in total (after
+/// Bittner, Hapala and Havran 2015, "Incremental BVH construction for ray tracing").
 fn free_leaf(
     topology: &Topology,
     nodes: &Nodes,
@@ -86,7 +86,7 @@ fn free_leaf(
         looked_at += 1;
         let growth = growth_above(f32::from_bits(growth), node);
         if looked_at == SEARCHED_NODES {
-            // Enough: only what is below counts from now on.
+            // The search ends: from now on only nodes below this node count.
             search.clear();
         }
         let is_free = |child: &u32| nodes.free[*child as usize] > 0;

@@ -1,6 +1,6 @@
-//! Rebuilds single subtrees in place: n leaves always have 2n - 1 nodes, in depth-first pre-order,
-//! so that a subtree keeps its range of nodes and its range of leaves however it is built. The
-//! last subtree can grow: behind it there is nothing.
+//! Rebuilds single subtrees in place. n leaves always have 2n - 1 nodes in depth-first pre-order,
+//! so a subtree keeps its range of nodes and its range of leaves in any shape. The last subtree can
+//! grow, because no nodes follow it.
 
 use super::build;
 use super::error::HierarchyError;
@@ -15,14 +15,14 @@ use crate::ids::ObjectId;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Worn {
     candidates: Vec<u32>,
-    /// True for each node among them.
+    /// True for each node that is in `candidates`.
     is_candidate: Vec<bool>,
-    /// The area that each candidate saves per rebuilt leaf, with the candidate.
+    /// Each candidate, with the area that its rebuild saves per leaf.
     ranked: Vec<(f32, u32)>,
 }
 
 impl Worn {
-    /// Notes a node that was refitted if it may be worth a rebuild of at most `most_leaves`.
+    /// Notes a refitted node if a rebuild of at most `most_leaves` may be worthwhile.
     pub(super) fn consider(
         &mut self,
         topology: &Topology,
@@ -42,9 +42,9 @@ impl Worn {
         }
     }
 
-    /// Fills `chosen` with the subtrees whose rebuild saves the most area per leaf, of no more than
-    /// `budget` leaves together. Some may lie in others: the caller checks each again before its
-    /// rebuild.
+    /// Fills `chosen` with the subtrees whose rebuild saves the most area per leaf, with at most
+    /// `budget` leaves in total. A subtree may lie within another: the caller must check each again
+    /// before its rebuild.
     pub(super) fn choose(
         &mut self,
         topology: &Topology,
@@ -74,8 +74,8 @@ impl Worn {
     }
 }
 
-/// Returns the topmost node with the last of all leaves and no more leaves than `most_leaves`: the
-/// subtree that may get leaves without moving a node outside of it.
+/// Returns the topmost node that has at most `most_leaves` leaves and contains the last leaf: this
+/// subtree can get more leaves without moving a node outside of it.
 pub(super) fn last_subtree(topology: &Topology, most_leaves: u32) -> u32 {
     let mut node = 0;
     while topology.nodes[node as usize].leaf_count > most_leaves.max(1) {
@@ -84,9 +84,9 @@ pub(super) fn last_subtree(topology: &Topology, most_leaves: u32) -> u32 {
     node
 }
 
-/// Rebuilds the subtree of `root` from the boxes of its leaves and of `more` objects or, where they
-/// are empty, free leaves, and updates the sums above it. The new leaves have the next ids. A
-/// subtree that gets more leaves is one with the last of all leaves.
+/// Rebuilds the subtree of `root` from the boxes of its leaves and of `more` objects, and updates
+/// the nodes above it. An empty box in `more` is a free leaf. The new leaves have the next ids. A
+/// subtree that gets more leaves must contain the last leaf.
 pub(super) fn rebuild_subtree(
     topology: &mut Topology,
     nodes: &mut Nodes,
@@ -135,8 +135,8 @@ pub(super) fn rebuild_subtree(
     Ok(change)
 }
 
-/// Replaces the links below `root`, which was `top`, by the links of `built`; `objects` maps its
-/// numbers of objects.
+/// Replaces the links below `root`, whose own links were `top`, by the links of `built`. `objects`
+/// maps the object indices of `built` to object ids.
 fn splice(topology: &mut Topology, root: u32, top: &Links, built: &Topology, objects: &[ObjectId]) {
     for (node, links) in (root..).zip(&built.nodes) {
         let inside = |local: u32, outside: u32| {

@@ -1,4 +1,4 @@
-//! Moves boxes in a hierarchy whose shape stays: only ancestors of moved leaves are touched.
+//! Moves boxes in a hierarchy of fixed shape: only ancestors of moved leaves are touched.
 
 use std::collections::TryReserveError;
 
@@ -9,11 +9,11 @@ use super::wear::Wear;
 use crate::geom::bounds::Aabb;
 use crate::ids::ObjectId;
 
-/// The data of every node about the objects under it.
+/// The data of every node that depends on the objects under it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Nodes {
     pub(super) bounds: Vec<Aabb>,
-    /// Leaves without an object.
+    /// The number of leaves without an object under each node.
     pub(super) free: Vec<u32>,
     pub(super) wear: Wear,
 }
@@ -31,7 +31,7 @@ impl Nodes {
         nodes
     }
 
-    /// Memory of each node (bytes).
+    /// The memory per node (bytes).
     pub(super) const BYTES: usize = size_of::<Aabb>() + size_of::<u32>() + Wear::BYTES;
 
     /// Reserves memory for [`Nodes::add`].
@@ -48,7 +48,7 @@ impl Nodes {
         self.wear.add(count);
     }
 
-    /// Computes everything in a subtree from the boxes of its leaves, and marks it as well built.
+    /// Computes the data of a subtree from the boxes of its leaves, and marks it as well built.
     pub(super) fn build(&mut self, topology: &Topology, root: u32) {
         let Some(links) = topology.nodes.get(root as usize) else {
             return;
@@ -83,13 +83,13 @@ impl Nodes {
 /// Memory that is kept between refits, so that moving objects does not allocate.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scratch {
-    /// Ancestors whose box has to be computed again.
+    /// The ancestors whose box must be computed again.
     stale: Vec<u32>,
-    /// True for each node among them.
+    /// True for each node that is in `stale`.
     is_stale: Vec<bool>,
 }
 
-/// Sets the boxes of `moved` objects, then those of their ancestors, the deepest first. Logs the
+/// Sets the boxes of `moved` objects and then updates their ancestors, the deepest first. Logs the
 /// moves, and calls `touched` with every ancestor.
 pub(super) fn refit(
     topology: &Topology,
@@ -113,7 +113,7 @@ pub(super) fn refit(
     outcome
 }
 
-/// Sets the box of one object and marks its ancestors up to the first that is marked.
+/// Sets the box of one object and marks its ancestors up to the first marked one.
 fn place(
     topology: &Topology,
     nodes: &mut Nodes,
@@ -135,7 +135,7 @@ fn place(
     Ok(())
 }
 
-/// Returns the node of an object that is there.
+/// Returns the node of an object that is in the hierarchy.
 pub(super) fn occupied(
     topology: &Topology,
     nodes: &Nodes,

@@ -4,10 +4,10 @@ use std::collections::TryReserveError;
 
 use crate::ids::ObjectId;
 
-/// The parent of the root.
+/// The parent of the root, and the right child of a leaf.
 pub(crate) const NO_NODE: u32 = u32::MAX;
 
-/// The links of a node with others. The left child of an inner node is the next node.
+/// The links of a node to other nodes. The left child of an inner node is the next node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Links {
     pub(crate) right: u32,
@@ -23,19 +23,19 @@ impl Links {
         self.leaf_count == 1
     }
 
-    /// Returns the children, where this is the inner node `node`.
+    /// Returns the children of an inner node, whose index is `node`.
     pub(crate) const fn children(&self, node: u32) -> [u32; 2] {
         [node + 1, self.right]
     }
 
     /// Returns the first node that is not in the subtree of `node`: a binary tree with n leaves has
-    /// 2n - 1 nodes, and here they are contiguous.
+    /// 2n - 1 nodes, which are contiguous here.
     pub(crate) const fn end(&self, node: u32) -> u32 {
         node + 2 * self.leaf_count - 1
     }
 }
 
-/// A node of a foreign tree, as the conversion reads it.
+/// A node of the tree that is converted.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Split {
     Leaf(ObjectId),
@@ -52,15 +52,15 @@ pub(crate) struct Topology {
 }
 
 impl Topology {
-    /// Converts the tree below `root` to depth-first pre-order. Works on a stack of its own, since
-    /// degenerate scenes make trees as deep as they have objects.
+    /// Converts the tree below `root` to depth-first pre-order. Uses an explicit stack instead of
+    /// recursion, because degenerate scenes make trees as deep as their number of objects.
     pub(crate) fn linearise(root: u32, object_count: usize, split: impl Fn(u32) -> Split) -> Self {
         let mut topology = Self {
             nodes: Vec::with_capacity(2 * object_count),
             leaf_objects: Vec::with_capacity(object_count),
             object_nodes: vec![NO_NODE; object_count],
         };
-        // Source node, parent here, and the level.
+        // The source node, its parent in the result, and its level.
         let mut stack = vec![(root, NO_NODE, 0_u32)];
         while let Some((source, parent, level)) = stack.pop() {
             let node = topology.nodes.len() as u32;
@@ -96,7 +96,7 @@ impl Topology {
         topology
     }
 
-    /// Memory of each leaf and its two nodes (bytes).
+    /// The memory per leaf and its two nodes (bytes).
     pub(crate) const BYTES_PER_LEAF: usize =
         2 * size_of::<Links>() + size_of::<ObjectId>() + size_of::<u32>();
 
@@ -107,7 +107,7 @@ impl Topology {
         self.object_nodes.try_reserve_exact(leaves)
     }
 
-    /// Makes places for more leaves and their nodes, which mean nothing yet.
+    /// Adds uninitialised entries for more leaves and their nodes.
     pub(crate) fn add_leaves(&mut self, count: usize) {
         let none =
             Links { right: NO_NODE, parent: NO_NODE, first_leaf: 0, leaf_count: 1, level: 0 };

@@ -1,50 +1,50 @@
-//! The wear of subtrees: finds those that were refitted until a rebuild pays.
+//! The wear of subtrees: finds the subtrees that were refitted so much that a rebuild pays off.
 //!
 //! The measure is the surface-area cost (Goldsmith and Salmon 1987, "Automatic Creation of Object
-//! Hierarchies for Ray Tracing"): the areas of all inner nodes over the area of the topmost. It
-//! does not change when a subtree moves or grows as a whole, and grows when its parts drift apart
-//! or one of them leaves. A subtree is worn when its cost is well above the cost after its last
-//! build.
+//! Hierarchies for Ray Tracing"): the summed areas of all inner nodes over the area of the topmost.
+//! The cost does not change when a subtree moves or grows as a whole. It grows when the parts of
+//! the subtree drift apart or a part leaves. A subtree is worn when its cost is well above the cost
+//! after its last build.
 
 use std::collections::TryReserveError;
 
 use crate::geom::bounds::Aabb;
 
 /// The factor by which a cost may grow before the subtree counts as worn. Boxes of moving objects
-/// grow and shrink: below this a rebuild would recur frame after frame and gain nothing.
+/// grow and shrink: with a smaller factor a rebuild would recur frame after frame without a gain.
 const GROWTH: f32 = 1.4;
 
-/// The least cost to compare with: a single node's. A subtree that was built without objects has
-/// none.
+/// The least cost to compare with: the cost of a single node. A subtree that was built without
+/// objects has no cost.
 const LEAST_COST: f32 = 1.0;
 
-/// The least leaves of a worn subtree: fewer can hardly be arranged better.
+/// The least leaves of a worn subtree: fewer leaves can hardly be arranged better.
 pub(super) const LEAVES_MIN: u32 = 4;
 
-/// Leaves that one update may rebuild: a fraction of a millisecond of work.
+/// The number of leaves that one update may rebuild: a fraction of a millisecond of work.
 pub(super) const LEAVES_PER_UPDATE: u32 = 1024;
 
 /// The most leaves of a hierarchy that an update may rebuild as a whole: tens of milliseconds at
-/// worst, and seldom, since a rebuild resets the measure.
+/// worst, and seldom, because a rebuild resets the wear.
 pub(super) const LEAVES_OF_WHOLE: u32 = 1 << 15;
 
-/// The areas under every node.
+/// The areas and costs of the subtree of every node.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Wear {
-    /// The areas of all inner nodes of a subtree together.
+    /// The sum of the areas of all inner nodes of each subtree.
     areas: Vec<f32>,
-    /// The cost of a subtree when it was last built.
+    /// The cost of each subtree after its last build.
     built: Vec<f32>,
 }
 
 impl Wear {
-    /// Creates the wear of `nodes` nodes; every one must be [updated](Wear::update), then
+    /// Creates the wear of a number of nodes. Every node must be [updated](Wear::update), then
     /// [reset](Wear::reset).
     pub(super) fn new(nodes: usize) -> Self {
         Self { areas: vec![0.0; nodes], built: vec![0.0; nodes] }
     }
 
-    /// Memory of each node (bytes).
+    /// The memory per node (bytes).
     pub(super) const BYTES: usize = 2 * size_of::<f32>();
 
     /// Reserves memory for [`Wear::add`].
@@ -53,25 +53,25 @@ impl Wear {
         self.built.try_reserve_exact(nodes)
     }
 
-    /// Adds nodes as in [`Wear::new`].
+    /// Adds nodes, which must be updated and reset as in [`Wear::new`].
     pub(super) fn add(&mut self, nodes: usize) {
         for values in [&mut self.areas, &mut self.built] {
             values.resize(values.len() + nodes, 0.0);
         }
     }
 
-    /// Computes the areas under an inner node from those under its children.
+    /// Computes the areas under an inner node from the areas under its children.
     pub(super) fn update(&mut self, node: u32, bounds: &Aabb, children: [u32; 2]) {
         let [left, right] = children.map(|child| self.areas[child as usize]);
         self.areas[node as usize] = bounds.half_area() + left + right;
     }
 
-    /// Sets the areas under a leaf to none.
+    /// Sets the areas under a leaf to 0.
     pub(super) fn update_leaf(&mut self, node: u32) {
         self.areas[node as usize] = 0.0;
     }
 
-    /// Takes the present cost of a node's subtree as the cost after a build.
+    /// Records the present cost of a node's subtree as the cost after a build.
     pub(super) fn reset(&mut self, node: u32, bounds: &Aabb) {
         self.built[node as usize] = self.cost(node, bounds);
     }
@@ -81,8 +81,8 @@ impl Wear {
         if area > 0.0 { self.areas[node as usize] / area } else { 0.0 }
     }
 
-    /// Returns the area (square metres) that a rebuild of the subtree is likely to save; `None` if
-    /// it is not worn.
+    /// Returns the area (square metres) that a rebuild of the subtree is expected to save; `None`
+    /// if the subtree is not worn.
     pub(super) fn excess(&self, node: u32, bounds: &Aabb) -> Option<f32> {
         let built = self.built[node as usize].max(LEAST_COST);
         let is_degraded = self.cost(node, bounds) > GROWTH * built;
@@ -96,8 +96,8 @@ mod tests {
 
     use super::*;
 
-    /// Returns the area that a rebuild of four leaves saves, under nodes 1 and 4 under node 0, with
-    /// the box around them.
+    /// Returns the box of nodes 1 and 4, which hold two leaves each under node 0, and the area that
+    /// a rebuild of these four leaves saves.
     fn worn(left: Aabb, right: Aabb, wear: &mut Wear) -> (Aabb, Option<f32>) {
         wear.update(1, &left, [2, 3]);
         wear.update(4, &right, [5, 6]);

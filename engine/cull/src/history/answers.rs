@@ -1,9 +1,10 @@
-//! The changes of the history by an answer: visibility is pulled up to the ancestors of a node that
-//! showed, and pulled down to its parts ("Hardware Occlusion Queries Made Useful", 6.4).
+//! The changes of the history by an answer: if a node showed, its ancestors become visible
+//! (pull-up), and its parts are tested next (pull-down; "Hardware Occlusion Queries Made Useful",
+//! 6.4).
 //!
-//! Where the literature also pulls hidden children up to a hidden parent, a pull-up query tests the
-//! parent first: its box shows in many places where the boxes of its children do not. A parent
-//! merged on trust would then be drawn whole.
+//! The literature also makes a parent hidden if its children are hidden. Here a pull-up query tests
+//! the parent first: in many views its box shows although the boxes of its children do not. A
+//! parent merged without a test would then be drawn as a whole.
 
 use crate::hierarchy::{NO_NODE, Topology};
 use crate::history::record::{FrameStamp, NodeRecord, NodeState};
@@ -12,11 +13,11 @@ use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::QueryKind;
 use crate::rng::SplitMix64;
 
-/// The time after a hidden own draw within which a visible proxy counts as too loose for the place.
-/// Halved or doubled, it moves no count of a walk by more than 1 % (docs/cull_config.md).
+/// The time after a hidden own draw within which a visible proxy counts as too loose in this view.
+/// Halving or doubling it changes no count of a walk by more than 1 % (docs/cull_config.md).
 const FLICKER_FRAMES: u32 = 16;
 
-/// The update of the history by one answer.
+/// The update of the history by an answer.
 pub(crate) struct Ingest<'a> {
     pub(crate) history: &'a mut History,
     pub(crate) topology: &'a Topology,
@@ -33,7 +34,7 @@ impl Ingest<'_> {
         let Some(record) = self.history.record_mut(node) else {
             return;
         };
-        // The answer for a part refines that for its node, which came first.
+        // The answer about a leaf refines the answer about its node, which came first.
         let is_old = match kind {
             QueryKind::Leaf => record.answered > self.tested,
             _ => record.answered >= self.tested,
@@ -42,9 +43,9 @@ impl Ingest<'_> {
             return;
         }
         record.answered = self.tested;
-        // The GPU looked here, if not the traversal: leaves that are drawn for a node in the place
-        // of its test are tested and not visited. Then, not now: an answer that comes back
-        // very late is stale.
+        // The GPU tested the node even if the traversal did not visit it: leaves that are tested
+        // because their node showed are not visited. The frame of the test counts, not the present
+        // frame, so a record stays stale after a very late answer.
         record.visited = record.visited.max(self.tested);
         match (kind, samples) {
             (QueryKind::Leaf, 0) => {}
@@ -76,7 +77,7 @@ impl Ingest<'_> {
     fn proxy_hidden(&mut self, node: u32) {
         let record = self.history.record(node);
         let is_open = record.state == NodeState::Visible && record.due > self.now;
-        // A test that was under way when its node was opened: the parts answer for themselves now.
+        // The test was in flight when the node was opened; its parts have their own tests now.
         if is_open && !self.is_leaf(node) {
             return;
         }
@@ -99,7 +100,8 @@ impl Ingest<'_> {
         if record.state != NodeState::Visible {
             let was_brief = record.state == NodeState::Hidden
                 && self.tested.since(record.since) <= FLICKER_FRAMES;
-            // Hidden as of the same answer is no past: that of a part's node came just before.
+            // A leaf that became hidden by the answer of its node in the same frame was not hidden
+            // before.
             if record.since != self.tested {
                 record.flicker_count =
                     if was_brief { record.flicker_count.saturating_add(1) } else { 0 };
@@ -113,8 +115,8 @@ impl Ingest<'_> {
         self.pull_up(node);
     }
 
-    /// Notes that the box of a visible leaf showed, which says little: the box may show where its
-    /// leaf does not. In the end the leaf's own draw is tested.
+    /// Notes that the box of a visible leaf showed. This says little, because the box may show
+    /// where the leaf does not; after some such answers the leaf's own draw is tested.
     fn visible_box_showed(&mut self, node: u32) {
         self.update(node, |record| record.stable_queries = record.stable_queries.saturating_add(1));
     }
@@ -141,8 +143,8 @@ impl Ingest<'_> {
         self.pull_up(node);
     }
 
-    /// Marks a node that showed after its leaves were tested one by one: the leaves that showed
-    /// have answers of their own, and all others are hidden.
+    /// Marks a node that showed after its leaves were tested individually: leaves that showed have
+    /// answers of their own, and all other leaves are hidden.
     fn leaves_showed(&mut self, top: u32) {
         let failures = self.failures_of(top);
         let end = self.topology.nodes[top as usize].end(top);
@@ -156,7 +158,7 @@ impl Ingest<'_> {
                     }
                     record.stable_queries = 0;
                 }
-                // The GPU was here, if not the traversal.
+                // The GPU tested this node even if the traversal did not visit it.
                 record.visited = record.visited.max(tested);
             });
         }
@@ -173,8 +175,8 @@ impl Ingest<'_> {
         self.pull_up(top);
     }
 
-    /// Returns how often a node that shows was tested as one in vain: its box may show in many
-    /// places where the boxes of its parts, all hidden, do not.
+    /// Returns the number of times that a node which shows was tested as one in vain: in many views
+    /// its box shows although the boxes of its parts do not.
     fn failures_of(&self, node: u32) -> u8 {
         if self.is_leaf(node) {
             return 0;
@@ -188,8 +190,8 @@ impl Ingest<'_> {
         }
     }
 
-    /// Opens a node that showed and some levels below it, so that small parts are tested next. None
-    /// of those parts is taken as visible: their own records are older.
+    /// Opens a node that showed and some levels below it, so that small parts are tested next. A
+    /// part that was visible becomes unknown unless it has a newer answer.
     fn open(&mut self, top: u32) {
         let top_level = self.topology.nodes[top as usize].level;
         let mut node = top;
@@ -230,8 +232,7 @@ impl Ingest<'_> {
         self.now.plus(frames.saturating_add(jitter))
     }
 
-    /// Merges an opened node of which neither the whole nor a part showed: from now on one query is
-    /// enough.
+    /// Merges an open node whose pull-up query did not show: from now on one query tests it.
     fn merge(&mut self, node: u32) {
         if self.is_leaf(node) {
             return;
@@ -262,8 +263,8 @@ impl Ingest<'_> {
         });
     }
 
-    /// Marks the ancestors of a node that showed as visible, unless they have an answer of a later
-    /// frame. Stops at the first that is marked already.
+    /// Marks the ancestors of a node that showed as visible. Stops at the first ancestor that is
+    /// already marked or was found hidden in a later frame.
     fn pull_up(&mut self, node: u32) {
         let mut parent = self.topology.nodes[node as usize].parent;
         while parent != NO_NODE {

@@ -1,4 +1,4 @@
-//! The history: a record of each node, and its changes by answers.
+//! The history: a record per node, and the changes of records by answers.
 
 pub(crate) mod answers;
 pub(crate) mod record;

@@ -9,20 +9,20 @@ use crate::ids::Generation;
 use crate::plan::config::CullConfig;
 use crate::rng::SplitMix64;
 
-/// The time after which a pull-up query may be repeated if its result does not come. Halved or
-/// doubled, it moves no count of a walk by more than 1 % (docs/cull_config.md).
+/// The time after which a pull-up query may be repeated if its result does not arrive. Halving or
+/// doubling it changes no count of a walk by more than 1 % (docs/cull_config.md).
 const PULL_UP_RETRY_FRAMES: u32 = 6;
 
-/// One record per node, as the nodes were in the generation that is kept here.
+/// A record per node of one generation of the hierarchy.
 #[derive(Debug)]
 pub(crate) struct History {
     records: Vec<NodeRecord>,
     generation: Generation,
-    /// The hierarchy that it is about.
+    /// The identity of the hierarchy that the records belong to.
     identity: Option<Arc<()>>,
     /// The records of the leaves of a subtree that is carried over.
     leaves: Vec<NodeRecord>,
-    /// The records of its nodes; none where there are only free leaves.
+    /// The records of the nodes of this subtree; `None` above free leaves only.
     carried: Vec<Option<NodeRecord>>,
 }
 
@@ -58,8 +58,8 @@ impl History {
         }
     }
 
-    /// Notes that a leaf is drawn under a query: the next is due after its interval, even if no
-    /// answer comes.
+    /// Notes that a leaf is drawn under a query. The next such query is due after an interval, even
+    /// if no answer arrives.
     pub(crate) fn note_visible_draw_query(
         &mut self,
         node: u32,
@@ -72,8 +72,9 @@ impl History {
         }
     }
 
-    /// Notes that a leaf below `top` is drawn without a test although nothing is known of it. It
-    /// counts as visible until its own draw is tested, and the nodes above it up to `top` as open.
+    /// Notes that a leaf below `top` is drawn without a test although it is unknown. The leaf
+    /// counts as visible until its own draw is tested, and the nodes above it up to `top` count as
+    /// open.
     pub(crate) fn assume_visible(
         &mut self,
         topology: &Topology,
@@ -83,7 +84,7 @@ impl History {
         due: FrameStamp,
         config: &CullConfig,
     ) {
-        // Long streaks make for long intervals, and this one makes the next test one of its own
+        // This number of successes gives a long interval, and makes the next test a test of its own
         // draw.
         let stable_queries = config.visible_box_tests.saturating_add(1).min(u8::MAX.into()) as u8;
         if let Some(record) = self.record_mut(leaf) {
@@ -112,7 +113,7 @@ impl History {
         }
     }
 
-    /// Notes the meaning of the next answer about a leaf by itself.
+    /// Notes the meaning of the next answer about a leaf for the cost model.
     pub(crate) fn mark_for_retest(&mut self, node: u32, containment: Containment) {
         if let Some(record) = self.record_mut(node) {
             record.retest_reason = match (containment, record.retest_reason) {
@@ -123,22 +124,23 @@ impl History {
         }
     }
 
-    /// Notes that an answer came for a leaf that had been drawn without a test.
+    /// Notes that an answer arrived for a leaf that was drawn without a test.
     pub(crate) fn answered_assumed(&mut self, node: u32) {
         if let Some(record) = self.record_mut(node) {
             record.retest_reason = RetestReason::None;
         }
     }
 
-    /// Notes that a node has a pull-up query: it has no other before the answer had time to come.
+    /// Notes that a node has a pull-up query, so that it gets no other before the answer can
+    /// arrive.
     pub(crate) fn note_pull_up_query(&mut self, node: u32, now: FrameStamp) {
         if let Some(record) = self.record_mut(node) {
             record.due = now.plus(PULL_UP_RETRY_FRAMES);
         }
     }
 
-    /// Closes an open node, which is tested as one from now on. It counts as hidden for as long as
-    /// its parts, until the answer comes.
+    /// Closes an open node, which is tested as one from now on. Until the answer arrives, it counts
+    /// as hidden since the frame in which the last of its children became hidden.
     pub(crate) fn closed(&mut self, topology: &Topology, node: u32) {
         let Some(links) = topology.nodes.get(node as usize) else {
             return;
@@ -163,20 +165,18 @@ impl History {
         }
     }
 
-    /// Takes the memory for the records of so many nodes at once: later it would end the program if
-    /// there were none.
-    ///
-    /// # Errors
-    /// No memory; the number of bytes that were asked for.
+    /// Reserves the memory for the records of `nodes` nodes, because a failed allocation during a
+    /// frame would abort the program. On failure returns the requested number of bytes.
     pub(crate) fn reserve(&mut self, nodes: usize) -> Result<(), usize> {
         let more = nodes.saturating_sub(self.records.len());
         let reserved = self.records.try_reserve_exact(more);
         reserved.map_err(|_| nodes.saturating_mul(size_of::<NodeRecord>()))
     }
 
-    /// Follows the hierarchy to its present generation. Objects keep their records; a new inner
-    /// node is hidden if all below it is hidden, and visible if something is visible. Nothing is
-    /// known of another hierarchy, or of one that is too far ahead.
+    /// Updates the records to the present generation of the hierarchy. Objects keep their records.
+    /// A new inner node is hidden if everything below it is hidden, and visible if something below
+    /// it is visible. For another hierarchy, or if too many changes were missed, all records are
+    /// cleared.
     pub(crate) fn adopt(&mut self, hierarchy: &Hierarchy) {
         let journal = hierarchy.journal();
         let generation = hierarchy.generation();
@@ -210,7 +210,7 @@ impl History {
         }
     }
 
-    /// Distributes the records of a subtree to the nodes that take its place.
+    /// Distributes the records of a subtree to the nodes that replace it.
     fn carry_over(&mut self, change: &Restructured) {
         self.collect_leaves(change);
         let Self { records, leaves, carried, .. } = self;
@@ -246,9 +246,9 @@ impl History {
         }
     }
 
-    /// Collects the record of each leaf of a subtree as it was before the change: the record of the
-    /// topmost hidden node above it, since nothing below such a node is kept up to date, or else
-    /// its own.
+    /// Collects the record of each leaf of a subtree before the change. This is the record of the
+    /// topmost hidden node above the leaf, since nothing below such a node is kept up to date, or
+    /// else its own.
     fn collect_leaves(&mut self, change: &Restructured) {
         self.leaves.clear();
         let mut node = 0;
@@ -265,7 +265,7 @@ impl History {
     }
 }
 
-/// Returns the record of a node that is new above two others.
+/// Returns the record of a new node above two others.
 fn above(left: &NodeRecord, right: &NodeRecord) -> NodeRecord {
     let state = match (left.state, right.state) {
         (NodeState::Hidden, NodeState::Hidden) => NodeState::Hidden,
@@ -287,8 +287,9 @@ fn above(left: &NodeRecord, right: &NodeRecord) -> NodeRecord {
     }
 }
 
-/// Returns the frames until a visible leaf's own draw is tested again: more, the longer it has been
-/// visible, and many more where its proxy showed in vain; the upper half of the range at random.
+/// Returns the number of frames until a visible leaf's own draw is tested again. The interval grows
+/// with the time for which the leaf has been visible, and more if its proxy showed in vain. The
+/// result is a random number between half the interval and the interval.
 pub(crate) fn retest_interval(
     record: &NodeRecord,
     config: &CullConfig,

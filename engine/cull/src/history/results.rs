@@ -1,45 +1,45 @@
-//! The results of tests as testers leave them in memory, read as answers, also for proxies that
-//! share another's result and for the nodes above a list of leaves.
+//! The results of tests, read from the memory that testers write and converted to answers. Includes
+//! the results of proxies that share another result, and of nodes above a list of leaves.
 
 use crate::hierarchy::Hierarchy;
 use crate::ids::{FrameId, Generation, LeafIndex, LeafRange};
 use crate::plan::frame_plan::{Answer, QueryKind, QueryTag, VisibilityTest};
 
-/// A test on its way, with its contents (`C`), noted when it was planned: the scene may change
-/// before its result is read.
+/// A test in flight, with its contents (`C`) from the time of planning: the scene may change before
+/// the result is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PendingTest<C> {
-    /// The subject of the test.
+    /// The identity of the test.
     pub tag: QueryTag,
     /// The tester that writes the result.
     pub tester: VisibilityTest,
-    /// The objects that are drawn if it shows.
+    /// The objects that are drawn if the test shows.
     pub contents: C,
 }
 
-/// An answer, and the objects that are drawn if it shows.
+/// An answer with the objects that are drawn if it shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TestResult<C> {
     /// The tag of the test and the samples that passed.
     pub answer: Answer,
-    /// The objects that depend on it.
+    /// The objects that depend on the answer.
     pub contents: C,
 }
 
-/// The leaves of one frame that were tested one by one and showed.
+/// The leaves of one frame that were tested individually and showed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LeafList<'a> {
-    /// These, each once, in any order.
+    /// The leaves, each once, in any order.
     These(&'a [u32]),
-    /// More than the list holds.
+    /// More leaves than the list can hold.
     TooMany,
 }
 
-/// The reader of results as answers, which keeps its memory from one reading to the next.
+/// The reader that converts results to answers. It keeps its memory between readings.
 #[derive(Debug)]
 pub struct ResultReader<C> {
     results: Vec<TestResult<C>>,
-    /// Tests that share the proxy of one that showed: the results of their leaves count.
+    /// Tests that share a proxy that showed: the results of their leaves decide.
     shared: Vec<PendingTest<C>>,
 }
 
@@ -50,14 +50,14 @@ impl<C> Default for ResultReader<C> {
 }
 
 impl<C: Copy> ResultReader<C> {
-    /// Begins a reading.
+    /// Begins a reading and clears the results of the last one.
     pub fn clear(&mut self) {
         self.results.clear();
         self.shared.clear();
     }
 
-    /// Reads the result of a query. The samples of queries with equal tags, which follow each
-    /// other, are added: a visible leaf has one for each part of its draws.
+    /// Reads the result of a query. Adds up the samples of consecutive queries with equal tags: a
+    /// visible leaf has one query for each part of its draws.
     pub fn read_query(&mut self, test: &PendingTest<C>, samples: u32) {
         let last = self.results.last_mut().map(|last| &mut last.answer);
         match last.filter(|last| last.tag == test.tag) {
@@ -66,13 +66,13 @@ impl<C: Copy> ResultReader<C> {
         }
     }
 
-    /// Reads the flags of one frame, a value per test of its plan.
+    /// Reads the flags of one frame, one value per test of its plan.
     pub fn read_flags(&mut self, tests: &[PendingTest<C>], values: &[u32]) {
         for (number, test) in tests.iter().enumerate() {
             let value = |number: usize| values.get(number).copied();
             let samples = match test.tester {
                 VisibilityTest::Flag => value(number),
-                // Where the shared proxy shows, the leaves answer for their node: `read_leaves`.
+                // If the shared proxy shows, the leaves decide about their node in `read_leaves`.
                 VisibilityTest::SharedProxy(front) => value(front as usize).filter(|value| {
                     self.shared.extend((*value != 0).then_some(*test));
                     *value == 0
@@ -83,15 +83,15 @@ impl<C: Copy> ResultReader<C> {
         }
     }
 
-    /// Reads the values of a compute shader of one frame, one per test of its plan.
+    /// Reads the values that a compute shader wrote in one frame, one per test of its plan.
     pub fn read_computed(&mut self, tests: &[PendingTest<C>], values: &[u32]) {
         let computed = tests.iter().zip(values);
         let computed = computed.filter(|(test, _)| test.tester == VisibilityTest::Compute);
         self.results.extend(computed.map(|(test, value)| result(test, *value)));
     }
 
-    /// Reads the list of leaves of one frame, after its flags. `contents` describes leaves as they
-    /// are now.
+    /// Reads the list of leaves of one frame; must come after its flags. `contents` describes
+    /// leaves in their present state.
     pub fn read_leaves(
         &mut self,
         hierarchy: &Hierarchy,
@@ -102,7 +102,8 @@ impl<C: Copy> ResultReader<C> {
     ) {
         let shared = self.shared.iter().filter(|test| test.tag.frame == frame);
         let LeafList::These(leaves) = list else {
-            // Nobody knows which of the leaves showed: the nodes answer for all of them.
+            // It is unknown which of the leaves showed, so the answers of the nodes stand for all
+            // their leaves.
             self.results.extend(shared.map(|test| result(test, 1)));
             let tags = self.results.iter_mut().map(|result| &mut result.answer.tag);
             for tag in tags.filter(|tag| tag.frame == frame && tag.kind == QueryKind::PerLeaf) {
@@ -115,11 +116,12 @@ impl<C: Copy> ResultReader<C> {
             result(test, u32::from(leaves.iter().any(|leaf| range.contains(LeafIndex(*leaf)))))
         }));
         self.results.extend(leaves.iter().filter_map(|leaf| {
-            // Where the leaf has another object since, its node is younger than the answer.
+            // If the leaf has another object since, its node is younger than the answer, which is
+            // then ignored.
             let object = hierarchy.leaf_objects().get(*leaf as usize)?;
             let node = hierarchy.node_of(*object)?;
             let kind = QueryKind::Leaf;
-            // Noted by fragments, which do not count.
+            // Fragments wrote it, which do not count samples.
             let tag = QueryTag { node, generation, frame, kind, sample_threshold: 0 };
             let answer = Answer { tag, samples: 1 };
             let leaf = LeafRange { first: LeafIndex(*leaf), count: 1 };
@@ -127,8 +129,8 @@ impl<C: Copy> ResultReader<C> {
         }));
     }
 
-    /// Ends a reading: sorts the results, older frames first, and in a frame leaves after nodes.
-    /// Fragments list leaves in any order; sorted, equal frames have equal results.
+    /// Ends a reading: sorts the results, older frames first, and within a frame leaves after
+    /// nodes. Fragments list leaves in any order; after sorting, equal frames have equal results.
     pub fn finish(&mut self) {
         self.results.sort_unstable_by_key(|TestResult { answer: Answer { tag, .. }, .. }| {
             (tag.frame, tag.kind == QueryKind::Leaf, tag.node)
@@ -164,7 +166,7 @@ mod tests {
         PendingTest { tag, tester, contents: 10 }
     }
 
-    /// Reads the root's flag, a leaf that shares it, and then the list of leaves.
+    /// Reads the root's flag, a leaf that shares this flag, and then the list of leaves.
     fn read(value: u32, list: Option<LeafList<'_>>) -> Vec<(NodeId, QueryKind, u32)> {
         let hierarchy = hierarchy();
         let root = hierarchy.root().unwrap();

@@ -1,17 +1,17 @@
-//! Fits the tests that a traversal wishes for into the budget of queries.
+//! Fits the tests of a traversal into the budget of queries.
 //!
-//! Tests decide about draws and come first. If there are more of them than queries, the tests with
-//! the most leaves stay and the leaves of the others are drawn. The remaining queries are shared by
-//! pull-up queries and own-draw tests. The former save tests later on, the latter can as well be
-//! draws.
+//! Tests that decide about draws come first. If there are more of them than queries, the tests with
+//! the most leaves stay and the leaves of the others are drawn. Pull-up queries and own-draw tests
+//! share the remaining queries: a pull-up query saves tests of later frames, and a leaf without its
+//! own-draw test is simply drawn.
 
 use crate::plan::candidates::{Draw, Scratch};
 use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::{PlanStats, QueryKind};
 use crate::plan::traverse::Walk;
 
-/// The pull-up queries that a frame may always have. Halved or doubled, it moves no count of a walk
-/// by more than 1 % (docs/cull_config.md).
+/// The number of pull-up queries that a frame may have even if it has few tests. Halving or
+/// doubling it changes no count of a walk by more than 1 % (docs/cull_config.md).
 const MIN_PULL_UPS: usize = 16;
 
 /// Makes the lists fit into `budget` queries.
@@ -30,7 +30,7 @@ fn drop_tests(scratch: &mut Scratch, walk: &Walk<'_>, budget: usize, stats: &mut
     scratch.by_size.clear();
     let frontier = (0_u32..).zip(&scratch.tests).filter(|(_, test)| test.kind == QueryKind::Proxy);
     scratch.by_size.extend(frontier.map(|(position, _)| position));
-    // Among equals the nearest are drawn: they are the likeliest to be seen.
+    // Among equals the nearest are drawn: they are the most likely to be visible.
     let tests = &scratch.tests;
     scratch
         .by_size
@@ -47,7 +47,7 @@ fn drop_tests(scratch: &mut Scratch, walk: &Walk<'_>, budget: usize, stats: &mut
     scratch.sort_draws();
 }
 
-/// Leaves out pull-up queries and own-draw tests that no queries are left for.
+/// Leaves out pull-up queries and own-draw tests for which no queries are left.
 fn drop_optional(scratch: &mut Scratch, config: &CullConfig, budget: usize, stats: &mut PlanStats) {
     let frontier = scratch.frontier().count();
     let left = budget.saturating_sub(frontier);

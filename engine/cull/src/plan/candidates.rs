@@ -9,7 +9,7 @@ use crate::history::record::FrameStamp;
 use crate::ids::LeafIndex;
 use crate::plan::frame_plan::{PlanStats, QueryKind};
 
-/// The squared distance from the eye as sortable bits: floats that are not negative sort like them.
+/// The squared distance from the eye as sortable bits: non-negative floats sort like their bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Nearness(u32);
 
@@ -23,14 +23,14 @@ impl Nearness {
     }
 }
 
-/// A node in the frustum that waits for its turn; the nearest comes first, then the smallest id.
+/// A node in the frustum that waits in the queue; the nearest comes first, then the smallest id.
 pub(crate) type Waiting = Reverse<(Nearness, u32, Above)>;
 
-/// The state that a node inherits from the nodes above; takes no part in the order.
+/// The state that a node inherits from the nodes above. It does not affect the order of the queue.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Above {
     pub(crate) masks: ViewMasks,
-    /// The frame since which a node above has been hidden, as one, until now.
+    /// The frame since which a node above has been hidden as a whole.
     pub(crate) hidden_since: Option<FrameStamp>,
 }
 
@@ -78,8 +78,8 @@ pub(crate) struct Candidate {
     pub(crate) leaf_count: u32,
     /// The frame since which a node above it was hidden, unless something newer is known.
     pub(crate) inherited: Option<FrameStamp>,
-    /// The frames for which the node has been hidden; `None` where it is not known to be. 0 where
-    /// nothing depends on that: pull-up queries and own boxes, whose nodes are visible.
+    /// The number of frames for which the node has been hidden; `None` if it is not known to be
+    /// hidden. 0 for pull-up queries and own boxes, whose nodes are visible.
     pub(crate) hidden_frames: Option<u32>,
 }
 
@@ -97,15 +97,16 @@ pub(crate) struct Scratch {
     pub(crate) retests: Vec<Retest>,
     pub(crate) tests: Vec<Candidate>,
     pub(crate) visited: Vec<u32>,
-    /// Leaves drawn without a test although nothing is known, and the node that was not tested.
+    /// Each leaf drawn without a test although nothing is known of it, with the node left untested.
     pub(crate) assumed: Vec<[u32; 2]>,
     pub(crate) stack: Vec<(u32, ViewMasks)>,
     pub(crate) by_size: Vec<u32>,
     pub(crate) is_dropped: Vec<bool>,
-    /// The saving of all tests that pay by themselves, and the cost of their breaks of rendering.
+    /// The saving of all tests that pay individually, and the cost of interrupting rendering for
+    /// them.
     pub(crate) prospect_ns: [f32; 2],
-    /// The expected time of the draws that these tests reveal, as long as they are then taken as
-    /// visible.
+    /// The expected time of the draws that these tests reveal, over the frames for which the leaves
+    /// then count as visible.
     pub(crate) revealed_ns: f32,
 }
 
@@ -133,20 +134,20 @@ impl Scratch {
         self.tests.iter().filter(|test| test.kind == QueryKind::Proxy)
     }
 
-    /// Draws the retests from the given one on without a query.
+    /// Draws the retests from index `first` on without a query.
     pub(crate) fn draw_unasked(&mut self, first: usize) {
         let excess = self.retests.drain(first.min(self.retests.len())..);
         self.draws
             .extend(excess.map(|retest| Draw { nearness: retest.nearness, leaf: retest.leaf }));
     }
 
-    /// Clears all marks.
+    /// Unmarks all tests.
     pub(crate) fn keep_all(&mut self) {
         self.is_dropped.clear();
         self.is_dropped.resize(self.tests.len(), false);
     }
 
-    /// Removes the tests that are marked, and all marks.
+    /// Removes the marked tests and unmarks the rest.
     pub(crate) fn discard(&mut self) {
         let mut marks = self.is_dropped.iter();
         self.tests.retain(|_| !marks.next().copied().unwrap_or(false));

@@ -12,7 +12,7 @@ use crate::plan::rounds::RoundCosts;
 use crate::plan::strategy::Strategy;
 use crate::plan::traverse::Walk;
 
-/// The inputs that tests are weighed by.
+/// The inputs by which tests are weighed.
 pub(crate) struct CostFilter<'a> {
     learned_costs: &'a LearnedCosts,
     /// The tester; `None` for the cheapest.
@@ -20,13 +20,13 @@ pub(crate) struct CostFilter<'a> {
     has_flags: bool,
     /// True if a compute shader may test a round.
     has_compute: bool,
-    /// True if it tests all rounds of the frame by choice.
+    /// True if the compute shader was chosen for all rounds of the frame.
     is_all_compute: bool,
 }
 
 impl<'a> CostFilter<'a> {
-    /// Creates a filter; `None` where costs are not weighed. [`Strategy::ANTUMBRA`] takes the
-    /// cheapest tester, all others have the given one.
+    /// Creates a filter; `None` for strategies or cullers without a cost model.
+    /// [`Strategy::ANTUMBRA`] uses the cheapest tester per test, all other strategies use `tester`.
     pub(crate) fn new(
         learned_costs: Option<&'a LearnedCosts>,
         strategy: Strategy,
@@ -48,9 +48,9 @@ impl<'a> CostFilter<'a> {
         self.tester.unwrap_or_else(|| self.learned_costs.cheaper(estimate, self.has_flags))
     }
 
-    /// Assigns the rounds of `plan` to the compute shader that cost least so, and returns their
-    /// number. A test with a shared result changes its tester only together with the tests that
-    /// share it. So rounds with such tests in common change together or stay.
+    /// Assigns the rounds of `plan` for which the compute shader is cheapest to it, and returns
+    /// their number. A test with a shared result can change its tester only together with the test
+    /// whose result it shares. So two rounds with such a pair change together or not at all.
     pub(crate) fn hand_to_compute(&self, views: MultiView<'_>, plan: &mut FramePlan) -> u32 {
         match (self.is_all_compute, self.has_compute) {
             (true, _) => return plan.rounds.len() as u32,
@@ -66,7 +66,7 @@ impl<'a> CostFilter<'a> {
         let bit_of = |rounds: &[Range<usize>], number: usize| {
             rounds.iter().take(64).position(|round| round.contains(&number)).map_or(0, |at| 1 << at)
         };
-        // Each turn that changes something takes a round back.
+        // Each pass that changes something takes at least one round back.
         while handed != 0 {
             let before = handed;
             for (number, test) in plan.tests.iter().enumerate() {
@@ -89,7 +89,7 @@ impl<'a> CostFilter<'a> {
         handed.count_ones()
     }
 
-    /// Returns true if a round of `tests` costs least by compute shader.
+    /// Returns true if the compute shader is the cheapest tester of a round of `tests`.
     fn is_for_compute(&self, views: MultiView<'_>, tests: &[ProxyTest]) -> bool {
         let is_own = |test: &&ProxyTest| !matches!(test.tester, VisibilityTest::SharedProxy(_));
         let boxes = tests.iter().filter(is_own).count() as u32;
@@ -98,7 +98,7 @@ impl<'a> CostFilter<'a> {
         boxes > 0 && self.learned_costs.is_for_compute(boxes, shared, covered.sum(), self.has_flags)
     }
 
-    /// Returns the costs that decide how many rounds pay, which `tester` tests.
+    /// Returns the costs that decide how many rounds pay off if `tester` tests them.
     pub(crate) fn round_costs(&self, tester: VisibilityTest, revealed_ns: f32) -> RoundCosts {
         RoundCosts { round_ns: self.learned_costs.round_ns(tester), revealed_ns }
     }
@@ -111,7 +111,8 @@ impl<'a> CostFilter<'a> {
         }
     }
 
-    /// Weighs a test; `None` of one that is no reason for a round, of which there are few.
+    /// Returns the saving and the cost of a test; `None` for kinds of tests that are few and do not
+    /// justify a round.
     fn weigh(
         &self,
         kind: QueryKind,
@@ -125,10 +126,10 @@ impl<'a> CostFilter<'a> {
         }
     }
 
-    /// Lets a compute shader answer for all tests of the frame where they pay so and by no other
-    /// tester: many tests may pay by its low cost of a box which by that of pixels or queries do
-    /// not. Where they pay by either, [`CostFilter::hand_to_compute`] decides, which knows what
-    /// they share.
+    /// Lets the compute shader test the whole frame if the tests pay off with it and with no other
+    /// tester: its cost per box is so low that many tests can pay off that do not by pixels or
+    /// queries. Where they pay off either way, [`CostFilter::hand_to_compute`] decides, because
+    /// shared results are known there.
     fn choose_compute(&mut self, scratch: &Scratch, views: MultiView<'_>) {
         if !self.has_compute {
             return;
@@ -151,8 +152,9 @@ impl<'a> CostFilter<'a> {
         }
     }
 
-    /// Removes each test that does not pay by itself, and all of them if together they do not pay
-    /// for the breaks of rendering. Returns the tester of the rounds, if it is chosen here.
+    /// Removes each test that does not pay individually, and all tests if together they do not pay
+    /// for the interruptions of rendering. Returns the tester of the rounds, if this filter
+    /// determines it.
     pub(crate) fn drop_unpaid(
         &mut self,
         scratch: &mut Scratch,
@@ -169,8 +171,9 @@ impl<'a> CostFilter<'a> {
                 continue;
             };
             if benefit.pays() {
-                // Breaks are paid in every frame, so only what each frame saves pays for them: what
-                // is known for later is worth nothing if later tests do not pay either.
+                // The interruptions are paid in every frame, so only the saving of this frame
+                // counts: knowledge for later frames is worth nothing if later tests do not pay
+                // either.
                 saving_ns += benefit.saving_now_ns - benefit.cost_ns;
                 scratch.revealed_ns += benefit.revealed_ns;
                 continue;
@@ -198,14 +201,14 @@ impl<'a> CostFilter<'a> {
     }
 }
 
-/// Draws the leaves of the tests that are marked.
+/// Draws the leaves of the marked tests.
 fn draw_untested(scratch: &mut Scratch, walk: &Walk<'_>, stats: &mut PlanStats) {
     for (test, is_dropped) in scratch.tests.iter().zip(&scratch.is_dropped) {
         if !is_dropped || test.kind != QueryKind::Proxy {
             continue;
         }
-        // A leaf that counts as hidden and is drawn all the same is tested now and then: it may be
-        // visible by now, and a reason to test it with its neighbours no more.
+        // A leaf that counts as hidden but is drawn for its low cost is tested now and then: it may
+        // be visible by now, and is then not a reason to test it with its neighbours any more.
         let is_tested =
             test.leaf_count == 1 && !test.is_unknown() && walk.is_turn_to_retest(test.node);
         walk.leaves_in_frustum(test.node, &mut scratch.stack, |leaf| {

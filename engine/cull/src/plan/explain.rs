@@ -1,4 +1,4 @@
-//! Explains the decision to draw an object or not: the plan's decision and the history behind it.
+//! Explains the decision to draw an object or not, from the plan and from the history.
 
 use crate::geom::bounds::Aabb;
 use crate::geom::frustum::Containment;
@@ -25,9 +25,9 @@ pub struct NodeHistory {
 /// The decision of a plan about one object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Decision {
-    /// Left out: its box is outside of the view's frustum, and it is in no group that is tested.
+    /// Not drawn: its box is outside of the view's frustum, and no tested group contains it.
     Outside,
-    /// Left out: section planes remove all of its box, and it is in no group that is tested.
+    /// Not drawn: section planes remove all of its box, and no tested group contains it.
     CutAway,
     /// Taken as visible and drawn, without a test.
     Drawn,
@@ -35,35 +35,37 @@ pub enum Decision {
     DrawnAndTested,
     /// Drawn, and its box is tested for the frames to come.
     DrawnAndBoxTested {
-        /// The tester that answers.
+        /// The mechanism of the test.
         tester: VisibilityTest,
     },
     /// Drawn in this frame only if the box of a node shows.
     Tested {
-        /// The node: the object's own leaf, or a group that it is in.
+        /// The node: the object's own leaf, or a group that contains it.
         node: NodeId,
-        /// Objects under the node.
+        /// The number of objects under the node.
         leaves: u32,
-        /// Nodes above the node.
+        /// The depth of the node in the hierarchy.
         level: u32,
-        /// [`QueryKind::PerLeaf`] where each leaf is tested by itself if the node shows.
+        /// The kind; [`QueryKind::PerLeaf`] if each leaf is tested individually where the node
+        /// shows.
         kind: QueryKind,
-        /// The tester that answers.
+        /// The mechanism of the test.
         tester: VisibilityTest,
         /// The history of the node.
         history: NodeHistory,
     },
-    /// In the frustum and not in the plan: the strategy decides elsewhere, or leaves out an object
-    /// that was hidden.
+    /// In the frustum but not in the plan: the strategy decides outside of the plan, or does not
+    /// draw an object that was hidden.
     Unplanned,
 }
 
 /// The result of a frame's tests for one object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// A box showed, so that the object was drawn in that same frame.
+    /// A box showed, so the object was drawn in the same frame.
     Revealed,
-    /// The box of its node, or its own below a node that showed, did not show: left out.
+    /// Not drawn: the box of its node did not show, or the node showed but the object's own box did
+    /// not.
     Hidden,
 }
 
@@ -72,9 +74,9 @@ pub enum Outcome {
 pub struct LeafExplanation {
     /// The object that is explained.
     pub object: ObjectId,
-    /// Its box in metres.
+    /// The box of the object in metres.
     pub bounds: Aabb,
-    /// Nodes above its leaf.
+    /// The depth of its leaf in the hierarchy.
     pub level: u32,
     /// The frame that was planned.
     pub frame: FrameId,
@@ -86,8 +88,9 @@ pub struct LeafExplanation {
     node: NodeId,
 }
 
-/// Explains the decision of `plan`, made for `views` over the hierarchy as it is now, about an
-/// object; `known` returns the history of a node. `None` if there is no such object.
+/// Explains the decision of `plan` about an object. The plan must be made for `views` over the
+/// hierarchy in its present state; `known` returns the history of a node. Returns `None` if there
+/// is no such object.
 pub(crate) fn explain(
     hierarchy: &Hierarchy,
     views: MultiView<'_>,
@@ -150,8 +153,8 @@ fn decision(
 }
 
 impl LeafExplanation {
-    /// Returns the outcome for the object by `answers`, all those of one frame; `None` if it was
-    /// not tested in that frame.
+    /// Returns the outcome for the object. `answers` must hold all answers of one frame. Returns
+    /// `None` if the object was not tested in that frame.
     pub fn outcome<'a>(
         &self,
         hierarchy: &Hierarchy,
@@ -171,7 +174,7 @@ impl LeafExplanation {
             if !decides {
                 continue;
             }
-            // Below a node of parts that showed, the leaf itself must show.
+            // Below a node whose leaves are tested individually, the leaf itself must show.
             let is_revealed = answer.tag.kind != QueryKind::PerLeaf && answer.shows();
             if is_revealed {
                 return Some(Outcome::Revealed);

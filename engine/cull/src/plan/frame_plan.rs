@@ -9,25 +9,26 @@ use crate::plan::strategy::Strategy;
 /// The purpose of a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum QueryKind {
-    /// A node's proxy: its leaves are drawn if it shows.
+    /// A node's proxy: the node's leaves are drawn if the proxy shows.
     Proxy,
-    /// A node's proxy on which no draw depends: its parts are tested or drawn on their own, and if
-    /// it does not show, they can share one query from now on. Its range of leaves is empty.
+    /// A node's proxy on which no draw depends: the node's parts are tested or drawn individually.
+    /// If the proxy does not show, the parts can share one query from now on. The range of leaves
+    /// is empty.
     PullUpQuery,
     /// A node's proxy; if it shows, the proxies of its leaves decide which of them are drawn.
     PerLeaf,
-    /// The proxy of a leaf under a node of [`QueryKind::PerLeaf`] that showed. Only leaves that
-    /// show have such an answer, and it comes after the node's.
+    /// The proxy of a leaf under a node of [`QueryKind::PerLeaf`] that showed. Such an answer
+    /// exists only for leaves that show, and it comes after the answer of the node.
     Leaf,
-    /// The proxy of a leaf that is taken as visible and drawn. Its range of leaves is empty.
+    /// The proxy of a leaf that is drawn as visible. The range of leaves is empty.
     VisibleBoxQuery,
-    /// The draw of a leaf that is taken as visible; in plans of [`DrawPhases::Two`], and without
-    /// queries, its proxy, with an empty range of leaves.
+    /// The draw of a leaf that is taken as visible. In plans of [`DrawPhases::Two`], and without
+    /// queries, the leaf's proxy with an empty range of leaves.
     VisibleDrawQuery,
 }
 
-/// The mechanism that tests a proxy. All give the same result but for rounding; they differ in
-/// cost.
+/// The mechanism that tests a proxy. All mechanisms give the same result except for rounding, at
+/// different costs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum VisibilityTest {
     /// A flag that the fragments of the proxy set.
@@ -37,13 +38,14 @@ pub enum VisibilityTest {
     Query,
     /// A compute shader that compares the box with the depth buffer.
     Compute,
-    /// The flag of the test of this number in the plan, which lies in front of all of it: as long
-    /// as that one stays hidden, so does this one. In the same round or an earlier one.
+    /// The flag of another test, given by its index in the plan, whose proxy lies in front of this
+    /// proxy: while the other proxy is hidden, so is this one. The other test is in the same round
+    /// or an earlier one.
     SharedProxy(u32),
 }
 
 impl VisibilityTest {
-    /// Returns its name in reports.
+    /// Returns the name of the tester in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -59,29 +61,29 @@ impl VisibilityTest {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DrawPhases {
     /// Draws between the rounds of tests, and queries around draws of visible leaves. For renderers
-    /// that can be called back between the commands of a frame.
+    /// that can be called back while they record a frame.
     #[default]
     PerRound,
-    /// All visible draws, then all tests, then all draws that they reveal: one round, and the boxes
-    /// of visible leaves are tested in the place of their draws. For renderers that take their
-    /// draws as lists.
+    /// All visible draws, then all tests in one round, then all draws that the tests reveal.
+    /// Visible leaves are tested by their boxes instead of by their draws. For renderers that take
+    /// their draws as lists.
     Two,
 }
 
-/// The testers that the device and the renderer offer to plans: by default queries alone.
+/// The testers that the device and the renderer offer; by default occlusion queries only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VisibilityTestSupport {
-    /// True if there are occlusion queries ([`VisibilityTest::Query`]): every device has them, and
-    /// not every driver can be trusted with them.
+    /// True if [`VisibilityTest::Query`] can be used. Every device has occlusion queries, but some
+    /// drivers return wrong results.
     pub queries: bool,
-    /// True if there are flags ([`VisibilityTest::Flag`]).
+    /// True if [`VisibilityTest::Flag`] can be used.
     pub flags: bool,
-    /// True if there is a compute test ([`VisibilityTest::Compute`]).
+    /// True if [`VisibilityTest::Compute`] can be used.
     pub compute: bool,
-    /// True if leaves of a node that shows can be tested one by one in the same frame
+    /// True if the leaves of a node that shows can be tested individually in the same frame
     /// ([`QueryKind::PerLeaf`]).
     pub leaf_tests: bool,
-    /// The places of draws among tests.
+    /// The order of draws and tests in a frame.
     pub draw_phases: DrawPhases,
 }
 
@@ -92,7 +94,7 @@ impl Default for VisibilityTestSupport {
 }
 
 impl VisibilityTestSupport {
-    /// No tester at all: nothing but the view frustum culls.
+    /// No tester at all: only the view frustum culls.
     pub const NONE: Self = Self {
         queries: false,
         flags: false,
@@ -101,10 +103,10 @@ impl VisibilityTestSupport {
         draw_phases: DrawPhases::PerRound,
     };
 
-    /// Returns the strategy that is planned in place of the wanted one: the same if its tester is
-    /// there, else that of the first of flags, queries and the compute test that is, at last plain
-    /// frustum culling. [`Strategy::ANTUMBRA`] needs queries: it takes any tester that there is,
-    /// and queries beside it. Strategies without tests stay.
+    /// Returns the strategy that is planned in place of `wanted`. `wanted` stays if its tester is
+    /// supported or if it has no tests; [`Strategy::ANTUMBRA`] stays if queries are supported, and
+    /// uses the other testers in addition. Otherwise the strategy of the first supported tester is
+    /// taken, in the order flags, queries, compute test, or plain frustum culling if there is none.
     #[must_use]
     pub const fn strategy(self, wanted: Strategy) -> Strategy {
         let is_there = match wanted.tester() {
@@ -120,8 +122,8 @@ impl VisibilityTestSupport {
         }
     }
 
-    /// Returns the same without the testers that count no samples, where a threshold of samples
-    /// above 0 decides.
+    /// Returns this support without flags and the compute test if `sample_threshold` is above 0,
+    /// because only queries count samples.
     #[must_use]
     pub const fn counting(self, sample_threshold: u32) -> Self {
         let is_exact = sample_threshold == 0;
@@ -148,22 +150,22 @@ pub struct QueryTag {
     pub frame: FrameId,
     /// The purpose of the query.
     pub kind: QueryKind,
-    /// The most samples that count as none: the [threshold](FramePlan::sample_threshold) of the
-    /// plan. A result means the same when it comes back after a change of the threshold.
+    /// The most samples that count as hidden: the [threshold](FramePlan::sample_threshold) of the
+    /// plan. A result keeps its meaning if the threshold changes before it comes back.
     pub sample_threshold: u32,
 }
 
 /// The result of a query. It may come late, never, twice, and in any order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Answer {
-    /// The tag, as in the plan.
+    /// The tag of the query in the plan.
     pub tag: QueryTag,
-    /// Samples that passed; where queries are not precise, any number but 0 for "some".
+    /// The number of samples that passed; any number but 0 for "some" if queries are not precise.
     pub samples: u32,
 }
 
 impl Answer {
-    /// Returns true if its subject showed by more samples than the threshold of its frame.
+    /// Returns true if more samples passed than the threshold of the tag.
     #[must_use]
     pub fn shows(&self) -> bool {
         self.samples > self.tag.sample_threshold
@@ -175,9 +177,9 @@ impl Answer {
 pub struct ProxyTest {
     /// The identity of the query.
     pub tag: QueryTag,
-    /// The box to test, enlarged already by the view's [margin](crate::Margin).
+    /// The box to test, already enlarged by the view's [margin](crate::Margin).
     pub bounds: Aabb,
-    /// The leaves to draw in this same frame if a sample of the box shows; empty for a pull-up
+    /// The leaves to draw in the same frame if a sample of the box shows; empty for a pull-up
     /// query.
     pub leaves: LeafRange,
     /// The depth of the node in the hierarchy, for debug views.
@@ -188,12 +190,12 @@ pub struct ProxyTest {
 
 /// The draws and tests of a frame.
 ///
-/// To be executed in this order: `draws` and, each under its query, `queried_draws`, merged as
-/// `queried_after` says; then for every range of `rounds`: test the proxies of the range against
-/// the depth so far, front faces only, without writing; draw the leaves of proxies that show. Where
-/// such a test is of [`QueryKind::PerLeaf`], test the [proxy](crate::Margin::proxy) of each leaf in
-/// the same way first, and draw the leaves that show. A query shows if it counts more samples than
-/// `sample_threshold`.
+/// Execute it in this order. First draw `draws` and, each under its query, `queried_draws`, merged
+/// by `queried_after`. Then for every range of `rounds`: test the proxies of the range against the
+/// depth so far, front faces only, without writing; draw the leaves of proxies that show. Where
+/// such a test is of [`QueryKind::PerLeaf`], first test the [proxy](crate::Margin::proxy) of each
+/// leaf in the same way, and draw only the leaves that show. A query shows if it counts more
+/// samples than `sample_threshold`.
 ///
 /// Every leaf whose box meets the frustum is in exactly one place: in `draws`, in `queried_draws`
 /// or in the range of one test.
@@ -201,16 +203,16 @@ pub struct ProxyTest {
 pub struct FramePlan {
     /// The planned frame.
     pub frame: FrameId,
-    /// The most samples of a query that count as none
+    /// The most samples of a query that count as hidden
     /// ([`Culler::set_sample_threshold`](crate::Culler::set_sample_threshold)). Above 0 queries
-    /// must count, and all tests are queries.
+    /// must count samples, and all tests are queries.
     pub sample_threshold: u32,
     /// The leaves that are taken as visible, front to back.
     pub draws: Vec<LeafIndex>,
-    /// The leaves that are taken as visible and tested on their own draw, front to back.
+    /// The leaves that are taken as visible, whose own draws are tested; front to back.
     pub queried_draws: Vec<(LeafIndex, QueryTag)>,
-    /// For each of `queried_draws`, the number of `draws` that come before it; ascending. Each
-    /// keeps its place from front to back: a large leaf would hide too little if it came last.
+    /// The number of `draws` before each of `queried_draws`; ascending. A queried draw keeps its
+    /// place from front to back: a large leaf would hide too little if it came last.
     pub queried_after: Vec<u32>,
     /// The frontier, front to back.
     pub tests: Vec<ProxyTest>,
@@ -236,14 +238,14 @@ impl Default for FramePlan {
 }
 
 impl FramePlan {
-    /// Returns the number of queries that the plan asks for.
+    /// Returns the number of queries in the plan.
     #[must_use]
     pub fn query_count(&self) -> usize {
         let tests = self.tests.iter().filter(|test| test.tester == VisibilityTest::Query);
         tests.count() + self.queried_draws.len()
     }
 
-    /// Returns true if all draws come before all tests or depend on one: a plan for
+    /// Returns true if each draw either comes before all tests or depends on a test: a plan for
     /// [`DrawPhases::Two`].
     #[must_use]
     pub fn has_two_phases(&self) -> bool {
@@ -265,22 +267,22 @@ impl FramePlan {
 /// Counts of one plan.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PlanStats {
-    /// Nodes taken from the queue: the work of the traversal. All attempts together, if the
-    /// first had more tests than queries.
+    /// Nodes taken from the queue: the work of the traversal. Includes all attempts if the first
+    /// had too many tests.
     pub nodes_visited: u32,
-    /// Tests that decide about draws.
+    /// Tests on which draws depend.
     pub frontier: u32,
-    /// Leaves under these tests.
+    /// Leaves under the tests of the frontier.
     pub tested_leaves: u32,
-    /// Tests among them of which nothing was known before.
+    /// Tests of the frontier whose node is unknown.
     pub unknown: u32,
-    /// Pull-up queries: tests that decide about nothing but the next frames.
+    /// Pull-up queries: tests that affect only later frames.
     pub pull_up_queries: u32,
     /// Boxes of visible leaves that are tested.
     pub visible_box_queries: u32,
     /// Tests of the frontier that share the result of another test.
     pub shared_proxies: u32,
-    /// Leaves drawn because they were visible, queried or not.
+    /// Leaves drawn because they were visible, with or without a query.
     pub visible: u32,
     /// Leaves drawn because their proxy would be cut by the near plane.
     pub too_near: u32,
@@ -290,15 +292,15 @@ pub struct PlanStats {
     pub retest_interval_frames: u32,
     /// The expected saving of the tests, their own cost deducted; 0 without a cost model.
     pub expected_saving_ns: u64,
-    /// Pixels that the boxes of all tests cover, about; 0 without a cost model.
+    /// Approximate number of pixels that the boxes of all tests cover; 0 without a cost model.
     pub proxy_pixels: u64,
     /// Rounds of tests that the cost model assigned to the compute shader as the cheapest tester.
     pub rounds_by_compute: u32,
-    /// Leaves drawn to have occluders when nothing is known.
+    /// Leaves drawn as occluders because too much is unknown.
     pub occluders: u32,
     /// Leaves drawn because there were too few queries to test them.
     pub over_budget: u32,
-    /// Times that the allowed size of tested nodes was raised to make do with fewer tests.
+    /// The number of times that the allowed size of tested nodes was raised to reduce the tests.
     pub coarsened: u32,
 }
 

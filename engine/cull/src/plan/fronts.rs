@@ -13,9 +13,9 @@ use crate::geom::view::CullView;
 pub(crate) struct SharedProxy {
     pub(crate) test: u32,
     pub(crate) bounds: Aabb,
-    /// The leaves that would have to be tested if it showed.
+    /// The number of leaves behind it, which are tested individually if it shows.
     pub(crate) leaves_behind: u32,
-    /// The most leaves that it may have behind it.
+    /// The most leaves that may be behind it.
     pub(crate) most_behind: u32,
 }
 
@@ -27,14 +27,15 @@ struct FrontOutline {
     high: Vec2,
 }
 
-/// The outlines of a box in one view: all of it, and the part on the screen.
+/// The outlines of a box in one view: of the whole box, and of its part on the screen.
 #[derive(Clone, Copy, Debug)]
 struct BoxOutline {
     whole: Outline,
     seen: Outline,
 }
 
-/// The fronts of a plan, and the outlines of the box that is looked at. Kept for its memory.
+/// The fronts of a plan, and the outlines of the box examined last. Reused from frame to frame for
+/// its memory.
 #[derive(Debug, Default)]
 pub(crate) struct Fronts {
     fronts: Vec<SharedProxy>,
@@ -42,7 +43,7 @@ pub(crate) struct Fronts {
     areas: Vec<f32>,
     /// The outlines of each front, one per view.
     outlines: Vec<FrontOutline>,
-    /// The outlines of the box that is looked at, one per view.
+    /// The outlines of the box examined last, one per view.
     looked_at: Vec<BoxOutline>,
 }
 
@@ -54,8 +55,9 @@ impl Fronts {
         self.outlines.clear();
     }
 
-    /// Finds the outlines of a box. Returns false where numbers fail, where a view that may see it
-    /// has some of it behind the eye, and where no view has all of it before the eye.
+    /// Finds the outlines of a box in all views. Returns false if the numbers fail, if a view that
+    /// may see the box has a part of it behind the eye, or if the box is not completely before the
+    /// eye in any view.
     pub(crate) fn look_at(&mut self, bounds: &Aabb, views: MultiView<'_>) -> bool {
         self.looked_at.clear();
         let mut is_anywhere = false;
@@ -72,8 +74,8 @@ impl Fronts {
         is_anywhere
     }
 
-    /// Returns the first front that hides all of the box that was [looked at](Fronts::look_at),
-    /// in every view that sees the box, and may have `leaves` more behind it.
+    /// Returns the first front that hides the whole box that was [examined](Fronts::look_at) last,
+    /// in every view that sees the box, and that may have `leaves` more leaves behind it.
     pub(crate) fn before(
         &mut self,
         bounds: &Aabb,
@@ -94,8 +96,9 @@ impl Fronts {
         fronts.find(hides).map(|(front, _)| front)
     }
 
-    /// Adds a front, whose box was [looked at](Fronts::look_at), if it covers `least_area` (square
-    /// pixels) of all views together. If there are more than `most`, the smallest goes.
+    /// Adds a front, whose box was [examined](Fronts::look_at) last, if it covers at least
+    /// `least_area` (square pixels) in all views together. If there are more than `most` fronts,
+    /// the smallest is removed.
     pub(crate) fn add(
         &mut self,
         front: SharedProxy,
@@ -105,14 +108,14 @@ impl Fronts {
     ) {
         let views = views.as_slice();
         let sharp = |(view, outlines): (&CullView, &BoxOutline)| {
-            // What the near plane may cut hides nothing there.
+            // A box that the near plane may cut hides nothing in this view.
             let hides = view.margin.is_beyond_near(&front.bounds, 0.0)
                 && outlines.whole.is_sharp(&front.bounds, view);
             hides.then_some(*outlines)
         };
         let outlines = || views.iter().zip(&self.looked_at).map(sharp);
         let area: f32 = outlines().flatten().map(|outlines| outlines.seen.area()).sum();
-        // A NaN is no front.
+        // A front of unknown area is not added.
         if area.is_nan() || area < least_area {
             return;
         }
@@ -150,7 +153,7 @@ impl FrontOutline {
         Self { outline, low, high }
     }
 
-    /// Returns true if all of an outline is within this one.
+    /// Returns true if this outline contains another completely.
     fn holds(&self, outline: &Outline) -> bool {
         outline.points().all(|point| point.cmpge(self.low).all() && point.cmple(self.high).all())
             && outline.points().all(|point| self.outline.holds(point))
@@ -158,8 +161,8 @@ impl FrontOutline {
 }
 
 impl SharedProxy {
-    /// Returns true if all of a box is on the inner side of the faces that are seen from `eye`, in
-    /// homogeneous coordinates.
+    /// Returns true if a box is completely on the inner side of the faces that are seen from `eye`,
+    /// which is in homogeneous coordinates.
     fn is_before(&self, behind: &Aabb, eye: Vec4) -> bool {
         let low = self.bounds.min;
         let high = self.bounds.max;

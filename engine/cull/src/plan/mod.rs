@@ -1,4 +1,4 @@
-//! The stages of a plan, a file each, and its parts.
+//! The stages of a plan, one file each, and the parts of a plan.
 
 pub(crate) mod budget;
 pub(crate) mod candidates;

@@ -1,9 +1,10 @@
-//! A query per object, read in a later frame to decide about that one (GPU Gems, 29.4).
+//! One query per object, whose result is read in a later frame and decides about this object only
+//! (GPU Gems, 29.4).
 //!
-//! An object that was visible at its last test is drawn, under a query of its own draw; one that
-//! was hidden is tested by its box, every frame, and not drawn, with any result. So an object that
-//! comes into view is missing until its result is read back: the image is not exact. An object that
-//! comes into the frustum counts as visible.
+//! An object that was visible at its last test is drawn, now and then under a query of its draw. An
+//! object that was hidden is tested by its box in every frame; it is not drawn in the same frame
+//! even if the box shows. So an object that comes into view is missing until its result is read
+//! back: the image is not exact. An object that comes into the frustum counts as visible.
 
 use crate::geom::view::CullView;
 use crate::hierarchy::Hierarchy;
@@ -11,23 +12,24 @@ use crate::hierarchy::front_to_back::{InSight, ViewedHierarchy};
 use crate::ids::{FrameId, Generation, NodeId};
 use crate::plan::frame_plan::{FramePlan, ProxyTest, QueryKind, QueryTag, VisibilityTest};
 
-/// The interval of the tests of a visible object: it is expected to be still visible, and an error
-/// costs little. Objects take turns.
+/// The interval of the tests of a visible object: it is expected to be visible still, and an error
+/// is cheap. Objects take turns.
 const VISIBLE_INTERVAL_FRAMES: u64 = 4;
 
-/// The frames out of the frustum after which an object counts as visible when it comes back.
+/// The number of frames outside of the frustum after which an object counts as visible on its
+/// return.
 const STALE_FRAMES: u64 = 2;
 
-/// The record of an object; frame 0 stands for never.
+/// The record of an object. Frame 0 stands for never.
 #[derive(Clone, Copy, Debug)]
 struct NodeRecord {
     is_visible: bool,
-    /// The youngest frame that is known to have answered.
+    /// The newest frame whose answer was taken.
     answered: FrameId,
-    /// The last frame that had it in the frustum.
+    /// The last frame in which it was in the frustum.
     in_sight: FrameId,
-    /// The generation in which it was about the object of this id; an object that was inserted
-    /// later has a new record.
+    /// The generation in which the record was made. It is replaced if another object has the id
+    /// since.
     since: Generation,
 }
 
@@ -44,7 +46,7 @@ pub(crate) struct NextFrame {
 }
 
 impl NextFrame {
-    /// Takes an answer about a node of `hierarchy`; only those about leaves count.
+    /// Takes an answer about a node of `hierarchy`; ignores answers about inner nodes.
     pub(crate) fn take(&mut self, hierarchy: &Hierarchy, tag: &QueryTag, samples: u32) {
         if hierarchy.leaves(tag.node).count != 1 {
             return;
@@ -56,12 +58,12 @@ impl NextFrame {
         }
     }
 
-    /// Forgets all results: each leaf counts as visible again.
+    /// Clears all results: each leaf counts as visible again.
     pub(crate) fn reset(&mut self) {
         self.records.clear();
     }
 
-    /// Plans a frame into `plan`, which is empty.
+    /// Plans a frame into `plan`, which must be empty.
     pub(crate) fn plan(&mut self, hierarchy: &Hierarchy, view: &CullView, plan: &mut FramePlan) {
         let viewed = ViewedHierarchy { hierarchy, view };
         let mut leaves = std::mem::take(&mut self.leaves);
@@ -85,7 +87,7 @@ impl NextFrame {
         record.in_sight = frame;
         if is_new {
             record.is_visible = true;
-            // Tests from before it went away say nothing about it now.
+            // Tests from before it left the frustum say nothing about it now.
             record.answered = FrameId(frame.0 - 1);
         }
         let Some(bounds) = viewed.proxy(node) else {
@@ -115,8 +117,8 @@ impl NextFrame {
         }
     }
 
-    /// Returns the record of a leaf's object in any generation of the hierarchy: a new one for an
-    /// object that was inserted since, under any id.
+    /// Returns the record of the object at a leaf, in any generation of the hierarchy. An object
+    /// that was inserted later gets a new record, also if it reuses an id.
     fn record(&mut self, hierarchy: &Hierarchy, leaf: NodeId) -> Option<&mut NodeRecord> {
         let objects = hierarchy.leaf_objects();
         if self.records.len() < objects.len() {

@@ -1,20 +1,20 @@
-//! Occluders after a cut, when most is unknown: near leaves are drawn first, so that the tests of
-//! all others have something to be hidden by.
+//! Occluders after a cut, when most is unknown: near leaves are drawn first, so that they can hide
+//! the others in their tests.
 
 use crate::plan::candidates::Scratch;
 use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::PlanStats;
 use crate::plan::traverse::Walk;
 
-/// Returns true if so much is unknown as after a cut.
+/// Returns true if enough is unknown for a cut of the camera.
 pub(crate) fn is_cut(scratch: &Scratch, config: &CullConfig) -> bool {
     let unknown = scratch.frontier().filter(|test| test.is_unknown()).count();
     unknown >= config.cut_tests as usize
         && unknown.saturating_mul(config.cut_share as usize) >= scratch.frontier().count()
 }
 
-/// Turns the nearest unknown tests into draws, each under its own query so that it is known
-/// afterwards.
+/// Turns the nearest unknown tests into draws, each under its own query, whose result makes it
+/// known.
 pub(crate) fn draw_occluders(scratch: &mut Scratch, walk: &Walk<'_>, stats: &mut PlanStats) {
     let mut left = walk.config.occluders;
     for (test, is_dropped) in scratch.tests.iter().zip(&mut scratch.is_dropped) {

@@ -1,4 +1,4 @@
-//! Plans without anything around their draws: of two phases, or where there are no queries.
+//! Plans whose draws have no queries around them: plans of two phases, and plans without queries.
 
 use crate::geom::multi_view::ViewMasks;
 use crate::ids::NodeId;
@@ -6,7 +6,7 @@ use crate::plan::candidates::{Candidate, Draw, Nearness, Scratch};
 use crate::plan::frame_plan::{PlanStats, QueryKind};
 use crate::plan::traverse::Walk;
 
-/// Draws the retests without a query, and tests their boxes instead: within the same budget.
+/// Draws the retests without a query and tests their boxes instead, within the same budget.
 pub(crate) fn test_boxes_of_retests(scratch: &mut Scratch, walk: &Walk<'_>, stats: &mut PlanStats) {
     if scratch.retests.is_empty() {
         return;
@@ -16,7 +16,7 @@ pub(crate) fn test_boxes_of_retests(scratch: &mut Scratch, walk: &Walk<'_>, stat
         scratch.draws.push(Draw { nearness: retest.nearness, leaf: retest.leaf });
         let bounds = bounds(retest.node);
         let (_, masks) = walk.classify(NodeId(retest.node), ViewMasks::ALL);
-        // None where the near plane cuts it.
+        // A box that the near plane cuts has no proxy.
         let Some(proxy) = walk.views.proxy(&bounds, masks) else { continue };
         stats.visible_box_queries += 1;
         scratch.tests.push(Candidate {

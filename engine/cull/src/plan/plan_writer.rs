@@ -13,7 +13,7 @@ use crate::plan::cost_filter::CostFilter;
 use crate::plan::frame_plan::{FramePlan, ProxyTest, QueryKind, QueryTag, VisibilityTest};
 use crate::rng::SplitMix64;
 
-/// The inputs that the tests of one frame depend on.
+/// The inputs on which the tests of one frame depend.
 pub(crate) struct PlanWriter<'a> {
     pub(crate) hierarchy: &'a Hierarchy,
     pub(crate) views: MultiView<'a>,
@@ -21,9 +21,9 @@ pub(crate) struct PlanWriter<'a> {
     pub(crate) history: &'a mut History,
     pub(crate) rng: &'a mut SplitMix64,
     pub(crate) now: FrameStamp,
-    /// True if leaves can be tested one by one below a node that shows.
+    /// True if leaves can be tested individually below a node that shows.
     pub(crate) has_leaf_tests: bool,
-    /// The tester of all tests where costs are not weighed.
+    /// The tester of all tests without a cost model.
     pub(crate) tester: VisibilityTest,
     pub(crate) costs: Option<&'a CostFilter<'a>>,
 }
@@ -84,7 +84,7 @@ impl PlanWriter<'_> {
             leaves,
             level: self.hierarchy.level(node),
             tester: match self.costs.zip(estimate) {
-                // Boxes of visible leaves are not counted as queries, nor made by them.
+                // Boxes of visible leaves are not counted as queries and must not become queries.
                 Some((costs, estimate)) if kind != QueryKind::VisibleBoxQuery => {
                     costs.tester(&estimate)
                 }

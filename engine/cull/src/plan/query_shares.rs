@@ -1,31 +1,32 @@
 //! The division of one budget of queries among the views of a frame.
 //!
-//! Views are planned in ascending order of the queries that they used last time, each with an equal
-//! share of those that are left: what a view with few tests leaves goes to views with many. So no
-//! view gets less than an equal share of all, and what is left over is shared equally again. A
-//! share is rounded up. With fewer queries than views, the views that used equally many take turns
-//! to be first: one that got none gets some within as many frames as there are views.
+//! Views are planned in ascending order of the queries that they used last time. Each view gets an
+//! equal share of the queries that are left, so queries that a view does not use go to the views
+//! after it. No view gets less than an equal share of the whole budget. A share is rounded up.
+//! Views that used equal numbers of queries take turns at the front of the order. So if there are
+//! fewer queries than views, a view without queries gets some at the latest after one frame per
+//! view.
 
 /// One budget of queries for all views of a frame, each of which has a history of its own: the eyes
-/// of a stereo pair, the parts of a split screen, mirrors, the faces of a cube. Kept from frame to
-/// frame. It changes costs, never the image.
+/// of a stereo pair, the parts of a split screen, mirrors, the faces of a cube. Keep it from frame
+/// to frame. It affects only the cost, never the image.
 #[derive(Clone, Debug, Default)]
 pub struct QueryShares {
-    /// The number of each view, in the order of planning.
+    /// The indices of the views, in the order of planning.
     order: Vec<usize>,
     /// The number of frames planned.
     frames: usize,
 }
 
 impl QueryShares {
-    /// Plans the next frame of `views`, which are given in the same order each time, with at most
+    /// Plans the next frame of `views`, which must come in the same order each time, with at most
     /// `query_budget` queries together.
     ///
-    /// `used` counts the queries of a view's newest plan (such as
-    /// [`FramePlan::query_count`](crate::FramePlan::query_count)). `plan` plans the view of a
-    /// number, with at most the given share of queries ([`Culler::plan`](crate::Culler::plan)); it
-    /// is called once for each. Record the frame of a view after that: the order of planning is not
-    /// that of drawing. Allocates if there are more views than ever before.
+    /// `used` returns the number of queries in a view's newest plan (such as
+    /// [`FramePlan::query_count`](crate::FramePlan::query_count)). `plan` plans the view of an
+    /// index, with at most the given share of queries ([`Culler::plan`](crate::Culler::plan)); it
+    /// is called once per view. Record the views after this call, because the order of planning is
+    /// not the order of drawing. Allocates if there are more views than ever before.
     pub fn plan_views<V>(
         &mut self,
         query_budget: usize,
@@ -53,7 +54,7 @@ impl QueryShares {
 mod tests {
     use super::QueryShares;
 
-    /// A view that asks for some queries, and what it used in each frame.
+    /// A view that requests some queries, with the number that it used in each frame.
     struct Asking {
         asks: usize,
         used: Vec<usize>,

@@ -1,5 +1,5 @@
-//! Cuts the tests of a frame into slabs, front to back, each tested against the depth that the
-//! draws of the previous one left.
+//! Cuts the tests of a frame into slabs, front to back. Each slab is tested against the depth that
+//! the draws of the previous slab left.
 
 use std::ops::Range;
 
@@ -9,14 +9,14 @@ use crate::plan::frame_plan::{DrawPhases, FramePlan, ProxyTest, VisibilityTest};
 /// The lengths of the slabs of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Slabs {
-    /// All alike, as in a calm frame.
+    /// All slabs have the same length, as in a calm frame.
     Equal,
-    /// Each twice as long as the one before, as after a cut.
+    /// Each slab is twice as long as the one before, as after a cut.
     Doubling,
 }
 
 impl Slabs {
-    /// Returns the share of a round in the tests, in proportion to the first.
+    /// Returns the length of a round relative to the first.
     fn weight(self, round: usize) -> usize {
         match self {
             Self::Equal => 1,
@@ -25,21 +25,22 @@ impl Slabs {
     }
 }
 
-/// The costs that decide how many rounds pay.
+/// The costs that decide how many rounds pay off.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RoundCosts {
     /// The cost of a further round.
     pub(crate) round_ns: f32,
-    /// The expected time of all draws that the tests reveal, as long as they are then taken as
-    /// visible.
+    /// The expected time of all draws that the tests reveal, over the frames for which the leaves
+    /// then count as visible.
     pub(crate) revealed_ns: f32,
 }
 
 impl RoundCosts {
-    /// Returns the number of rounds that pays best, at most `most`. Every further one costs a
-    /// break, and saves draws: what a round reveals may hide what later ones would. At most all
-    /// of these are spared whose occluder lies in another slab; of pairs drawn at random that is
-    /// one less the sum of the squared shares of the slabs.
+    /// Returns the number of rounds with the best balance, at most `most`. Every further round
+    /// costs an interruption of rendering and may save draws: the draws of one round may hide
+    /// objects of the next. At most, every draw is saved whose occluder lies in another slab. For
+    /// pairs drawn at random, the share of these is one minus the sum of the squared shares of the
+    /// slabs.
     fn best(self, most: u32, slabs: Slabs) -> u32 {
         let net_ns = |rounds: u32| {
             let weights = (0..rounds).map(|round| slabs.weight(round as usize) as f32);
@@ -57,8 +58,8 @@ impl RoundCosts {
 /// The most rounds of a frame.
 const ROUNDS_MAX: u32 = 16;
 
-/// Cuts the tests of `plan`, which `tester` tests, into as many rounds as draws may come between,
-/// and no more than pay by these costs, if there are any.
+/// Cuts the tests of `plan` into rounds. `draw_phases` and `tester` limit their number, and so do
+/// `device_costs`: no more rounds than pay off.
 pub(crate) fn schedule(
     plan: &mut FramePlan,
     tester: VisibilityTest,
@@ -78,7 +79,7 @@ pub(crate) fn schedule(
     split(plan.tests.len(), most, slabs, config, &mut plan.rounds);
 }
 
-/// Fills `rounds` with at most `wished` ranges of these lengths that cover `0..tests`.
+/// Fills `rounds` with at most `wished` ranges of the lengths of `slabs` that cover `0..tests`.
 fn split(
     tests: usize,
     wished: u32,
@@ -106,8 +107,8 @@ fn split(
     }
 }
 
-/// Groups the tests of each round by their tester, front to back as they were: in a round nothing
-/// depends on their order. `scratch` keeps its memory.
+/// Groups the tests of each round by their tester, front to back within a group: the order of tests
+/// within a round does not matter. `scratch` keeps its memory.
 pub(crate) fn group_by_tester(plan: &mut FramePlan, scratch: &mut Grouping) {
     let tests = &mut plan.tests;
     let rounds = &plan.rounds;
@@ -136,7 +137,7 @@ pub(crate) fn group_by_tester(plan: &mut FramePlan, scratch: &mut Grouping) {
 #[derive(Debug, Default)]
 pub(crate) struct Grouping {
     grouped: Vec<ProxyTest>,
-    /// The new place of each test.
+    /// The new index of each test.
     places: Vec<u32>,
 }
 

@@ -1,50 +1,51 @@
-//! Tests that share the result of another test: those of nodes behind a hidden box, and within its
-//! outline.
+//! Tests that share the result of another test: the tests of nodes that lie behind a hidden box and
+//! within its outline.
 //!
-//! If no sample of a proxy shows, the depth buffer is nearer than its front at every sample that it
-//! covers. So an object shows no sample if all of its samples are among those and all of it is
-//! beyond the proxy's front. Then no test of its own is needed: if the proxy in front stays hidden,
-//! so does the object behind it; if it shows, the leaves behind are tested one by one.
+//! If no sample of a proxy shows, then at every sample that the proxy covers, the depth buffer is
+//! nearer than the proxy's front. So an object shows no sample if the proxy covers all its samples
+//! and the object lies completely beyond the proxy's front. Then the object needs no test of its
+//! own: if the proxy in front stays hidden, so does the object. If the proxy shows, the leaves
+//! behind it are tested individually.
 //!
 //! A ray from the eye has entered a box once it has passed the planes of all faces that the eye
 //! sees from outside (the slab method). So every point on the inner side of these planes and within
-//! the outline is beyond the front, be it inside of the box or behind it.
+//! the outline is beyond the front, inside of the box or behind it.
 //!
-//! The margin of the proxy behind covers rounding: its outline is a quarter of a pixel and more
-//! wider than the samples of its object, and its nearest depth as much nearer (see
-//! [`Margin`](crate::Margin)); the proxy in front loses less to the sub-pixel grid. But the outline
-//! of the proxy in front is computed here and drawn there, each with its own rounding, and the
-//! nearer it is the more pixels that is. So only boxes where it is at most a sixteenth of a pixel
-//! serve as fronts.
+//! The margin of the proxy behind covers rounding: its outline is at least a quarter of a pixel
+//! wider than the samples of its object, and its nearest depth is nearer by the same (see
+//! [`Margin`](crate::Margin)). The proxy in front loses less than this to the sub-pixel grid. But
+//! the outline of the proxy in front is computed on the CPU and rasterized on the GPU, each with
+//! its own rounding, and this error in pixels grows as the proxy gets nearer. So a box serves as a
+//! front only if the error is at most a sixteenth of a pixel.
 //!
-//! In a plan for several views all of this holds in each view that may see the box behind: the
-//! front's result is zero only if it shows in none of them.
+//! In a plan for several views this holds in each view that may see the box behind: the front's
+//! result is zero only if it shows in none of them.
 
 use crate::geom::multi_view::MultiView;
 use crate::plan::candidates::Candidate;
 use crate::plan::frame_plan::{FramePlan, ProxyTest, QueryKind, VisibilityTest};
 use crate::plan::fronts::{Fronts, SharedProxy};
 
-/// The bounds of sharing.
+/// The limits of sharing.
 struct Limits {
-    /// The least share of the image that a test must cover to answer for the leaves behind it.
+    /// The least share of the image that a front must cover.
     front_area: f32,
-    /// The number of them: the largest.
+    /// The most fronts; the largest are kept.
     fronts: usize,
-    /// The most leaves that one of them may answer for: all are tested one by one if it shows.
+    /// The most leaves behind one front: all of them are tested individually if it shows.
     leaves_behind: u32,
-    /// The same per frame that it has been hidden, none for an unknown one: a node that was not
-    /// hidden for long is the likeliest to show.
+    /// The most leaves behind one front per frame that the front has been hidden; an unknown node
+    /// has no leaves behind it. A node that was hidden only briefly is the most likely to show.
     leaves_behind_per_frame: u32,
 }
 
-/// The bounds in use. Halved or doubled, none of them moves a count of a walk by more than 1 %
+/// The limits in use. Halving or doubling any of them changes no count of a walk by more than 1 %
 /// (docs/cull_config.md).
 const LIMITS: Limits =
     Limits { front_area: 0.002, fronts: 48, leaves_behind: 4_096, leaves_behind_per_frame: 64 };
 
-/// Makes the tests of `plan`, made of these candidates, share the results of others where they can.
-/// `fronts` keeps its memory.
+/// Makes tests of `plan` share the results of other tests where possible. `candidates` are the
+/// candidates that the tests were made from. `fronts` keeps its memory.
 pub(crate) fn share_proxies(
     plan: &mut FramePlan,
     candidates: &[Candidate],
@@ -56,12 +57,14 @@ pub(crate) fn share_proxies(
         share_in_order(&mut plan.tests, hidden_frames, views, &LIMITS, fronts);
 }
 
-/// Makes tests share the results of others, front to back, and asks for their leaves one by one.
-/// Returns the number of such tests. `hidden_frames` holds for each test the frames for which its
-/// node has been hidden, if it is known to be. A node that was hidden for n frames shows in the
-/// next with a chance of about 1 in n (Laplace's rule of succession). So the leaves behind a front
-/// may grow with n, while the expected cost of a front that shows does not. `fronts` keeps its
-/// memory.
+/// Makes tests share the results of others, front to back, and requests individual tests of their
+/// leaves. Returns the number of such tests.
+///
+/// `hidden_frames` holds, for each test, the number of frames for which its node has been hidden,
+/// if it is known to be hidden. A node that was hidden for n frames shows in the next frame with a
+/// probability of about 1 / n (Laplace's rule of succession). So the number of leaves behind a
+/// front may grow with n, while the expected cost of a front that shows does not. `fronts` keeps
+/// its memory.
 fn share_in_order(
     tests: &mut [ProxyTest],
     hidden_frames: impl Iterator<Item = Option<u32>>,
@@ -112,7 +115,7 @@ mod tests {
     use crate::plan::frame_plan::QueryTag;
     use crate::rng::SplitMix64;
 
-    /// Returns the position of a point on the screen, in pixels, in 64 bits.
+    /// Returns the position of a point on the screen in pixels, computed in 64 bits.
     fn exactly(point: Vec3, view: &CullView) -> DVec2 {
         let clip = view.view_proj.as_dmat4() * point.as_dvec3().extend(1.0);
         let [width, height] = view.size.map(f64::from);
@@ -163,8 +166,9 @@ mod tests {
         assert!(sharp > 5_000 && blunt > 1_000, "{sharp} sharp, {blunt} blunt");
     }
 
-    /// Returns true if the second of two tests of four leaves in a row shares the first one's
-    /// result, where the first has been hidden for so long and may have so many leaves behind it.
+    /// Returns true if the second of two tests of four leaves in a row shares the result of the
+    /// first. The first test has been hidden for `hidden_frames` and may have `leaves_behind`
+    /// leaves behind it.
     fn shares_after(
         hidden_frames: Option<u32>,
         leaves_behind: u32,
@@ -219,8 +223,8 @@ mod tests {
         assert!(!after(Some(u32::MAX), 3), "more than any may");
     }
 
-    /// Returns the share of the way from `eye` to `point` at which the box is entered, if it is on
-    /// this way.
+    /// Returns the fraction of the way from `eye` to `point` at which it enters the box, if it
+    /// does.
     fn entry(bounds: &Aabb, eye: DVec3, point: DVec3) -> Option<f64> {
         let way = point - eye;
         let low = bounds.min.as_dvec3() - eye;
@@ -279,13 +283,14 @@ mod tests {
                 continue;
             }
             shared += 1;
-            // What the margin of the proxy behind pays for is no object's: a quarter of a pixel.
+            // The quarter of a pixel by which the margin enlarges the proxy behind is not part of
+            // the object.
             let depth = view.rays.depth_m(behind.centre()).max(view.rays.near);
             let paid = 0.25 * view.pixel_m(depth);
             let low = behind.min + paid;
             let high = behind.max - paid;
             for _ in 0..12 {
-                // A corner, or a point of an edge or a side.
+                // A corner, or a point of an edge or a face.
                 let share = Vec3::from_array([0; 3].map(|_| between(-0.5, 1.5).clamp(0.0, 1.0)));
                 let point = low + (high - low).max(Vec3::ZERO) * share;
                 let at = exactly(point, &view);

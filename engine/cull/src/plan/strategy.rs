@@ -4,9 +4,9 @@ use std::fmt;
 
 use crate::plan::frame_plan::VisibilityTest;
 
-/// A strategy to decide what to draw: a name, and what to expect of it. Strategies can be switched
-/// from frame to frame. Those that a [`Culler`](crate::Culler) plans are constants here; any other
-/// is [made](Strategy::new) beside the method that carries it out.
+/// A strategy to decide what to draw: its name and its properties. Strategies can be switched from
+/// frame to frame. The strategies that a [`Culler`](crate::Culler) plans are constants of this
+/// type; the others are [created](Strategy::new) next to the methods that execute them.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Strategy {
     name: &'static str,
@@ -31,7 +31,7 @@ impl Default for Strategy {
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum Tests {
     None,
-    /// By the tester that the device has, or by the cheapest.
+    /// Any tester that the device has, or the cheapest of them.
     Any,
     By(VisibilityTest),
 }
@@ -40,27 +40,27 @@ impl Strategy {
     /// View-frustum culling only: the baseline and the reference image.
     pub const FRUSTUM: Self =
         Self::new("frustum", "the baseline: all that is in the view frustum").drawing_occluded();
-    /// Coherent hierarchical culling whose results come late, made exact by predicates.
+    /// Coherent hierarchical culling with late results, made exact by predicates.
     pub const ANTUMBRA: Self =
         Self::new("antumbra", "ours: late answers, made exact by predicates")
             .testing(Tests::Any)
             .with_sample_threshold();
-    /// The same with occlusion queries for all tests.
+    /// [`Strategy::ANTUMBRA`] with occlusion queries for all tests.
     pub const ANTUMBRA_QUERIES: Self =
         Self::new("antumbra_queries", "ours, with occlusion queries for all tests")
             .testing(Tests::By(VisibilityTest::Query))
             .with_sample_threshold();
-    /// The same with flags set by fragments for all tests.
+    /// [`Strategy::ANTUMBRA`] with flags set by fragments for all tests.
     pub const ANTUMBRA_FLAGS: Self =
         Self::new("antumbra_flags", "ours, with flags set by fragments for all tests")
             .testing(Tests::By(VisibilityTest::Flag));
-    /// The same with a compute shader for all tests.
+    /// [`Strategy::ANTUMBRA`] with a compute shader for all tests.
     pub const ANTUMBRA_COMPUTE: Self =
         Self::new("antumbra_compute", "ours, with a compute shader for all tests")
             .testing(Tests::By(VisibilityTest::Compute));
 
-    /// The strategies of [`Culler::plan`](crate::Culler::plan), the baseline first. Those called
-    /// `antumbra` share one traversal and one history.
+    /// The strategies of [`Culler::plan`](crate::Culler::plan), the baseline first. All strategies
+    /// named `antumbra...` share one traversal and one history.
     pub const PLANNED: [Self; 5] = [
         Self::FRUSTUM,
         Self::ANTUMBRA,
@@ -69,9 +69,9 @@ impl Strategy {
         Self::ANTUMBRA_COMPUTE,
     ];
 
-    /// Creates a strategy of this name on command lines and in reports, with a summary of about
-    /// fifty letters. It leaves out occluded objects, is exact, never waits, and works in scenes
-    /// that change, unless the following say otherwise.
+    /// Creates a strategy with its name on command lines and in reports, and a summary of about
+    /// fifty letters. It culls occluded objects, is exact, never waits, and works in changing
+    /// scenes, unless a method below marks it otherwise.
     #[must_use]
     pub const fn new(name: &'static str, summary: &'static str) -> Self {
         Self {
@@ -91,37 +91,37 @@ impl Strategy {
         Self { tests, ..self }
     }
 
-    /// Returns the same strategy, marked: it draws occluded objects, too.
+    /// Returns the same strategy, marked as one that also draws occluded objects.
     #[must_use]
     pub const fn drawing_occluded(self) -> Self {
         Self { culls_occluded: false, ..self }
     }
 
-    /// Returns the same strategy, marked: it may miss an object that owns a pixel.
+    /// Returns the same strategy, marked as one that may miss a visible object.
     #[must_use]
     pub const fn inexact(self) -> Self {
         Self { is_exact: false, ..self }
     }
 
-    /// Returns the same strategy, which needs results before a frame can go on.
+    /// Returns the same strategy, marked as one that must wait for results within a frame.
     #[must_use]
     pub const fn blocking(self) -> Self {
         Self { is_blocking: true, ..self }
     }
 
-    /// Returns the same strategy, which can have a threshold.
+    /// Returns the same strategy, marked as one that supports a sample threshold.
     #[must_use]
     pub const fn with_sample_threshold(self) -> Self {
         Self { has_sample_threshold: true, ..self }
     }
 
-    /// Returns the same strategy, marked: it draws objects that were found beforehand.
+    /// Returns the same strategy, marked as one that draws objects found visible beforehand.
     #[must_use]
     pub const fn in_still_scenes(self) -> Self {
         Self { needs_still_scene: true, ..self }
     }
 
-    /// Returns the same strategy, whose decisions the GPU makes.
+    /// Returns the same strategy, marked as one whose decisions the GPU makes.
     #[must_use]
     pub const fn gpu_driven(self) -> Self {
         Self { is_gpu_driven: true, ..self }
@@ -139,30 +139,30 @@ impl Strategy {
         self.summary
     }
 
-    /// Returns true if it never misses an object with a pixel, and has the image of plain frustum
-    /// culling, unless an option gives that up: a threshold, if it [can have
-    /// one](Strategy::has_sample_threshold), and
-    /// [`FirstPass::DepthOnly`](crate::FirstPass::DepthOnly) of coherent hierarchical culling.
-    /// Under the latter some devices choose another of two faces of equal depth.
+    /// Returns true if it never misses a visible object, so that its image is the image of plain
+    /// frustum culling. Two options give exactness up: a threshold, if it is
+    /// [supported](Strategy::has_sample_threshold), and
+    /// [`FirstPass::DepthOnly`](crate::FirstPass::DepthOnly) of coherent hierarchical culling, with
+    /// which some devices choose another of two faces of equal depth.
     #[must_use]
     pub const fn is_exact(self) -> bool {
         self.is_exact
     }
 
-    /// Returns true if it leaves out objects that others hide.
+    /// Returns true if it does not draw objects that others hide.
     #[must_use]
     pub const fn culls_occluded(self) -> bool {
         self.culls_occluded
     }
 
     /// Returns true if it has a history, tests in its plans and a [cost
-    /// model](crate::Culler::set_costs): those called `antumbra`.
+    /// model](crate::Culler::set_costs), as all strategies named `antumbra...` have.
     #[must_use]
     pub const fn uses_cost_model(self) -> bool {
         !matches!(self.tests, Tests::None)
     }
 
-    /// Returns true if it can take objects that show few samples as hidden, and is not exact then
+    /// Returns true if it can treat objects that show few samples as hidden, which makes it inexact
     /// ([`Culler::set_sample_threshold`](crate::Culler::set_sample_threshold),
     /// [`ChcOptions`](crate::ChcOptions)).
     #[must_use]
@@ -170,26 +170,26 @@ impl Strategy {
         self.has_sample_threshold
     }
 
-    /// Returns true if it draws objects that were found beforehand, in a still scene.
+    /// Returns true if it draws objects that were found visible beforehand, in a still scene.
     #[must_use]
     pub const fn needs_still_scene(self) -> bool {
         self.needs_still_scene
     }
 
-    /// Returns true if the GPU alone knows what was drawn, so that no frame can be explained.
+    /// Returns true if only the GPU knows what was drawn, so that no frame can be explained.
     #[must_use]
     pub const fn is_gpu_driven(self) -> bool {
         self.is_gpu_driven
     }
 
-    /// Returns true if it needs results before a frame can go on: a
-    /// [`BlockingCuller`](crate::BlockingCuller) and no plan.
+    /// Returns true if it must wait for results within a frame: a
+    /// [`BlockingCuller`](crate::BlockingCuller) executes it, not a plan.
     #[must_use]
     pub const fn is_blocking(self) -> bool {
         self.is_blocking
     }
 
-    /// Returns the only tester of its plans; `None` for any, or where nothing is tested.
+    /// Returns the only tester of its plans; `None` if any tester will do or nothing is tested.
     pub(crate) const fn tester(self) -> Option<VisibilityTest> {
         match self.tests {
             Tests::By(tester) => Some(tester),

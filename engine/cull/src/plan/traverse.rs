@@ -15,12 +15,12 @@ use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::{PlanStats, QueryKind};
 use crate::plan::strategy::Strategy;
 
-// Halved or doubled, these move no count of a walk by more than 1 % (docs/cull_config.md).
+// Halving or doubling these changes no count of a walk by more than 1 % (docs/cull_config.md).
 
-/// The most leaves with which a node is tested as one after any time hidden: if it shows, each of
-/// them is tested in that frame, and recorded when the results are read back.
+/// The most leaves of a node that is tested as one, for any time hidden: if it shows, each leaf is
+/// tested in that frame and recorded when the results are read back.
 const MAX_SHARED_LEAVES: u64 = 16_384;
-/// The most times that the allowed sizes are raised fourfold if there are more tests than queries.
+/// The most times that the allowed sizes are raised fourfold because there are too many tests.
 /// After that, leaves are drawn without a test.
 const MAX_COARSENESS: u32 = 4;
 
@@ -50,9 +50,9 @@ pub(crate) struct Walk<'a> {
     pub(crate) is_turning: bool,
     /// True if boxes can be tested by flags.
     pub(crate) can_flag: bool,
-    /// True if leaves can be tested one by one below a node that shows.
+    /// True if leaves can be tested individually below a node that shows.
     pub(crate) has_leaf_tests: bool,
-    /// The times that the allowed size of tested nodes was raised fourfold.
+    /// The number of times that the allowed size of tested nodes was raised fourfold.
     pub(crate) coarseness: u32,
 }
 
@@ -63,11 +63,11 @@ enum NodeDecision {
     /// Draw, and test the box.
     TestVisibleBox(Aabb),
     Test(Aabb),
-    /// Go on to the children; the proxy is there if the node could have a pull-up query.
+    /// Continue with the children. The proxy is given if the node may have a pull-up query.
     Open(Option<Aabb>),
 }
 
-/// A node that is visited.
+/// A visited node.
 struct Visit {
     nearness: Nearness,
     node: u32,
@@ -75,13 +75,13 @@ struct Visit {
     leaf_count: u32,
     bounds: Aabb,
     record: NodeRecord,
-    /// The frame since which a node above was hidden, if the node inherits that.
+    /// The frame since which a node above has been hidden, if the node inherits its state.
     inherited: Option<FrameStamp>,
 }
 
 impl Walk<'_> {
-    /// Fills `scratch` with the draws and tests by the history. While those are more tests than
-    /// wished, or than `budget`, larger nodes are allowed and the traversal is repeated.
+    /// Fills `scratch` with draws and tests according to the history. As long as there are more
+    /// tests than wished, or than `budget`, allows larger nodes and repeats the traversal.
     pub(crate) fn traverse(&mut self, scratch: &mut Scratch, budget: usize, stats: &mut PlanStats) {
         loop {
             self.run(scratch, stats);
@@ -184,7 +184,7 @@ impl Walk<'_> {
                 }
             }
             NodeState::Visible if is_fresh => {
-                // Not where that was tried and showed: it would again.
+                // A node whose pull-up query failed would show again.
                 let is_worth_it =
                     self.coarseness > 0 && (record.stable_queries == 0 || record.due <= self.now);
                 let hidden = self.children_hidden_since(visit).filter(|_| is_worth_it);
@@ -203,8 +203,9 @@ impl Walk<'_> {
     /// Returns true if the next test of a visible leaf is a test of its box rather than of its own
     /// draw.
     ///
-    /// First the box once more, now that all visible objects can hide it: it showed against fewer.
-    /// Then the draw itself, and from then on the box again for a while if it looks small.
+    /// The box is tested once more first, because now all visible objects can hide it, while it
+    /// showed against fewer. Then the draw itself is tested, and from then on the box again for a
+    /// while if it looks small.
     fn is_visible_box_enough(&self, visit: &Visit) -> bool {
         let record = &visit.record;
         if !self.can_flag || record.stable_queries == 0 {
@@ -213,7 +214,7 @@ impl Walk<'_> {
         let diagonal = 2.0 * visit.bounds.half_extent().length();
         let is_turn_of_draw =
             u32::from(record.stable_queries) % self.config.visible_box_tests.saturating_add(1) == 1;
-        // Where the box promised too much before, it would again.
+        // If the box showed in vain before, it would again.
         record.flicker_count == 0
             && !is_turn_of_draw
             && diagonal < self.config.visible_box_angle * self.metres_per_radian(visit)
@@ -230,14 +231,14 @@ impl Walk<'_> {
     }
 
     /// Returns true if a test of a leaf's own box is due. Neighbours take turns. A test may be
-    /// repeated while a result is on its way: that costs little.
+    /// repeated before its result arrives, which costs little.
     fn is_visible_box_due(&self, visit: &Visit) -> bool {
         let interval = self.config.visible_box_frames.saturating_add(visit.node & 1);
         visit.record.stable_queries == 0 || self.now.since(visit.record.answered) >= interval
     }
 
-    /// Puts the children that are in the frustum into the queue, and asks for a pull-up query of
-    /// the node if all of them are hidden.
+    /// Adds the children in the frustum to the queue, and requests a pull-up query of the node if
+    /// all of them are hidden.
     fn open(&self, visit: &Visit, proxy: Option<Aabb>, scratch: &mut Scratch) {
         let Some(children) = self.hierarchy.children(NodeId(visit.node)) else {
             return;
@@ -267,8 +268,8 @@ impl Walk<'_> {
         }
     }
 
-    /// Returns the frame since which all of a node within the frustum is hidden; `None` if one is
-    /// not, or none is there.
+    /// Returns the frame since which all children of a node within the frustum have been hidden;
+    /// `None` if a child is not hidden, or if no child is in the frustum.
     fn children_hidden_since(&self, visit: &Visit) -> Option<FrameStamp> {
         let mut since = None;
         for child in self.hierarchy.children(NodeId(visit.node))? {
@@ -289,14 +290,14 @@ impl Walk<'_> {
     }
 
     /// Tests a node against the frustums by `masks`, which belong to a node above it, and against
-    /// section planes. Returns its place, and the masks for its parts.
+    /// section planes. Returns its containment and the masks for its children.
     pub(crate) fn classify(&self, node: NodeId, masks: ViewMasks) -> (Containment, ViewMasks) {
         let bounds = self.hierarchy.bounds(node);
         self.views.classify(&bounds, masks, |view| self.hierarchy.is_cut_away(node, view))
     }
 
-    /// Returns the record of a node. Where it is stale and a node above was hidden, it is that
-    /// node's state, since nothing below a hidden node is kept up to date.
+    /// Returns the record of a node. If the record is stale and a node above was hidden, the state
+    /// is hidden, since nothing below a hidden node is kept up to date.
     fn record_below(
         &self,
         node: u32,
@@ -324,13 +325,14 @@ impl Walk<'_> {
         }
     }
 
-    /// Returns the frames for which a node has been hidden; `None` if it is not known to be.
+    /// Returns the number of frames for which a node has been hidden; `None` if it is not known to
+    /// be hidden.
     fn hidden_frames(&self, record: &NodeRecord) -> Option<u32> {
         let is_fresh = record.is_fresh(self.now, self.config.stale_frames);
         (is_fresh && record.state == NodeState::Hidden).then(|| record.hidden_frames())
     }
 
-    /// Returns true if a node that has been hidden for so long may be tested as one.
+    /// Returns true if a node that has been hidden for `hidden_frames` may be tested as one.
     fn may_share(&self, visit: &Visit, hidden_frames: u32) -> bool {
         let growth_frames = if self.has_leaf_tests {
             self.config.growth_frames_per_leaf
@@ -346,7 +348,7 @@ impl Walk<'_> {
         u64::from(visit.leaf_count) <= self.coarse(allowed) || self.is_small(visit)
     }
 
-    /// Returns true if a node of which nothing is known may be tested as one.
+    /// Returns true if an unknown node may be tested as one.
     fn is_small(&self, visit: &Visit) -> bool {
         let leaves = u64::from(visit.leaf_count);
         if leaves <= self.coarse(self.config.unknown_leaves.into()) {
@@ -358,7 +360,8 @@ impl Walk<'_> {
             && diagonal < angle * self.metres_per_radian(visit)
     }
 
-    /// Returns how large an angle of 1 radian is where a node is (metres).
+    /// Returns the length (metres) that is seen under an angle of 1 radian at the distance of a
+    /// node.
     fn metres_per_radian(&self, visit: &Visit) -> f32 {
         self.views.metres_per_radian(visit.nearness.distance())
     }

@@ -1,5 +1,5 @@
-//! The literature's methods: exact whatever happens to the results, and each with the cost it is
-//! known for.
+//! Tests of the blocking methods of the literature: they are exact whatever happens to the results,
+//! and each has the cost that is known from the literature.
 
 use antumbra_cull::{
     BatchedOptions, BlockingCuller, BlockingKind, BlockingStats, Camera, ChcOptions, CullView,
@@ -97,7 +97,8 @@ fn verify(seed: u64) -> [u64; 2] {
     counted
 }
 
-/// Checks that the tests and draws are those of the frame's counts, and that none happened twice.
+/// Checks that the tests and draws agree with the counts of the frame, and that none happened
+/// twice.
 fn check_books(talk: &Talk, stats: &BlockingStats, context: &str) {
     let mut drawn = talk.drawn.clone();
     drawn.sort();
@@ -161,7 +162,7 @@ fn sum(frames: &[BlockingStats], of: impl Fn(&BlockingStats) -> u32) -> u32 {
 fn each_method_costs_what_it_is_known_for() {
     let walk = |kind| stroll(kind, Trouble { polls: 3, ..Trouble::default() });
     let [naive, batched, stop, chc] = default_kinds().map(walk);
-    // Once there is a past.
+    // Skips the first frames, which have no history.
     let naive = &naive[5..];
     let batched = &batched[5..];
     let stop = &stop[5..];
@@ -185,7 +186,7 @@ fn a_blocking_method_ends_if_no_answer_ever_comes() {
     let silence = Trouble { lost: 1.0, ..Trouble::default() };
     for kind in default_kinds() {
         let frames = stroll(kind, silence);
-        // All in sight is drawn, as frustum culling would.
+        // Every object in the frustum is drawn, as with frustum culling.
         let (_, hierarchy) = streets();
         let view = CullView::new(&CAMERA, SIZE, 8);
         let mut plan = antumbra_cull::FramePlan::default();

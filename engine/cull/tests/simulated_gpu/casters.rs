@@ -1,5 +1,5 @@
-//! Plans of casters: whatever shadows something that a view sees is drawn, whatever happens to the
-//! answers, and most of what does not is left out.
+//! Tests of plans of casters: every object that shadows something in view is drawn, whatever
+//! happens to the answers, and most other objects are left out.
 
 use antumbra_cull::{
     Aabb, Answer, BoxShadowVolumes, Containment, CullConfig, CullView, Culler, DrawPhases,
@@ -34,7 +34,7 @@ fn rays(view: &CullView) -> Vec<Ray> {
     (0..width * height).map(pixel).collect()
 }
 
-/// Returns the ways along a ray on which it enters and leaves a box, within `most`.
+/// Returns the distances along a ray at which it enters and leaves a box, within `most`.
 fn span(bounds: &Aabb, ray: Ray, most: f64) -> Option<[f64; 2]> {
     let mut first = 0.0_f64;
     let mut last = most;
@@ -54,10 +54,10 @@ fn span(bounds: &Aabb, ray: Ray, most: f64) -> Option<[f64; 2]> {
     (first <= last).then_some([first, last])
 }
 
-/// Returns the way on which a ray meets the first solid, if that is before the far plane.
+/// Returns the distance at which a ray meets the first solid, if it is before the far plane.
 fn depth(solids: &[Aabb], ray: Ray, view: &CullView) -> Option<f64> {
     let entries = solids.iter().filter_map(|solid| span(solid, ray, f64::INFINITY));
-    // From inside its far faces are seen.
+    // From inside of a box, its far faces are visible.
     let hits = entries.map(|[first, last]| if first > 0.0 { first } else { last });
     let first = hits.min_by(f64::total_cmp)?;
     let point = (ray.from + ray.way * first).as_vec3();
@@ -65,12 +65,12 @@ fn depth(solids: &[Aabb], ray: Ray, view: &CullView) -> Option<f64> {
     (place != Containment::Outside).then_some(first)
 }
 
-/// Returns the way on which a ray enters the shadow volume of a box: the least `t` of a linear
-/// program in `t` and the factor `k` by which a point of the box is drawn to the ray.
+/// Returns the distance at which a ray enters the shadow volume of a box: the least `t` of a linear
+/// program in `t` and the factor `k` that moves a point of the box to the ray.
 fn entry(proxy: &Aabb, length: VolumeLength, light: Vec4, ray: Ray) -> Option<f64> {
     let l = light.truncate().as_dvec3();
     let w = f64::from(light.w);
-    // Each is `a t + b k <= c`.
+    // Each bound is `a t + b k <= c`.
     let mut bounds = vec![
         [-1.0, 0.0, 0.0],
         [0.0, 1.0, f64::from(length.away)],
@@ -126,7 +126,7 @@ fn shadowing(scene: &Scene, reach: &LightReach, seen: &[(Ray, Option<f64>)]) -> 
         let light = reach.light.as_dvec4();
         let way = light.truncate() - from * light.w;
         let is_lit = light.w == 0.0 || way.length() <= f64::from(reach.reach_m);
-        // A sun is farther than everything.
+        // A sun is farther away than all objects.
         let most = if light.w == 0.0 { f64::INFINITY } else { 1.0 };
         for (solid, casts) in scene.solids.iter().zip(&mut casts).filter(|_| is_lit) {
             *casts |= span(solid, Ray { from, way }, most).is_some();

@@ -1,5 +1,5 @@
-//! Executes plans as the renderer does: writes results to memory, which are read frames later, with
-//! all possible mishaps. They are read as answers by the [`ResultReader`] that also reads a GPU's.
+//! Executes plans like the renderer: writes results to memory that is read frames later, with all
+//! possible mishaps. The same [`ResultReader`] reads them as for a real GPU.
 
 use antumbra_cull::{
     Aabb, Answer, CullView, FrameId, FramePlan, Generation, Hierarchy, LeafIndex, LeafList,
@@ -19,7 +19,7 @@ pub struct Mishaps {
     pub late: f32,
     pub lost: f32,
     pub twice: f32,
-    /// Leaves that the list of a frame has room for.
+    /// The number of leaves that the list of a frame can hold.
     pub listed: usize,
 }
 
@@ -29,17 +29,17 @@ impl Mishaps {
     }
 }
 
-/// The memory of a frame that is executed: its tests, and the values that they left.
+/// The memory of an executed frame: its tests and their results.
 struct Written {
     frame: (FrameId, Generation),
     queries: Vec<(PendingTest<()>, u32)>,
     tests: Vec<PendingTest<()>>,
-    /// One value per test; the value of a test that shares another's proxy is never written.
+    /// One value per test; the value of a test that shares another result is never written.
     values: Vec<u32>,
-    /// The leaves that were tested one by one and showed.
+    /// The leaves that were tested individually and showed.
     leaves: Vec<u32>,
-    /// The truth about each test: true if its node showed, or one of its leaves where it shares
-    /// another's proxy.
+    /// The truth about each test: true if its node showed, or, for a shared result, if one of its
+    /// leaves showed.
     showed: Vec<bool>,
 }
 
@@ -56,11 +56,11 @@ impl Written {
         }
     }
 
-    /// Reads the results over a hierarchy that may have changed since, nodes before their leaves.
+    /// Returns the answers over a hierarchy that may have changed since, nodes before their leaves.
     fn answers(&self, hierarchy: &Hierarchy, listed: usize) -> Vec<Answer> {
         let mut reader = ResultReader::default();
         for (test, samples) in &self.queries {
-            // As of a leaf with draws in two buckets.
+            // Like the two queries of a leaf with draws in two buckets.
             reader.read_query(test, samples / 2);
             reader.read_query(test, samples - samples / 2);
         }
@@ -85,8 +85,8 @@ impl Written {
         answers
     }
 
-    /// Checks the answers about tests against the draws. If the list had no room, answers may
-    /// report more as visible than there is.
+    /// Checks the answers about tests against the draws. If the list was full, answers may report
+    /// leaves as visible that are not.
     fn assert_true(&self, answers: &[Answer], is_listed: bool) {
         for (test, showed) in self.tests.iter().zip(&self.showed) {
             let same = |answer: &&Answer| {
@@ -104,7 +104,7 @@ fn pending(tag: QueryTag, tester: VisibilityTest) -> PendingTest<()> {
     PendingTest { tag, tester, contents: () }
 }
 
-/// Returns a view as it shows an object: not cut where that is whole.
+/// Returns the view for drawing an object: without section planes if they leave the object whole.
 pub fn seen(hierarchy: &Hierarchy, object: u32, view: &CullView) -> CullView {
     match hierarchy.section_member(ObjectId(object)) {
         SectionMember::Cut => *view,
@@ -112,7 +112,7 @@ pub fn seen(hierarchy: &Hierarchy, object: u32, view: &CullView) -> CullView {
     }
 }
 
-/// Draws what section planes cut open, before anything else.
+/// Draws the cut faces of solids before anything else.
 pub fn draw_caps(image: &mut Image, view: &CullView, hierarchy: &Hierarchy, solids: &[Aabb]) {
     for (object, solid) in (0..).zip(solids) {
         if !solid.is_empty() {
@@ -124,7 +124,7 @@ pub fn draw_caps(image: &mut Image, view: &CullView, hierarchy: &Hierarchy, soli
 /// The solids that are drawn inside of the bounding boxes.
 pub struct Solids<'a> {
     pub solids: &'a [Aabb],
-    /// The shift of each by the device's grid.
+    /// The shift of each solid by the device's sub-pixel grid.
     pub shifts: &'a [Shift],
 }
 
@@ -133,13 +133,13 @@ pub struct Device {
     pub images: Vec<Image>,
     /// Objects drawn by the last frame, in order.
     pub drawn: Vec<u32>,
-    /// The leaves that the last frame left out because of its threshold, and the samples that
-    /// showed.
+    /// The leaves that the last frame did not draw because of its threshold, and the number of
+    /// samples that showed.
     pub below_threshold: Vec<(LeafRange, u32)>,
     mishaps: Mishaps,
     random: Random,
     sub_pixel_step: f64,
-    /// Frames whose results are not read yet, the oldest first.
+    /// Frames whose results are not read yet, oldest first.
     written: Vec<Written>,
     /// The late answers, and the frame in which each arrives.
     late: Vec<(u64, Answer)>,
@@ -159,7 +159,7 @@ impl Device {
         }
     }
 
-    /// Returns the answers that have come back when frame `next` is planned, in random order.
+    /// Returns the answers that arrived before frame `next` is planned, in random order.
     pub fn collect(&mut self, next: u64, hierarchy: &Hierarchy) -> Vec<Answer> {
         let Mishaps { latency, late, lost, twice, listed } = self.mishaps;
         let mut answers = Vec::new();
@@ -260,8 +260,8 @@ impl Device {
         self.written.push(written);
     }
 
-    /// Counts the samples of the proxy of a node. A device rounds the same box in the same way in
-    /// every frame.
+    /// Counts the samples of the proxy of a node. The same box is rounded in the same way in every
+    /// frame.
     fn test(&self, views: MultiView<'_>, node: NodeId, proxy: &Aabb) -> u32 {
         let shift = self.shift(node);
         let images = views.as_slice().iter().zip(&self.images);
@@ -273,7 +273,7 @@ impl Device {
         [0, 1].map(|_| f64::from(rounding.between(-1.0, 1.0)) * self.sub_pixel_step)
     }
 
-    /// Returns the leaves of a node that show in any view, tested one by one with the margin of
+    /// Returns the leaves of a node that show in any view, tested individually with the margin of
     /// each view.
     fn leaves_that_show(
         &self,
@@ -285,7 +285,7 @@ impl Device {
             let node = hierarchy.node_of(hierarchy.leaf_objects()[leaf.0 as usize]).unwrap();
             let shows = |(view, image): (&CullView, &Image)| {
                 let proxy = view.margin.proxy(&hierarchy.bounds(node));
-                // Too near only where the node is outside of this view's frustum.
+                // Only a leaf outside of this view's frustum may be too near.
                 assert!(proxy.is_some() || views.as_slice().len() > 1, "near, as its node");
                 proxy.is_some_and(|proxy| image.test(view, &proxy, self.shift(node)) > 0)
             };

@@ -1,5 +1,6 @@
-//! Devices with made-up costs: what is chosen at start, from a handful of timed batches, is what
-//! costs least over frames that are planned, executed and charged event by event.
+//! Tests on devices with invented costs: the choice at start, from a handful of timed batches, is
+//! the choice with the least cost over frames that are planned, executed and charged event by
+//! event.
 
 use antumbra_cull::{
     Camera, CostTable, CullConfig, CullView, Culler, FrameContents, FramePlan, Hierarchy,
@@ -14,7 +15,7 @@ use crate::scene::{Scene, city};
 
 const SIZE: [u32; 2] = [96, 64];
 
-/// Triangles of each object.
+/// The number of triangles per object.
 const TRIANGLES: f32 = 100.0;
 
 /// The costs of events on a device (ns).
@@ -28,20 +29,20 @@ struct Events {
     empty_draw: f64,
     /// A compute pass between barriers.
     pass: f64,
-    /// A word that a compute pass decides or writes.
+    /// A word that a compute pass reads for a decision or writes.
     word: f64,
     query: f64,
     box_draw: f64,
     flag_box: f64,
     pixel: f64,
-    /// A break of a rendering: its attachments are stored and loaded.
+    /// A break of rendering, which stores and loads the attachments.
     load_and_store: f64,
     compute_round: f64,
     compute_box: f64,
     triangle: f64,
 }
 
-/// A device without weaknesses: a middling GPU of a desk.
+/// A device without weaknesses: a medium desktop GPU.
 const EVEN: Events = Events {
     predicate: 60.0,
     call: 60.0,
@@ -58,13 +59,13 @@ const EVEN: Events = Events {
     triangle: 1.0,
 };
 
-/// As NVK is said to be: a copy, a flush and many words per block; a wait per query.
+/// NVK, according to reports: a copy, a flush and many words per block, and a wait per query.
 const SLOW_PREDICATE: Events = Events { predicate: 4_000.0, query: 3_000.0, ..EVEN };
 
-/// As ANV is said to be: a generation shader per indirect call, though its predicate is 0.
+/// ANV, according to reports: a generation shader per indirect call, even if its predicate is 0.
 const SLOW_CALL: Events = Events { call: 3_000.0, ..EVEN };
 
-/// As MoltenVK and Adreno are said to be: queries are dear, and blocks flush caches.
+/// MoltenVK and Adreno, according to reports: queries are expensive, and blocks flush caches.
 const SLOW_QUERIES: Events =
     Events { query: 20_000.0, box_draw: 400.0, predicate: 3_000.0, ..EVEN };
 
@@ -85,7 +86,7 @@ const DEVICES: [(&str, Events); 5] = [
     ("tiler", TILER),
 ];
 
-/// The ways to skip draws, in the order in which a device is asked for them.
+/// The ways to skip draws, in the order in which they are measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Executor {
     Conditional,
@@ -98,7 +99,7 @@ const EXECUTORS: [Executor; 4] =
     [Executor::Conditional, Executor::Counts, Executor::Instances, Executor::Compacted];
 
 impl Executor {
-    /// Returns the time that a round of these ranges takes, all of whose draws are skipped.
+    /// Returns the time of a round of these ranges if all of their draws are skipped.
     fn round_ns(self, events: &Events, ranges: u32, draws: u32) -> f64 {
         let ranges = f64::from(ranges);
         let draws = f64::from(draws);
@@ -125,7 +126,7 @@ impl Executor {
 }
 
 impl Events {
-    /// Returns the table that timed batches come to, apart from the way to skip draws.
+    /// Returns the cost table that results from timed batches, without the way to skip draws.
     fn table(&self) -> CostTable {
         CostTable {
             query_ns: self.query as f32,
@@ -144,7 +145,7 @@ impl Events {
         }
     }
 
-    /// Charges a frame that drew so many objects.
+    /// Charges a frame that drew `drawn` objects.
     fn frame_ns(&self, executor: Executor, plan: &FramePlan, drawn: usize) -> f64 {
         let contents = FrameContents::of(plan);
         let rounds = plan.rounds.iter().map(|round| {
@@ -210,7 +211,7 @@ fn work() -> SkippedWork {
     SkippedWork::of_leaves(Scene::solid(city(&mut Random::new(3), 40)).bounds.len() as u32)
 }
 
-/// Returns what is chosen on a device before the first frame.
+/// Returns the choice on a device before the first frame.
 fn chosen(events: &Events) -> (Executor, VisibilityTest) {
     let ways = EXECUTORS.map(|executor| {
         let costs = executor.times(events).costs();
@@ -231,7 +232,7 @@ fn the_chosen_executor_costs_least_over_frames() {
         let best = all.into_iter().fold(f64::INFINITY, f64::min);
         let own = walk_ns(&events, executor, Strategy::ANTUMBRA);
         println!("{name}: {executor:?} of {:?} us", all.map(|ns| (ns / 1e3).round()));
-        // An executor that is cheaper by less than that is not worth a change.
+        // A smaller difference between executors is not worth a change.
         assert!(own <= 1.25 * best, "{name}: {executor:?} takes {own} ns, the best {best} ns");
     }
 }

@@ -32,7 +32,7 @@ struct World {
     random: Random,
     scene: Scene,
     hierarchy: Hierarchy,
-    /// The camera at the origin; it is seen from the place.
+    /// The camera relative to the origin of the scene; the scene's place is applied afterwards.
     camera: Camera,
     place: Place,
     lens: Lens,
@@ -41,9 +41,9 @@ struct World {
     budget: usize,
     moving: bool,
     rebuilding: bool,
-    /// True for a policy that nobody would choose.
+    /// True for an extreme configuration that is not used in practice.
     is_extreme: bool,
-    /// The section planes, which are dragged.
+    /// The moving section planes.
     cuts: Cuts,
 }
 
@@ -70,7 +70,8 @@ impl World {
         }
     }
 
-    /// Returns the world of a seed at a random place with this largest coordinate (metres), scaled.
+    /// Returns the world of a seed, scaled, at a random place with this largest coordinate
+    /// (metres).
     fn far(seed: u64, coordinate: f32, scale: f32) -> Self {
         let mut world = Self::new(seed);
         let towards = world.random.point(-1.0, 1.0);
@@ -89,7 +90,7 @@ impl World {
     }
 
     fn runs(&mut self, seed: u64) -> Vec<Run> {
-        // Few tests wished: what is done under pressure must be exact as well.
+        // A small number of wished tests, because coarser plans must also be exact.
         let tests_wished = match seed % 8 {
             0 => 4,
             1 => 40,
@@ -131,7 +132,7 @@ impl World {
         runs
     }
 
-    /// Moves everything on by a frame.
+    /// Advances everything by a frame.
     fn advance(&mut self, frame: u64) -> CullView {
         self.path.advance(&mut self.camera, frame, &mut self.random);
         if self.moving {
@@ -154,7 +155,7 @@ impl World {
     }
 }
 
-/// Returns a configuration in which each constant may be the least or the most there is.
+/// Returns a configuration in which each constant may have its least or greatest value.
 fn extreme_config(random: &mut Random, usual: CullConfig) -> CullConfig {
     let mut config = usual;
     let CullConfig {
@@ -235,7 +236,7 @@ fn extreme_config(random: &mut Random, usual: CullConfig) -> CullConfig {
     config
 }
 
-/// Returns costs from nothing to more than a test can save, each by itself.
+/// Returns costs from 0 to more than a test can save, each chosen independently.
 fn random_costs(random: &mut Random) -> CostTable {
     let mut cost = |usual: f32| match random.below(5) {
         0 => 0.0,
@@ -254,7 +255,7 @@ fn random_costs(random: &mut Random) -> CostTable {
         call_ns: cost(usual.call_ns),
         draw_ns: cost(usual.draw_ns),
         triangle_ns: cost(usual.triangle_ns),
-        // Mostly low, since one break decides about all tests of a frame.
+        // Mostly low, because one break decides about all tests of a frame.
         break_ns: cost(1_000.0),
         break_wait_share: random.between(0.0, 1.0) * random.between(0.0, 1.0),
         compute_round_ns: 0.0,
@@ -323,7 +324,7 @@ fn verify_world(seed: u64, mut world: World) -> Checked {
             let is_two = run.draw_phases == DrawPhases::Two;
             assert!(!is_two || run.plan.has_two_phases(), "{}: draws between tests", context());
             run.device.execute(&view, &world.hierarchy, &world.solids(), &run.plan);
-            // An object that owns a pixel and was not drawn leaves a depth that is not its own.
+            // A missing object with a visible pixel leaves a wrong depth in that pixel.
             assert!(run.device.images[0].depths == truth.depths, "{}: wrong pixels", context());
             checked.frames += 1;
             checked.behind += u64::from(run.plan.stats.shared_proxies);
@@ -364,8 +365,8 @@ fn nothing_visible_is_ever_missing() {
     assert!(ours * 20 < frustum * 19, "nothing was culled: {ours} of {frustum}");
 }
 
-/// Checks what the margin pays for the coordinates of the world: objects and proxies are drawn by a
-/// matrix each.
+/// Checks the part of the margin for world coordinates: objects and proxies are drawn with
+/// different matrices.
 #[test]
 fn nothing_visible_is_missing_far_from_the_origin() {
     for (coordinate, scale) in [(1.0e5, 10.0), (1.0e7, 1.0e3)] {
@@ -378,8 +379,8 @@ fn nothing_visible_is_missing_far_from_the_origin() {
     }
 }
 
-/// Checks that nothing is missing while section planes are dragged: what is cut away hides nothing,
-/// and what is cut open hides.
+/// Checks that nothing is missing while section planes move: parts that are cut away hide nothing,
+/// and cut faces do.
 #[test]
 fn nothing_visible_is_missing_while_planes_are_dragged() {
     let mut checked = Checked::default();
@@ -390,7 +391,7 @@ fn nothing_visible_is_missing_while_planes_are_dragged() {
     }
     assert_eq!(checked.frames, checked.runs * FRAMES);
     let [frustum, ours] = checked.drawn;
-    // What is cut away is drawn where a proxy of several leaves shows.
+    // Objects that are cut away are drawn if a proxy of several leaves shows.
     assert!(frustum > 0 && ours > 0, "nothing was drawn");
 }
 

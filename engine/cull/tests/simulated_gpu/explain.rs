@@ -34,8 +34,8 @@ fn every_object_was_drawn_as_explained() {
     }
 }
 
-/// Walks and counts the explanations: outside, drawn, drawn and tested, hidden alone and in a
-/// group, revealed.
+/// Walks and counts the explanations: outside, drawn, drawn and tested, hidden individually and in
+/// a group, revealed.
 fn explain_walk(walk: &mut Walk) -> [usize; 6] {
     let mut seen = [0_usize; 6];
     for frame in 0..150 {
@@ -91,7 +91,8 @@ fn it_says_since_when_and_when_it_was_asked() {
             Decision::Tested { leaves, kind, history, .. } if leaves > 1 => {
                 grouped += 1;
                 assert_eq!((kind, history.state), (QueryKind::Proxy, NodeState::Hidden));
-                // It stood still: it was asked in every frame, and the answer is two frames old.
+                // The camera stood still: the object was tested in every frame, and the answer is
+                // two frames old.
                 assert_eq!(history.answered, Some(FrameId(98)), "{explained:?}");
                 assert!(history.since < history.answered, "{explained:?}");
             }

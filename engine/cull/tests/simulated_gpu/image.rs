@@ -1,9 +1,9 @@
-//! A depth buffer that boxes are drawn into by casting the ray of each pixel.
+//! A depth buffer that boxes are drawn to by casting the ray of each pixel.
 //!
-//! Objects and proxies are what their shaders make of them, in single precision and by a matrix
-//! each. Snapping to the sub-pixel grid is simulated by shifting the rays of a box by up to one
-//! step of the grid; the rounding of depths by an error of some units in the last place of their
-//! terms, another one for each box and pixel.
+//! Objects and proxies are transformed as in their shaders, in single precision and with different
+//! matrices. Shifting the rays of a box by up to one step of the grid simulates the snapping to the
+//! sub-pixel grid. An error of some units in the last place of the terms, different for each box
+//! and pixel, simulates the rounding of depths.
 
 use antumbra_cull::{
     Aabb, CullView, DepthConvention, ProjectionKind, SectionMode, SectionPlane, SectionPlanes,
@@ -18,8 +18,8 @@ pub type Shift = [f64; 2];
 #[derive(Clone)]
 pub struct Image {
     size: [u32; 2],
-    /// The depth of each pixel; larger is nearer, also where depth is not reversed: it has the
-    /// other sign then.
+    /// The depth of each pixel; larger is nearer. If depth is not reversed, it is stored with the
+    /// other sign.
     pub depths: Vec<f32>,
 }
 
@@ -32,8 +32,8 @@ impl Image {
         self.depths.fill(f32::NEG_INFINITY);
     }
 
-    /// Draws a solid box and returns the number of samples that passed. From inside its far faces
-    /// are seen.
+    /// Draws a solid box and returns the number of samples that passed. From inside of the box, its
+    /// far faces are visible.
     pub fn draw(&mut self, view: &CullView, bounds: &Aabb, shift: Shift) -> u32 {
         let mut passed = 0;
         let solid = ClipBox::of_object(view, bounds);
@@ -47,7 +47,7 @@ impl Image {
         passed
     }
 
-    /// Draws the faces that section planes cut through a solid box, which are in it and in a plane.
+    /// Draws the faces that section planes cut through a solid box.
     pub fn draw_caps(&mut self, view: &CullView, bounds: &Aabb) {
         let cut = Cut::of(view);
         let range = signed(view, view.depth.farthest())..=signed(view, view.depth.nearest());
@@ -84,7 +84,7 @@ impl Image {
     }
 }
 
-/// Section planes as they cut what is seen in a view.
+/// The section planes of a view, as they cut objects.
 struct Cut {
     section: SectionPlanes,
     to_world: DMat4,
@@ -107,8 +107,8 @@ impl Cut {
         self.section.is_empty() || self.section.keeps(self.place(clip))
     }
 
-    /// Returns true if a plane's point shows that a solid is cut there: the other planes of an
-    /// intersection keep it, those of a union remove it.
+    /// Returns true if a point of a plane lies on a cut face: the other planes keep it in an
+    /// intersection, and remove it in a union.
     fn shows(&self, of: &SectionPlane, place: glam::DVec3) -> bool {
         let mut others = self.section.planes().iter().filter(|plane| *plane != of);
         let keeps = |plane: &SectionPlane| plane.distance_m(place) >= 0.0;
@@ -119,7 +119,7 @@ impl Cut {
     }
 }
 
-/// Returns a depth as it is stored, nearer ones larger.
+/// Returns a depth in its stored form, in which larger is nearer.
 fn signed(view: &CullView, depth: f32) -> f32 {
     match view.depth {
         DepthConvention::Reversed => depth,
@@ -163,7 +163,7 @@ fn cast(
     }
 }
 
-/// Returns the size of what clip z is the sum of: its constant share of w, and the rest.
+/// Returns the size of the terms of clip z: its constant share of w, and the rest.
 fn terms(view: &CullView, clip: ClipPoint) -> f64 {
     let constant = match view.rays.kind {
         ProjectionKind::Perspective => f64::from(view.rays.depth[0]) * clip.w,
@@ -178,8 +178,8 @@ fn seed_of(bounds: &Aabb) -> u64 {
     coordinates.fold(0, |hash, coordinate| mixed(hash ^ u64::from(coordinate.to_bits())))
 }
 
-/// Returns an error of rounding, up to four units in the last place, that the box of a seed has at
-/// a pixel.
+/// Returns the rounding error, up to four units in the last place, of the box with this seed at a
+/// pixel.
 fn noise(seed: u64, pixel: usize) -> f64 {
     let hash = mixed(seed ^ pixel as u64);
     let share = (hash >> 40) as f64 / (1_u64 << 24) as f64;
@@ -190,7 +190,7 @@ fn mixed(number: u64) -> u64 {
     number.wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29)
 }
 
-/// Returns the pixels that a box can touch, with some to spare; `None` if it is behind the eye.
+/// Returns the pixels that a box can touch, with some reserve; `None` if it is behind the eye.
 fn rectangle(size: [u32; 2], clip_box: &ClipBox) -> Option<[std::ops::Range<u32>; 2]> {
     let whole = size.map(|pixels| 0..pixels);
     let mut low = [f64::INFINITY; 2];

@@ -1,4 +1,4 @@
-//! The invariants of every plan, checked from the plan alone.
+//! Checks of the invariants of every plan, from the plan alone.
 
 use antumbra_cull::{
     CullView, FramePlan, Hierarchy, LeafIndex, MultiView, ObjectId, QueryKind, SectionMember,
@@ -6,7 +6,8 @@ use antumbra_cull::{
 };
 use glam::DVec4;
 
-/// Checks a plan: each leaf in the frustum in one place, order, rounds, budget, counts.
+/// Checks a plan: each leaf in the frustum appears once, and order, rounds, budget and counts are
+/// right.
 pub fn check<'v>(
     hierarchy: &Hierarchy,
     strategy: Strategy,
@@ -100,7 +101,8 @@ impl Answers {
     }
 }
 
-/// Checks that a test whose result another shares has a flag of its own, and early enough.
+/// Checks that a test with a shared result refers to a test with its own flag in the same round or
+/// earlier.
 fn fronts_answer_in_time(plan: &FramePlan) -> Result<(), String> {
     for round in &plan.rounds {
         for (number, test) in round.clone().zip(&plan.tests[round.clone()]) {
@@ -117,8 +119,6 @@ fn fronts_answer_in_time(plan: &FramePlan) -> Result<(), String> {
     Ok(())
 }
 
-/// Returns true if no plane of the frustum has the whole box outside, in 64 bits and without any
-/// allowance.
 /// Returns true if section planes leave something of an object's box.
 fn is_left(hierarchy: &Hierarchy, view: &CullView, object: ObjectId) -> bool {
     let corners = hierarchy.bounds(hierarchy.node_of(object).unwrap()).corners();
@@ -134,6 +134,8 @@ fn is_left(hierarchy: &Hierarchy, view: &CullView, object: ObjectId) -> bool {
     }
 }
 
+/// Returns true if no frustum plane has the whole box outside, computed in 64 bits without any
+/// allowance, and section planes leave something of the box.
 fn meets_frustum(hierarchy: &Hierarchy, view: &CullView, leaf: usize) -> bool {
     let object = hierarchy.leaf_objects()[leaf];
     let bounds = hierarchy.bounds(hierarchy.node_of(object).unwrap());

@@ -29,14 +29,14 @@ fn a_rebuild_keeps_what_is_known_of_objects() {
     let mut walk = settled_city();
     let before = walk.plan.stats;
     assert_eq!(before.unknown, 0, "{before:?}");
-    // One object more, and others moved: the tree is another one.
+    // One object more, and others moved, so the tree is another one.
     let mut boxes = walk.scene.bounds.clone();
     boxes.push(Aabb::new(Vec3::splat(500.0), Vec3::splat(501.0)));
     walk.hierarchy.rebuild(&boxes).unwrap();
     walk.scene = crate::scene::Scene::solid(boxes);
     walk.step(&STREET);
     let after = walk.plan.stats;
-    // Where an object beside the frustum, never seen, is joined with a hidden one, little is known.
+    // Little is known if an object outside of the frustum, never seen, is joined with a hidden one.
     assert!(after.unknown <= 2 && after.occluders == 0, "{after:?}");
     assert_eq!(after.visible, before.visible, "{before:?} {after:?}");
     assert!(after.frontier <= 4 * before.frontier + 8, "{before:?} {after:?}");
@@ -71,7 +71,7 @@ fn what_is_drawn_in_the_place_of_tests_is_known_when_its_answers_are_home() {
         }
     }
     assert!(shown.len() > 4, "{shown:?}");
-    // Tested once more, the largest of all would hide nothing from the tests beside them.
+    // If it were only tested, the largest object would hide nothing in the tests beside it.
     let stats = walk.plan.stats;
     assert!(stats.visible as usize >= shown.len() && stats.occluders == 0, "{stats:?}");
 }
@@ -81,7 +81,7 @@ fn an_answer_says_what_was_seen_when_it_was_asked_for() {
     let mut walk = Walk::new(city(&mut Random::new(5), 10), 12);
     walk.step(&STREET);
     walk.steps(&Camera { forward: Vec3::Z, ..STREET }, 11);
-    // Its answers are back by now, but are older than what counts as known.
+    // The answers are back by now, but they are stale.
     walk.step(&STREET);
     assert_eq!(walk.plan.stats.visible, 0, "{:?}", walk.plan.stats);
 }
@@ -203,7 +203,7 @@ fn a_lost_answer_is_asked_for_again() {
 fn a_loose_proxy_backs_off() {
     let (mut culler, hierarchy, mut tags) = pair();
     let leaf = hierarchy.node_of(ObjectId(0)).unwrap();
-    // The proxy always shows, the object never does.
+    // The proxy always shows, but the object never does.
     let mut visible_draw_queries = 0;
     let camera = Camera { eye: Vec3::ZERO, ..STREET };
     let view = CullView::new(&camera, SIZE, 8);

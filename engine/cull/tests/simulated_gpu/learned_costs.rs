@@ -1,4 +1,4 @@
-//! Tests of costs, which decide the tests and never the image.
+//! Tests of costs, which determine the tests but never the image.
 
 use std::collections::BTreeSet;
 
@@ -20,20 +20,20 @@ const CAMERA: Camera = Camera {
     near: 0.1,
 };
 
-/// Costs at which tests cost nothing.
+/// Costs with free tests.
 const FREE_TESTS: CostTable = CostTable { draw_ns: 1_000.0, ..CostTable::uniform(0.0) };
 
-/// Costs at which tests cost more than they can save.
+/// Costs with tests that cost more than they can save.
 const DEAR_TESTS: CostTable =
     CostTable { draw_ns: 1_000.0, triangle_ns: 50.0, ..CostTable::uniform(f32::MAX) };
 
-/// Returns costs of this scene's scale, where a test costs half a draw.
+/// Returns costs of the scale of this scene, in which a test costs half a draw.
 pub fn costs() -> CostTable {
     let queries = CostTable { query_ns: 1_500.0, query_box_ns: 1_000.0, ..CostTable::default() };
     CostTable { break_ns: 20_000.0, ..queries }
 }
 
-/// Returns a wall out of sight, and objects side by side that hide nothing of each other.
+/// Returns a wall outside of the view, and objects side by side that do not hide each other.
 fn field(columns: u32) -> Vec<Aabb> {
     let things = (0..columns * 11).map(|number| {
         let [column, row] = [number % columns, number / columns].map(|place| place as f32);
@@ -156,7 +156,7 @@ fn where_nothing_hides_next_to_nothing_is_tested_until_a_wall_comes() {
     assert!(drawn[60] * 4 < visible as usize, "{drawn:?}");
     assert!(drawn[119] * 20 < visible as usize, "{drawn:?}");
 
-    // And away again: what shows again is drawn at once, and the tests end.
+    // Away again: objects that show again are drawn at once, and the tests end.
     move_wall(&mut walk, WALL_AWAY);
     walk.steps(&CAMERA, 400);
     assert!(walk.is_exact(&CAMERA));
@@ -164,7 +164,7 @@ fn where_nothing_hides_next_to_nothing_is_tested_until_a_wall_comes() {
     assert!(stats.frontier * 20 < visible, "{stats:?}");
 }
 
-/// Checks a flight over a field, where new objects come into view all the time.
+/// Checks a flight over a field, in which new objects come into view all the time.
 #[test]
 fn what_comes_into_view_is_drawn_at_once_where_nothing_hides() {
     let mut walk = Walk::cost_driven(field(60), 2, costs());
@@ -195,7 +195,7 @@ fn what_comes_into_view_is_drawn_at_once_where_nothing_hides() {
 /// tests.
 #[test]
 fn where_less_hides_than_breaks_cost_frames_ask_seldom() {
-    // A quarter of the things stands behind others that hide them now and then.
+    // A quarter of the objects stands behind others that hide them now and then.
     let behind = (0..66).map(|number| {
         let [column, row] = [number % 11 + 2, number / 11 + 2].map(|place| place as f32);
         let centre = Vec3::new((column - 7.5) * 2.5, (row - 5.0) * 2.5, -20.0) * 1.2;
@@ -227,7 +227,7 @@ fn where_less_hides_than_breaks_cost_frames_ask_seldom() {
     assert!(walk.device.drawn.len() < 20, "{} drawn", walk.device.drawn.len());
 }
 
-/// Checks that leaves behind a wall are still tested together where a test costs more than a draw.
+/// Checks that leaves behind a wall are still tested together if a test costs more than a draw.
 #[test]
 fn groups_pay_where_single_leaves_do_not() {
     let dear = CostTable { query_ns: 8_000.0, ..costs() };

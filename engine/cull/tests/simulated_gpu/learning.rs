@@ -1,5 +1,5 @@
-//! Tests of corrections: the times of frames correct wrong costs, in time, not by noise, and
-//! without effect on the image.
+//! Tests of corrections: the times of frames correct wrong costs, within a bounded time, not
+//! because of noise, and without effect on the image.
 
 use std::collections::VecDeque;
 
@@ -12,15 +12,15 @@ use crate::random::Random;
 use crate::scene::city;
 use crate::walk::Walk;
 
-/// The frames until a frame's time is read back.
+/// The number of frames until a frame's time is read back.
 const LATENCY: u64 = 2;
 
-/// The time of a frame beside draws and tests.
+/// The time of a frame without draws and tests.
 const REST_NS: f64 = 3.0e6;
 
-/// The frames within which it is found out that tests cost five times the table's costs ...
+/// The number of frames within which tests at five times the table's costs are detected ...
 const FOUND_FRAMES: usize = 240;
-/// ... and the frames within which it is found out that they do not any more, or never did.
+/// ... and within which it is detected that tests no longer cost this, or never did.
 const RESUMED_FRAMES: usize = 600;
 
 fn table() -> CostTable {
@@ -28,7 +28,7 @@ fn table() -> CostTable {
     CostTable { break_ns: 5_000.0, break_wait_share: 0.05, ..queries }
 }
 
-/// Returns the costs of the same device with tests and breaks that cost `times` as much.
+/// Returns the costs of the same device with tests and breaks that cost `times` times the table's.
 fn dearer(times: f32) -> CostTable {
     let learned = table();
     CostTable {
@@ -44,17 +44,17 @@ fn dearer(times: f32) -> CostTable {
     }
 }
 
-/// A walk through a city on a device whose true costs the cost model does not know.
+/// A walk through a city on a device whose true costs are not in the cost model.
 struct Clocked {
     walk: Walk,
     camera: Camera,
     frame: u32,
-    /// The factor by which tests are dearer than the table says.
+    /// The factor by which tests are more expensive than the table says.
     tests: f32,
     learns: bool,
-    /// The share by which times may be off.
+    /// The relative error of the times.
     noise: f32,
-    /// The interval of frames that take ten times as long; 0 for none.
+    /// The interval between frames that take ten times as long; 0 for none.
     odd_one_in: usize,
     random: Random,
     under_way: VecDeque<(f64, FrameContents)>,
@@ -82,8 +82,8 @@ impl Clocked {
         }
     }
 
-    /// Steps to and fro in a street, looking around: the visible and the tested objects differ from
-    /// frame to frame.
+    /// Steps back and forth in a street and looks around, so that the visible and the tested
+    /// objects differ from frame to frame.
     fn step(&mut self) {
         let time = self.frame as f32;
         self.frame += 1;
@@ -110,8 +110,8 @@ impl Clocked {
         }
     }
 
-    /// Returns the number of single leaves tested over `frames` frames, and checks that each frame
-    /// is exact.
+    /// Returns the number of tests of single leaves over `frames` frames, and checks that each
+    /// frame is exact.
     fn single_tests(&mut self, frames: usize) -> usize {
         let mut single = 0;
         for _ in 0..frames {
@@ -127,7 +127,7 @@ impl Clocked {
         self.walk.culler.learned_costs().unwrap().corrections()
     }
 
-    /// Steps until the proportion is as wanted, and returns the number of frames that took.
+    /// Steps until `is_found` accepts the proportion, and returns the number of frames.
     fn until(&mut self, most: usize, is_found: impl Fn(f32) -> bool) -> usize {
         for frames in 0..most {
             if is_found(self.corrections().proportion) {
@@ -160,7 +160,7 @@ fn cost_ns(plan: &FramePlan, draws: u64, costs: &CostTable) -> f64 {
 #[test]
 fn tests_that_are_dearer_than_told_end_where_they_do_not_pay_and_come_back() {
     for seed in 0..3 {
-        // The decisions by costs that are right, and by those that are five times too low.
+        // The decisions with right costs, and with costs that are five times too low.
         let mut right = Clocked { learns: false, ..Clocked::new(dearer(5.0), seed) };
         let mut wrong = Clocked { learns: false, ..Clocked::new(table(), seed) };
         let mut learning = Clocked { tests: 5.0, ..Clocked::new(table(), seed) };

@@ -1,5 +1,5 @@
-//! The decision logic against a simulated GPU: a small software depth buffer executes the plans,
-//! and its answers come back late, out of order, twice, or never.
+//! Tests of the decision logic against a simulated GPU: a small software depth buffer executes the
+//! plans, and its answers come back late, out of order, twice, or never.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,

@@ -1,4 +1,4 @@
-//! Scenes in which everything moves, comes and goes: exact at every frame, in every view.
+//! Tests of scenes whose objects move, are removed and are inserted: every frame and view is exact.
 
 use antumbra_cull::{
     Aabb, Camera, CullConfig, CullView, Culler, FramePlan, Hierarchy, ObjectId, Projection,
@@ -17,7 +17,7 @@ const FRAMES: u64 = 40;
 const SIZE: [u32; 2] = [40, 28];
 const THREADS: u64 = 2;
 
-/// A view with answers of its own, late by its own latency, that leaves frames out.
+/// A view with its own answers and latency that skips some frames.
 struct Eye {
     camera: Camera,
     path: Path,
@@ -31,10 +31,10 @@ struct Eye {
 struct World {
     random: Random,
     scene: Scene,
-    /// The boxes and solids of the objects that are away.
+    /// The boxes and solids of removed objects.
     away: Vec<(Aabb, Aabb)>,
     hierarchy: Hierarchy,
-    /// The moves, removals and insertions per frame.
+    /// The numbers of moves, removals and insertions per frame.
     changes: [usize; 3],
     reach: f32,
     sub_pixel_bits: u32,
@@ -56,7 +56,7 @@ impl World {
         let mut random = Random::new(seed ^ 0x6d6f_7665);
         let sub_pixel_bits = [4, 8][random.below(2)];
         let mut scene = Scene::random(&mut random, sub_pixel_bits);
-        // Room for more than there is at first.
+        // Room for more objects than at the start.
         for _ in 0..random.below(20) {
             scene.bounds.push(Aabb::EMPTY);
             scene.solids.push(Aabb::EMPTY);
@@ -99,7 +99,7 @@ impl World {
             .collect()
     }
 
-    /// Returns the objects that are there.
+    /// Returns the objects in the hierarchy.
     fn present(&self) -> Vec<usize> {
         (0..self.scene.bounds.len()).filter(|o| !self.scene.bounds[*o].is_empty()).collect()
     }
@@ -139,7 +139,7 @@ impl World {
         }
     }
 
-    /// Inserts objects, into free leaves or, where these are too few, into new ones.
+    /// Inserts objects into free leaves, or into new leaves if there are too few.
     fn insert(&mut self, count: usize, checked: &mut Checked) {
         let mut coming = Vec::new();
         for _ in 0..count {
@@ -233,7 +233,8 @@ fn nothing_visible_is_missing_while_everything_moves() {
     assert!(sum.drawn * 3 < sum.there * 2, "nothing was culled: {sum:?}");
 }
 
-/// Checks that objects that move among many still ones cost no more than their own draws and tests.
+/// Checks that objects that move among many still ones cause no cost beyond their own draws and
+/// tests.
 #[test]
 fn things_that_move_behind_a_wall_stay_hidden() {
     let wall = Aabb::new(Vec3::new(-40.0, -40.0, -1.0), Vec3::new(40.0, 40.0, 0.0));

@@ -1,4 +1,4 @@
-//! Plans for several views that are drawn in one pass: each image is that of its view with
+//! Tests of plans for several views that are drawn in one pass: each image is the same as with
 //! everything drawn, whatever happens to the answers.
 
 use antumbra_cull::{
@@ -26,11 +26,11 @@ const STRATEGIES: [Strategy; 4] = [
 /// The places of the views of a pass.
 #[derive(Clone, Copy, Debug)]
 enum Rig {
-    /// Eyes side by side that look ahead, or at one point: their distance (metres).
+    /// Eyes side by side that look ahead, or at one point, with their distance (metres).
     Pair { apart: f32, turned: f32 },
     /// The faces of a cube around the camera.
     Faces,
-    /// Views with nothing in common, one of which is orthographic.
+    /// Independent views, one of them orthographic.
     Scattered,
 }
 
@@ -185,7 +185,7 @@ fn nothing_visible_in_any_view_is_ever_missing() {
     assert!(ours * 20 < frustum * 19, "nothing was culled: {ours} of {frustum}");
 }
 
-/// Checks that one plan for a pair costs about as many tests as a plan for one eye.
+/// Checks that a plan for a pair has about the number of tests of a plan for one eye.
 #[test]
 fn a_pair_of_eyes_costs_few_more_tests_than_one() {
     let scene = Scene::solid(crate::scene::city(&mut Random::new(3), 20));

@@ -1,4 +1,4 @@
-//! Tests of the strategy by the last frame's answers: cheap, exact at rest, and wrong in between.
+//! Tests of next-frame queries: cheap, exact at rest, and wrong in between.
 
 use antumbra_cull::{Aabb, Camera, CullConfig, CullView, Culler, FramePlan, Hierarchy, Projection};
 use glam::{Quat, Vec3};
@@ -75,7 +75,7 @@ fn what_comes_into_view_is_missing_for_as_long_as_its_answer_takes() {
     let wall = Aabb::new(Vec3::new(-20.0, -20.0, -6.0), Vec3::new(20.0, 20.0, -5.0));
     let behind = Aabb::new(Vec3::new(-1.0, -1.0, -10.0), Vec3::new(1.0, 1.0, -8.0));
     let camera = Camera { eye: Vec3::ZERO, ..CAMERA };
-    // To the side, past the wall, but still with both in the frustum.
+    // To the side, past the wall, but with both still in the frustum.
     let aside = Camera {
         eye: Vec3::new(26.0, 0.0, 0.0),
         forward: Quat::from_rotation_y(1.2) * Vec3::NEG_Z,

@@ -1,4 +1,4 @@
-//! Projections of all kinds, as a host's matrices.
+//! Projections of all kinds, as matrices of a host.
 
 use antumbra_cull::{Camera, ClipY, CullView, DepthConvention, Projection, ViewProjection};
 use glam::{Mat4, Vec2, Vec3, Vec4};
@@ -8,13 +8,13 @@ use glam::{Mat4, Vec2, Vec3, Vec4};
 pub struct Optics {
     pub depth: DepthConvention,
     pub y: ClipY,
-    /// Without one there is a far plane only where the camera has one.
+    /// The far plane; with `None` there is one only if the camera has one.
     pub far: Option<f32>,
-    /// The middle of the image, in halves of the image.
+    /// The position of the image centre, relative to half of the image.
     pub off_centre: Vec2,
     /// The longest jitter (pixels).
     pub jitter: f32,
-    /// A factor of all of the matrix.
+    /// A factor for the whole matrix.
     pub scale: f32,
 }
 
@@ -24,12 +24,13 @@ impl Optics {
         let size = Vec2::new(size[0] as f32, size[1] as f32);
         let half_height = 0.5 * camera.projection.height_at(1.0);
         let scale = Vec2::new(half_height * size.x / size.y, half_height).recip();
-        // Halton's sequence is what jitters take; any that differs from frame to frame does.
+        // Renderers use Halton's sequence for jitters; any sequence that changes in each frame
+        // works here.
         let jitter = Vec2::from_angle(frame as f32 * 2.4) * self.jitter * 2.0 / size;
         let near = camera.near;
         let (row_z, row_w) = match camera.projection {
             Projection::Perspective { .. } => {
-                // Depth is the first, and the second over the view depth.
+                // Depth is `a + b / view depth`.
                 let [a, b] = match (self.depth, self.far) {
                     (DepthConvention::Reversed, None) => [0.0, near],
                     (DepthConvention::Standard, None) => [1.0, -near],

@@ -1,4 +1,4 @@
-//! Properties of the frustum test and the margin, over random projections.
+//! Tests properties of the frustum test and the margin, over random projections.
 
 use antumbra_cull::{
     Aabb, Camera, ClipY, Containment, CullView, DepthConvention, PlaneMask, Projection,
@@ -10,7 +10,7 @@ use crate::optics::Optics;
 use crate::random::Random;
 use crate::raster::ClipBox;
 
-/// Returns a view of any kind, and a direction of sight that is none of the axes.
+/// Returns a view of any kind, and a direction of sight that is not an axis.
 fn view() -> impl Strategy<Value = CullView> {
     (camera(), optics(), [16_u32..2000, 16..2000], prop_oneof![Just(4_u32), Just(8)])
         .prop_map(|(camera, optics, size, bits)| optics.view(&camera, 3, size, bits))
@@ -65,7 +65,7 @@ fn small_box() -> impl Strategy<Value = Aabb> {
     )
 }
 
-/// Returns the clip coordinates of a point of an object, as its shader computes them.
+/// Returns the clip coordinates of a point of an object, computed as in its shader.
 fn clip(view: &CullView, point: Vec3) -> DVec4 {
     (view.from_anchor * (point - view.anchor).extend(1.0)).as_dvec4()
 }
@@ -81,18 +81,18 @@ fn project(view: &CullView, point: Vec3) -> DVec2 {
     (clip.truncate().truncate() / clip.w + 1.0) * half_size(view)
 }
 
-/// Returns the depth of a point of an object as a rasteriser stores it, larger ones nearer.
+/// Returns the depth of a point of an object as a rasteriser stores it; larger is nearer.
 fn depth(view: &CullView, point: Vec3) -> f64 {
     let clip = clip(view, point);
     clip.z / clip.w * f64::from(view.depth.sign())
 }
 
-/// Returns the depth at the near plane, larger ones nearer.
+/// Returns the depth at the near plane; larger is nearer.
 fn near_depth(view: &CullView) -> f64 {
     f64::from(view.depth.nearest() * view.depth.sign())
 }
 
-/// Returns the depth of a proxy at a position on the screen, larger ones nearer.
+/// Returns the depth of a proxy at a position on the screen; larger is nearer.
 fn proxy_depth(view: &CullView, proxy: &Aabb, position: DVec2) -> Option<f64> {
     let clip_box = ClipBox::of_proxy(view, proxy);
     let points = clip_box.points(position / half_size(view) - 1.0);
@@ -111,7 +111,7 @@ fn unproject(view: &CullView, point: [f32; 3]) -> Vec3 {
     view.rays.point(Vec2::new(x, y) * 2.0 - 1.0, depth)
 }
 
-/// Returns two corners that lie this far from a point.
+/// Returns two corners at this distance from a point.
 fn reach() -> impl Strategy<Value = [[f32; 3]; 2]> {
     let axis = || prop_oneof![Just(0.0_f32), 0.0_f32..9.0];
     [[axis(), axis(), axis()], [axis(), axis(), axis()]]
@@ -122,13 +122,13 @@ fn around(point: Vec3, low: [f32; 3], high: [f32; 3], scale: f32) -> Aabb {
     Aabb::new(point - low, point + high)
 }
 
-/// Returns true if a proxy is drawn where a corner of its object is, and is no deeper.
+/// Returns true if a proxy covers a corner of its object on the screen and is not deeper.
 fn covers(view: &CullView, corner: Vec3, proxy: &Aabb) -> bool {
     let there = proxy_depth(view, proxy, project(view, corner));
     there.is_some_and(|there| there >= depth(view, corner))
 }
 
-/// Checks that a proxy covers its object where both are drawn by their own matrix, and that it
+/// Checks that a proxy covers its object if both are drawn with their own matrices, and that it
 /// would not without the term for coordinates, in a world at the origin and far from it.
 #[test]
 fn proxies_cover_objects_whose_matrix_is_another() {
@@ -174,7 +174,7 @@ proptest! {
         ..ProptestConfig::default()
     })]
 
-    /// Checks that a box with a point on the screen is never outside, also with the masks of a
+    /// Checks that a box with a point on the screen is never outside, including with the masks of a
     /// parent.
     #[test]
     fn nothing_on_the_screen_is_rejected(
@@ -190,7 +190,7 @@ proptest! {
         prop_assert_ne!(view.frustum.classify(&bounds, PlaneMask::ALL).0, Containment::Outside);
     }
 
-    /// Checks that a box inside of all planes is on the screen with every corner.
+    /// Checks that all corners of a box inside of all planes are on the screen.
     #[test]
     fn what_is_inside_is_on_the_screen(view in view(), at in on_screen(), reach in reach()) {
         let bounds = around(unproject(&view, at), reach[0], reach[1], 0.1);
@@ -207,9 +207,9 @@ proptest! {
         }
     }
 
-    /// Checks the claim of the margin: where a point of the object moves on the screen by a step of
-    /// the grid, and the ray by another, the proxy still covers it and is nearer, also if depths
-    /// are rounded as in 32 bits.
+    /// Checks the claim of the margin: if a point of the object moves on the screen by a step of
+    /// the grid, and the ray by another, the proxy still covers the point and is nearer, even if
+    /// depths are rounded to 32 bits.
     #[test]
     fn snapping_loses_no_sample(
         (camera, optics, size) in (camera(), optics(), [16_u32..2000, 16..2000]),
@@ -224,7 +224,7 @@ proptest! {
         let Some(proxy) = view.margin.proxy(&bounds) else {
             return Ok(());
         };
-        // On the surface, where it is tightest.
+        // On the surface, where the bound is tightest.
         let mut at = Vec3::from_array(at);
         at[onto] = at[onto].round();
         let point = bounds.min + (bounds.max - bounds.min) * at;
@@ -238,7 +238,7 @@ proptest! {
         prop_assert!(nearer.is_some(), "{:?} at {} missed by {:?}", point, sample, proxy);
         let nearer = nearer.unwrap();
         prop_assert!(nearer <= near_depth(&view), "the near plane cuts the proxy");
-        // Four units in the last place, of both.
+        // Four units in the last place for both depths.
         let constant = f64::from(view.rays.depth[0]);
         let own = depth(&view, point);
         let terms = constant.abs() + (own * f64::from(view.depth.sign()) - constant).abs();
@@ -246,7 +246,8 @@ proptest! {
         prop_assert!(nearer >= own + rounding, "{nearer} {own} {rounding}");
     }
 
-    /// Checks that boxes with a proxy are wholly ahead, and that those too near have none.
+    /// Checks that boxes with a proxy are completely beyond the near plane, and that nearer boxes
+    /// have none.
     #[test]
     fn proxies_are_beyond_the_near_plane(view in view(), bounds in small_box()) {
         let ahead = |bounds: &Aabb| {

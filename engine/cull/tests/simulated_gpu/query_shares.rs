@@ -1,5 +1,5 @@
-//! Several views with histories of their own on one budget of queries: each image is that of its
-//! view with everything drawn, and no view is left without queries.
+//! Tests of several views with their own histories on one budget of queries: each image is the same
+//! as with everything drawn, and no view stays without queries.
 
 use antumbra_cull::{
     Camera, CullConfig, CullView, Culler, DrawPhases, FramePlan, Hierarchy, ObjectId, QueryShares,
@@ -127,8 +127,8 @@ fn views_on_one_budget_are_exact() {
     assert!(ours * 20 < all * 19, "nothing was culled: {ours} of {all}");
 }
 
-/// Checks that a view of an empty corner leaves its queries to those of a city, and that with fewer
-/// queries than views each has some of them in turn.
+/// Checks that a view of an empty corner leaves its queries to views of a city, and that with fewer
+/// queries than views each view gets some in turn.
 #[test]
 fn queries_go_where_they_are_asked_for() {
     let scene = Scene::solid(city(&mut Random::new(3), 16));

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-/// A xorshift generator; the seed may be anything.
+/// A xorshift generator; any seed is allowed.
 pub struct Random(u64);
 
 impl Random {

@@ -1,11 +1,11 @@
-//! Boxes as shaders and a rasteriser see them: their corners in clip space, computed in single
-//! precision by the matrix that draws them, and triangles between those.
+//! Boxes in shaders and in a rasteriser: their corners in clip space, computed in single precision
+//! with the matrix that draws them, and the triangles between the corners.
 
 use antumbra_cull::{Aabb, CullView};
 use glam::{DMat3, DVec2, DVec3, Vec3, Vec4};
 
-/// The corners of each face, by their numbers in [`Aabb::corners`]: the lower and the upper face of
-/// each axis.
+/// The corners of each face, as indices in [`Aabb::corners`]: the lower and the upper face of each
+/// axis.
 const FACES: [[[usize; 4]; 2]; 3] =
     [[[0, 2, 6, 4], [1, 3, 7, 5]], [[0, 1, 5, 4], [2, 3, 7, 6]], [[0, 1, 3, 2], [4, 5, 7, 6]]];
 
@@ -27,21 +27,21 @@ pub struct ClipPoint {
 
 /// A triangle.
 struct Triangle {
-    /// The share of each corner in a point, over w: what it is in the middle of the image, and how
-    /// it grows to the right and down.
+    /// The weight of each corner at a point, over w: its value in the middle of the image, and its
+    /// growth to the right and downwards.
     shares_over_w: [[f64; 3]; 3],
     z: [f64; 3],
 }
 
 impl ClipBox {
-    /// Returns an object's box, all faces of it, as shaders of objects transform it.
+    /// Returns all faces of an object's box, transformed as in shaders of objects.
     pub fn of_object(view: &CullView, bounds: &Aabb) -> Self {
         let clip = |corner: Vec3| view.from_anchor * (corner - view.anchor).extend(1.0);
         let every = FACES.as_flattened();
         Self::between(bounds.corners().map(clip), every)
     }
 
-    /// Returns a proxy, the faces of it that its shader takes for front faces.
+    /// Returns the faces of a proxy that its shader treats as front faces.
     pub fn of_proxy(view: &CullView, bounds: &Aabb) -> Self {
         let matrix = view.proxy_view_proj();
         let eye = view.rays.eye();
@@ -63,7 +63,7 @@ impl ClipBox {
         Self { corners, triangles: triangles.collect() }
     }
 
-    /// Returns the points under a place in normalised device coordinates.
+    /// Returns the points at a position in normalised device coordinates.
     pub fn points(&self, ndc: DVec2) -> impl Iterator<Item = ClipPoint> {
         self.triangles.iter().filter_map(move |triangle| triangle.point(ndc))
     }

@@ -1,5 +1,5 @@
-//! Tests of the history when nodes come to stand for something else: the parts that survive, and
-//! those that must not.
+//! Tests of the history when nodes get another meaning: the parts that survive, and the parts that
+//! must not.
 
 use antumbra_cull::{
     Aabb, Answer, Batch, BlockingCuller, BlockingKind, Camera, ChcOptions, CullConfig, CullView,
@@ -64,7 +64,7 @@ fn a_recycled_id_inherits_neither_history_nor_answers() {
             walk.culler.ingest(&walk.hierarchy, [Answer { tag: before, samples }]);
             assert_eq!(walk.culler.state(node), NodeState::Unknown);
         }
-        // Tests from now on count.
+        // Tests count from now on.
         plan_once(&mut walk.culler, &walk.hierarchy);
         let after = QueryTag {
             generation: walk.hierarchy.generation(),
@@ -95,8 +95,8 @@ fn answers_about_other_nodes_count_across_a_recycling() {
     assert_eq!(leaf_state(&walk.culler, &walk.hierarchy, other), NodeState::Hidden);
 }
 
-/// Moves the objects around the camera until a part of the tree with a visible one is rebuilt, and
-/// returns the part.
+/// Moves the objects around the camera until a part of the tree with a visible object is rebuilt,
+/// and returns this part.
 fn mingle(walk: &mut Walk, states: &[NodeState]) -> LeafRange {
     let count = walk.scene.bounds.len();
     let mut reordered = Vec::new();
@@ -137,13 +137,14 @@ fn is_under_hidden(walk: &Walk, object: ObjectId) -> bool {
     false
 }
 
-/// Returns what is known of each object.
+/// Returns the state of each object.
 fn states(walk: &Walk) -> Vec<NodeState> {
     let objects = (0..walk.scene.bounds.len()).map(|object| ObjectId(object as u32));
     objects.map(|object| leaf_state(&walk.culler, &walk.hierarchy, object)).collect()
 }
 
-/// Checks a small one, which is rebuilt as a whole, and one that is rebuilt in its last part.
+/// Checks a small hierarchy, which is rebuilt as a whole, and a larger one, whose last part is
+/// rebuilt.
 #[test]
 fn a_hierarchy_that_grows_keeps_what_is_known_of_objects() {
     for (side, is_rebuilt) in [(10, true), (30, false)] {
@@ -155,7 +156,7 @@ fn a_hierarchy_that_grows_keeps_what_is_known_of_objects() {
             (0..count).map(|object| is_under_hidden(&walk, ObjectId(object as u32))).collect();
         let generation = walk.hierarchy.generation();
         let root = walk.hierarchy.root().unwrap();
-        // Before the eye, where it shows.
+        // Before the eye, where the object shows.
         let new = cube(STREET.eye + STREET.forward * 3.0, 0.1);
         let mut added = Vec::new();
         walk.hierarchy.insert_all(&[new], &mut added, &mut Vec::new()).unwrap();
@@ -192,13 +193,13 @@ fn a_rebuilt_part_keeps_what_is_known_of_objects() {
     let mut carried = 0;
     for (object, (before, after)) in before.iter().zip(&after).enumerate() {
         let leaf = walk.hierarchy.leaf_of(ObjectId(object as u32)).unwrap();
-        // Under a hidden node leaves are not kept up to date: there they take what the node is.
+        // Leaves under a hidden node are not kept up to date, so they take the state of the node.
         let is_kept = before == after || (was_under_hidden[object] && *after == NodeState::Hidden);
         assert!(is_kept, "object {object}: {before:?} became {after:?}");
         carried += u32::from(inside.contains(leaf) && *after == NodeState::Visible);
     }
     assert!(carried > 0, "the part held something visible");
-    // Answers from before are about other nodes, where the part was rebuilt, and only there.
+    // Earlier answers are ignored for nodes of the rebuilt part, and only for them.
     let nodes = (0..walk.hierarchy.node_count() as u32).map(NodeId);
     for node in nodes {
         let leaves = walk.hierarchy.leaves(node);
@@ -259,7 +260,7 @@ impl Walk {
     }
 }
 
-/// Returns a cube of half a side around a point.
+/// Returns a cube around a point, with `half` of its side.
 fn cube(centre: Vec3, half: f32) -> Aabb {
     Aabb::new(centre - Vec3::splat(half), centre + Vec3::splat(half))
 }
@@ -299,7 +300,7 @@ fn coherent_knows_nothing_of_who_comes_under_an_old_id() {
     let near = cube(Vec3::new(0.0, 0.0, -5.0), 1.0);
     let mut hierarchy = Hierarchy::build(&[near, cube(Vec3::new(3.0, 0.0, -50.0), 1.0)]).unwrap();
     let mut blocking = BlockingCuller::new(BlockingKind::Chc(ChcOptions::default()));
-    // Everything shows. Answers how many tests a frame takes.
+    // Returns the number of tests of a frame in which everything shows.
     let mut tests = |hierarchy: &Hierarchy| {
         let mut conversation = blocking.begin(hierarchy, &view);
         let mut batch = Batch::default();

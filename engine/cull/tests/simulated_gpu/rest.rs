@@ -1,4 +1,4 @@
-//! Tests that plans of a still camera come to rest: a test is not repeated for ever.
+//! Tests that plans of a still camera become steady: no test is repeated forever.
 
 use std::collections::BTreeSet;
 
@@ -17,8 +17,8 @@ const STREET: Camera = Camera {
     near: 0.1,
 };
 
-/// Returns the leaves of a plan drawn without a test and its tested nodes, apart from scheduled
-/// tests.
+/// Returns the leaves of a plan that are drawn without a test, and its tested nodes, without
+/// scheduled tests.
 fn essence(walk: &Walk) -> (BTreeSet<u32>, BTreeSet<u32>) {
     let queried = walk.plan.queried_draws.iter().map(|(leaf, _)| leaf.0);
     let draws = walk.plan.draws.iter().map(|leaf| leaf.0).chain(queried);
@@ -61,10 +61,10 @@ fn a_still_camera_comes_to_rest() {
         assert_eq!(drawn.len(), 1, "what is drawn does not change: {report}");
         assert!(drawn.iter().all(|drawn| *drawn < count / 10), "{report}");
         assert!(stats.frontier < first && stats.unknown == 0, "{report}");
-        // The rest of the changes: leaves whose boxes show while they do not, now and then.
+        // The other changes: leaves whose boxes show now and then although the leaves do not.
         assert!(changed < frames, "{report}");
-        // Own draws are tested at half to all of the longest interval, pull-up queries now and
-        // then.
+        // Own draws are tested after half to all of the longest interval, and pull-up queries now
+        // and then.
         let scheduled = frames * stats.visible as usize / 8;
         assert!(queried + (pull_ups as usize) < scheduled, "{report}");
     }

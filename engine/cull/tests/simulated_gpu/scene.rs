@@ -1,4 +1,4 @@
-//! Seeded scenes and camera paths, the awkward ones included.
+//! Seeded scenes and camera paths, including awkward ones.
 
 use antumbra_cull::{Aabb, Camera, ClipY, CullView, DepthConvention, Projection};
 use glam::{Vec2, Vec3};
@@ -7,7 +7,8 @@ use crate::image::Shift;
 use crate::optics::Optics;
 use crate::random::Random;
 
-/// A scene: the objects' bounding boxes, the solids in them, and their shifts by the device.
+/// A scene: the objects' bounding boxes, the solids in them, and their shifts by the sub-pixel
+/// grid.
 pub struct Scene {
     pub bounds: Vec<Aabb>,
     pub solids: Vec<Aabb>,
@@ -38,12 +39,12 @@ impl Scene {
         Self { bounds: all(self.bounds), solids: all(self.solids), shifts: self.shifts }
     }
 
-    /// Creates a scene of solids that fill their bounding boxes, not shifted.
+    /// Creates a scene of solids that fill their bounding boxes, without shifts.
     pub fn solid(bounds: Vec<Aabb>) -> Self {
         Self { solids: bounds.clone(), shifts: vec![[0.0; 2]; bounds.len()], bounds }
     }
 
-    /// Moves an object by a random distance and returns its number.
+    /// Moves an object by a random distance and returns its index.
     pub fn move_one(&mut self, random: &mut Random) -> usize {
         let object = random.below(self.bounds.len());
         let offset = random.point(-3.0, 3.0);
@@ -54,17 +55,17 @@ impl Scene {
     }
 }
 
-/// A place in the world, and the size of what lies there.
+/// A position in the world, and the scale of the scene there.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
-    /// The place of the origin of a scene (metres).
+    /// The position of the origin of a scene (metres).
     pub origin: Vec3,
-    /// The length of a metre of a scene (metres).
+    /// The length of one metre of a scene (metres).
     pub scale: f32,
 }
 
 impl Place {
-    /// The origin, with everything as large as it is.
+    /// The origin, at the original scale.
     pub const HERE: Self = Self { origin: Vec3::ZERO, scale: 1.0 };
 
     pub fn bounds(&self, bounds: &Aabb) -> Aabb {
@@ -120,7 +121,7 @@ fn wall_and_clutter(random: &mut Random, count: usize) -> Vec<Aabb> {
     std::iter::once(wall).chain(clutter).collect()
 }
 
-/// Returns equal boxes in equal distances, touching: ties everywhere, coplanar faces.
+/// Returns equal boxes at equal distances that touch: ties everywhere, coplanar faces.
 fn row(count: usize) -> Vec<Aabb> {
     (0..count)
         .map(|number| {
@@ -130,7 +131,7 @@ fn row(count: usize) -> Vec<Aabb> {
         .collect()
 }
 
-/// Returns boxes without a thickness, and without any size.
+/// Returns boxes without thickness, and boxes without any size.
 fn flat(random: &mut Random, count: usize) -> Vec<Aabb> {
     (0..count)
         .map(|number| {
@@ -144,7 +145,7 @@ fn flat(random: &mut Random, count: usize) -> Vec<Aabb> {
         .collect()
 }
 
-/// Returns a solid that fills a part of a bounding box, or all of it.
+/// Returns a solid that fills a part of a bounding box, or the whole box.
 fn shrunken(bounds: &Aabb, random: &mut Random) -> Aabb {
     if random.chance(0.4) {
         return *bounds;
@@ -160,9 +161,9 @@ pub enum Path {
     Still,
     Forward,
     Turning,
-    /// Another place every few frames.
+    /// Another position every few frames.
     Cuts,
-    /// A walk through everything, also through boxes.
+    /// A walk through everything, including boxes.
     Wander,
 }
 
@@ -201,7 +202,7 @@ impl Path {
     }
 }
 
-/// The way to a view: the camera's own, or the matrix of a host.
+/// The source of a view: the camera itself, or the matrix of a host.
 #[derive(Clone, Copy, Debug)]
 pub enum Lens {
     Camera,
@@ -209,7 +210,8 @@ pub enum Lens {
 }
 
 impl Lens {
-    /// Draws any kind of projection. In every other case the camera becomes orthographic.
+    /// Returns any kind of projection at random. In every other case the camera becomes
+    /// orthographic.
     pub fn random(random: &mut Random, camera: &mut Camera) -> Self {
         if random.chance(0.5) {
             let height = random.between(4.0, 40.0);
@@ -230,7 +232,7 @@ impl Lens {
         })
     }
 
-    /// Returns the same for a scene of another size.
+    /// Returns the same kind of view for a scene of another size.
     pub fn scaled(self, scale: f32) -> Self {
         match self {
             Self::Camera => Self::Camera,

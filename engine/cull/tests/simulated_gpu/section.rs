@@ -1,4 +1,4 @@
-//! Section planes that are dragged through a scene, and what they do to plans.
+//! Section planes that move through a scene, and their effect on plans.
 
 use antumbra_cull::{
     Aabb, Camera, CullConfig, CullView, Culler, Decision, FramePlan, Hierarchy, ObjectId,
@@ -17,7 +17,7 @@ pub struct Cuts {
 }
 
 impl Cuts {
-    /// Makes up planes, and objects that they leave whole.
+    /// Creates random planes, and chooses objects that they leave whole.
     pub fn random(random: &mut Random, hierarchy: &mut Hierarchy) -> Self {
         for object in (0..hierarchy.leaf_objects().len() as u32).map(ObjectId) {
             if random.chance(0.1) {
@@ -38,7 +38,7 @@ impl Cuts {
         cuts
     }
 
-    /// Moves the planes on by a frame.
+    /// Moves the planes by one frame.
     pub fn drag(&mut self, random: &mut Random) -> SectionPlanes {
         for (_, offset_m) in &mut self.planes {
             *offset_m += f64::from(random.between(-self.drag_m, self.drag_m));

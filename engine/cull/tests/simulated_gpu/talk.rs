@@ -1,4 +1,4 @@
-//! The executor of a blocking method: submits, waits and polls as the renderer does, with all
+//! The executor of a blocking method: submits, waits and polls like the renderer, with all possible
 //! mishaps.
 
 use antumbra_cull::{
@@ -10,7 +10,7 @@ use crate::device::Solids;
 use crate::image::Image;
 use crate::random::Random;
 
-/// The mishaps of results inside of a frame.
+/// The mishaps of results within a frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Trouble {
     /// The number of polls before a result is available without a wait.
@@ -32,7 +32,7 @@ pub struct Talk {
     under_way: Vec<UnderWay>,
 }
 
-/// A result that has not come back.
+/// A result that has not arrived yet.
 #[derive(Clone, Copy)]
 struct UnderWay {
     polls: usize,
@@ -40,7 +40,7 @@ struct UnderWay {
     answer: TestAnswer,
 }
 
-/// The most steps, more than any scene of these tests needs.
+/// The most steps, which is more than any scene of these tests needs.
 const STEPS: usize = 20_000;
 
 impl Talk {
@@ -132,7 +132,7 @@ impl Talk {
         }
     }
 
-    /// Makes all results available that were submitted with a query or before.
+    /// Makes the results of a query available, and of all queries submitted before.
     fn wait(&mut self, token: TestToken) {
         let tested = self.tested.iter().find(|(tested, _)| *tested == token);
         let submit = tested.expect("only what was tested is waited for").1;

@@ -1,5 +1,5 @@
-//! Testers that are not there, or not to be trusted: plans have no test by them, and images stay
-//! exact with what is left.
+//! Tests with missing or unreliable testers: plans do not use them, and images stay exact with the
+//! others.
 
 use antumbra_cull::{
     Camera, CullConfig, CullView, Culler, DrawPhases, Projection, SceneCosts, Strategy,
@@ -21,7 +21,7 @@ const CAMERA: Camera = Camera {
     near: 0.1,
 };
 
-/// Returns true if a tester is among those that there are.
+/// Returns true if `testers` includes a tester.
 fn is_there(testers: VisibilityTestSupport, tester: VisibilityTest) -> bool {
     match tester {
         VisibilityTest::Query => testers.queries,
@@ -31,7 +31,7 @@ fn is_there(testers: VisibilityTestSupport, tester: VisibilityTest) -> bool {
     }
 }
 
-/// Walks with these testers and checks each plan; returns the number of tests.
+/// Walks with these testers and checks each plan. Returns the number of tests.
 fn walk(testers: VisibilityTestSupport, strategy: Strategy, measured: Option<SceneCosts>) -> usize {
     let mut walk = Walk::new(city(&mut Random::new(3), 10), 2);
     walk.culler = Culler::with_testers(CullConfig::default(), testers);

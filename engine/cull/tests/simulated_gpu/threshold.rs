@@ -1,5 +1,5 @@
-//! Tests that with a threshold an object is missing only if it showed no more samples, and that no
-//! more pixels are wrong.
+//! Tests that with a threshold an object is only missing if it showed no more samples than that,
+//! and that no more pixels are wrong.
 
 use antumbra_cull::{
     Aabb, Camera, CullConfig, CullView, Culler, DrawPhases, FramePlan, Hierarchy, NodeState,
@@ -34,7 +34,7 @@ struct Found {
     below_threshold: u64,
 }
 
-/// Counts the pixels of the whole image in which some of these objects is the nearest.
+/// Counts the pixels of the whole image in which one of these objects is the nearest.
 fn owned(
     view: &CullView,
     scene: &Scene,
@@ -54,7 +54,7 @@ fn owned(
     is_owned.iter().filter(|is_owned| **is_owned).count() as u32
 }
 
-/// Walks with one of `thresholds` in each frame.
+/// Walks with a random threshold of `thresholds` in each frame.
 fn walk(seed: u64, thresholds: &[u32]) -> Found {
     let mut random = Random::new(seed);
     let scene = Scene::random(&mut random, SUB_PIXEL_BITS);
@@ -116,7 +116,7 @@ fn walk(seed: u64, thresholds: &[u32]) -> Found {
     found
 }
 
-/// Returns a walk with an object that shows some pixels beside a wall. Answers take two frames.
+/// Returns a walk with an object that shows some pixels next to a wall. Answers take two frames.
 fn peeping_over_a_wall() -> Walk {
     let wall = Aabb::new(Vec3::new(-4.0, -4.0, -6.0), Vec3::new(4.0, 0.0, -5.0));
     let peeping = Aabb::new(Vec3::new(-0.6, -1.0, -7.0), Vec3::new(0.6, 0.3, -6.5));
@@ -144,16 +144,16 @@ fn what_is_missing_showed_no_more_than_the_threshold() {
     assert!(many.drawn < few.drawn && few.drawn < exact.drawn, "{exact:?} {few:?} {many:?}");
 }
 
-/// Checks that a frame is as exact as the threshold of its own plan demands, and that results of
-/// earlier frames are read by theirs: the device compares them with what it drew.
+/// Checks that a frame is as exact as the threshold of its own plan requires, and that results of
+/// earlier frames use the thresholds of their plans: the device compares them with its draws.
 #[test]
 fn a_threshold_that_changes_counts_for_the_plans_made_with_it() {
     let found: Vec<Found> = (0..SCENES).map(|seed| walk(seed, &[0, 40, 4])).collect();
     assert!(found.iter().any(|found| found.pixels_wrong > 0));
 }
 
-/// Checks an object that shows some pixels beside a wall: with a threshold it comes to count as
-/// hidden and costs one test per frame, without one it stays visible.
+/// Checks an object that shows some pixels next to a wall: with a threshold it becomes hidden and
+/// costs one test per frame; without one it stays visible.
 #[test]
 fn what_shows_little_comes_to_count_as_hidden() {
     let state = |threshold_samples| {
@@ -166,8 +166,8 @@ fn what_shows_little_comes_to_count_as_hidden() {
     assert_eq!(state(60), (NodeState::Hidden, 1));
 }
 
-/// Checks that results on their way are read by the threshold of their own frame, in which the
-/// object was left out, and that the frame after a change is exact all the same.
+/// Checks that results in flight use the threshold of their own frame, in which the object was not
+/// drawn, and that the frame after a change is still exact.
 #[test]
 fn a_result_on_its_way_keeps_its_threshold() {
     let mut walk = peeping_over_a_wall();

@@ -31,7 +31,7 @@ impl Walk {
         }
     }
 
-    /// Returns the same with a cost model and objects of 100 triangles.
+    /// Returns a walk with a cost model and objects of 100 triangles.
     pub fn cost_driven(bounds: Vec<Aabb>, latency: u64, table: CostTable) -> Self {
         let mut walk = Self::new(bounds, latency);
         walk.culler.set_costs(table, SceneCosts { triangles_per_leaf: 100.0 }).unwrap();

@@ -1,4 +1,5 @@
-//! Tests that the work of a frame grows with the visible and the frontier, not with the hidden.
+//! Tests that the work of a frame grows with the visible objects and the frontier, not with the
+//! hidden objects.
 
 use antumbra_cull::{Aabb, Camera, CullConfig, PlanStats, Projection};
 use glam::Vec3;
@@ -15,7 +16,7 @@ const CAMERA: Camera = Camera {
     near: 0.1,
 };
 
-/// Returns twenty-five objects before a wall that fills the view, and `hidden` behind it.
+/// Returns twenty-five objects before a wall that fills the view, and `hidden` objects behind it.
 fn behind_a_wall(hidden: usize) -> Vec<Aabb> {
     let cube = |centre: Vec3| Aabb::new(centre - 0.3, centre + 0.3);
     let wall = Aabb::new(Vec3::new(-40.0, -40.0, -1.0), Vec3::new(40.0, 40.0, 0.0));
@@ -62,7 +63,7 @@ fn a_hundred_times_more_hidden_objects_cost_no_more_than_a_logarithm() {
     }
 }
 
-/// Checks that after a cut a huge scene comes to rest in tens of frames.
+/// Checks that a huge scene becomes steady within tens of frames after a cut.
 #[test]
 fn a_huge_unknown_scene_settles_in_tens_of_frames() {
     let mut walk = Walk::new(behind_a_wall(60_000), 2);
@@ -77,8 +78,8 @@ fn a_huge_unknown_scene_settles_in_tens_of_frames() {
     assert!(frontier[39] * 3 < wished, "{frontier:?}");
 }
 
-/// Checks that on a walk along a street, with a turn now and then, the draws stay near the visible
-/// objects.
+/// Checks that on a walk along a street, with a turn now and then, the number of draws stays close
+/// to the number of visible objects.
 #[test]
 fn a_walk_draws_a_small_part_of_the_frustum() {
     let mut walk = Walk::new(city(&mut Random::new(3), 40), 2);

@@ -13,11 +13,11 @@ use crate::core::ownership;
 use crate::present::surface::Surface;
 
 impl Instance {
-    /// Returns all devices of this machine in the driver's order, fit or not.
+    /// Returns all devices of this machine in the driver's order, suitable or not.
     ///
     /// # Errors
-    /// [`Error::NoDriver`] when there is none; [`Error::AddressSpace`] when there is no room for
-    /// one; a failed call.
+    /// [`Error::NoDriver`] if there is none; [`Error::AddressSpace`] if there is too little address
+    /// space for a driver; a failed call.
     pub fn adapters(&self) -> Result<Vec<Adapter>, Error> {
         // SAFETY: no contract beyond a valid instance.
         let devices = match unsafe { self.shared.raw.enumerate_physical_devices() } {
@@ -30,21 +30,23 @@ impl Instance {
         Ok(devices.into_iter().map(|physical| self.read_adapter(physical)).collect())
     }
 
-    /// Returns the adapter to use: `wanted` by index or by a part of its name, else the best one.
+    /// Returns the adapter to use: `wanted` by its index or a part of its name, otherwise the best
+    /// one.
     ///
     /// # Errors
-    /// [`Error::UnknownDevice`], [`Error::DeviceLacks`] for the wanted one,
-    /// [`Error::NoSuitableDevice`] when none fits.
+    /// [`Error::UnknownDevice`]; [`Error::DeviceLacks`] for the requested device;
+    /// [`Error::NoSuitableDevice`] if no device is suitable.
     pub fn pick_adapter(&self, wanted: Option<&str>) -> Result<Adapter, Error> {
         pick(self.adapters()?, wanted)
     }
 
-    /// Returns the adapter of [`Instance::pick_adapter`] among those that can present to the window
-    /// of `surface`.
+    /// Returns the adapter that [`Instance::pick_adapter`] would choose among those that can
+    /// present to the window of `surface`.
     ///
     /// # Errors
-    /// Those of [`Instance::pick_adapter`]; [`Error::Foreign`] for a surface of another instance;
-    /// [`Error::CannotPresent`] when the one wanted, or none, can present to the window.
+    /// The errors of [`Instance::pick_adapter`]; [`Error::Foreign`] for a surface of another
+    /// instance; [`Error::CannotPresent`] if the requested device, or every device, cannot present
+    /// to the window.
     #[cfg(feature = "window")]
     pub fn pick_adapter_for(
         &self,
@@ -66,7 +68,7 @@ impl Instance {
                 (None, Err(reason)) => refused.push(reason),
             }
         }
-        // The first of the best: max_by_key alone would take the last.
+        // The first of the best: `max_by_key` would return the last one.
         let best = fit.into_iter().rev().max_by_key(Adapter::score);
         best.ok_or_else(|| Error::CannotPresent(refused.join("; ")))
     }
@@ -94,7 +96,7 @@ fn pick(mut adapters: Vec<Adapter>, wanted: Option<&str>) -> Result<Adapter, Err
             .filter_map(|a| a.missing().map(|missing| format!("{} lacks {missing}", a.name)))
             .collect();
         adapters.retain(|adapter| adapter.capabilities.missing.is_empty());
-        // The first of the best: max_by_key alone would take the last.
+        // The first of the best: `max_by_key` would return the last one.
         let best = adapters.into_iter().rev().max_by_key(Adapter::score);
         return best.ok_or_else(|| Error::NoSuitableDevice { refused: refused.join("; ") });
     };

@@ -18,17 +18,16 @@ use crate::core::queue_lock::QueueLock;
 use crate::core::requirements::Requirements;
 
 impl Device {
-    /// Adopts the device of a host, who made it with what [`Requirements`] ask for.
+    /// Adopts the device of a host, which was created according to [`Requirements`].
     ///
     /// Without [`HostDevice::queue`] the device never submits: it is for an executor that records
     /// into the host's command buffers. Its [ticks](crate::Tick) are then the numbers of the host's
-    /// frames, and before its last handle is dropped, [`Device::host_finished`] is to be called.
-    /// With a queue it works as a device of [`Device::new`] does. An optional capability is there
-    /// if its features and extensions are on.
+    /// frames, and [`Device::host_finished`] must be called before its last handle is dropped. With
+    /// a queue it works like a device of [`Device::new`]. An optional capability is available if
+    /// its features and extensions are enabled.
     ///
-    /// Nothing of the host is ever destroyed, and frames are not shown in windows: the host does
-    /// that. A device may be adopted more than once; what is made from one handle is of no use to
-    /// the other.
+    /// The engine never destroys objects of the host, and does not show frames in windows. A device
+    /// may be adopted more than once; objects made from one handle cannot be used with the other.
     ///
     /// ```no_run
     /// # use antumbra_gpu as gpu;
@@ -72,14 +71,15 @@ impl Device {
     ///
     /// # Safety
     /// - The handles are alive, belong together as the fields say, and outlive this device, all of
-    ///   its clones, and all that is made from them.
-    /// - `api_version`, `extensions` and `features` name nothing that is not on.
-    /// - `allocation_callbacks` may be called on any thread, with their user data, for as long.
+    ///   its clones, and all objects made from them.
+    /// - `api_version`, `extensions` and `features` name only what is enabled.
+    /// - `allocation_callbacks` may be called on any thread with their user data during this time.
     /// - `pipeline_cache` is not `EXTERNALLY_SYNCHRONIZED`.
-    /// - While the lock of `queue` is held, nobody else uses that queue.
+    /// - While the lock of `queue` is held, no other thread uses the queue.
     ///
     /// # Errors
-    /// [`Error::DeviceLacks`] with the names of what is required and not on; a failed call.
+    /// [`Error::DeviceLacks`] with the names of required capabilities that are not enabled; a
+    /// failed call.
     pub unsafe fn adopt(host: HostDevice) -> Result<Self, Error> {
         let purpose = match host.queue {
             Some(_) => Purpose::Renderer,

@@ -1,4 +1,4 @@
-//! The GPU's clock and the CPU's, read at once: one time line for the work of both.
+//! The clocks of the GPU and the CPU, read at once, for a common time line of their work.
 
 use ash::{ext, vk};
 
@@ -17,8 +17,8 @@ pub struct Clocks {
 }
 
 impl Device {
-    /// Reads both clocks; `None` where the device lacks
-    /// [`crate::OptionalFeature::CalibratedTimestamps`] or cannot read this clock.
+    /// Reads both clocks. `None` if the device lacks
+    /// [`crate::OptionalFeature::CalibratedTimestamps`] or cannot read one of these clocks.
     ///
     /// # Errors
     /// A failed call.
@@ -31,7 +31,7 @@ impl Device {
         }
         let infos =
             domains.map(|domain| vk::CalibratedTimestampInfoEXT::default().time_domain(domain));
-        // SAFETY: domains that the device has.
+        // SAFETY: the device supports these domains.
         let (stamps, deviation_ns) = unsafe { functions.get_calibrated_timestamps(&infos) }
             .called("vkGetCalibratedTimestampsEXT")?;
         let &[steps, monotonic_ns] = stamps.as_slice() else { return Ok(None) };

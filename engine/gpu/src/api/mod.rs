@@ -1,4 +1,4 @@
-//! The methods of lower rooms' types that need the upper rooms.
+//! Methods of types in lower modules that need the upper modules.
 
 pub(crate) mod adapters;
 pub(crate) mod adopt;

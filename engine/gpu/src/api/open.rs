@@ -1,4 +1,4 @@
-//! A device in one call, for programs that have nothing special to ask for.
+//! Opening a device in one call, for programs without special needs.
 
 #[cfg(feature = "window")]
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use crate::present::swapchain::{Swapchain, SwapchainOptions};
 /// Opens the machine's best device.
 ///
 /// # Errors
-/// No loader, no driver, no device that can.
+/// No loader, no driver, no suitable device.
 pub fn open() -> Result<Device, Error> {
     let instance = Instance::new(load_entry()?, &InstanceOptions::default())?;
     let adapter = instance.pick_adapter(None)?;
@@ -27,7 +27,7 @@ pub fn open() -> Result<Device, Error> {
 /// Opens the machine's best device that can present to `window`, and the window's swapchain.
 ///
 /// # Errors
-/// Those of [`open`]; a window that is gone, or is out of reach of all devices.
+/// The errors of [`open`]; a window that is closed, or that no device can present to.
 #[cfg(feature = "window")]
 pub fn open_with_window(window: Arc<dyn Window>) -> Result<(Device, Swapchain), Error> {
     let windows = Some(WindowSystem::of(&window)?);

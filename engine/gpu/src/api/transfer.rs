@@ -1,4 +1,4 @@
-//! Loading: copies data into GPU memory before the frame loop starts, and waits for it.
+//! Loading: copies data into GPU memory before the frame loop starts, and waits for the copies.
 
 use ash::vk;
 use bytemuck::Pod;
@@ -13,14 +13,14 @@ use crate::record::commands::Commands;
 use crate::record::descriptor_pools::DescriptorPools;
 use crate::record::pools::{allocate_commands, begin_commands, create_command_pool, end_commands};
 
-/// The size of a staging buffer: an upload goes in pieces, so that a large scene needs no second
-/// copy of itself.
+/// The size of a staging buffer: an upload is divided into pieces, so that a large scene needs no
+/// second copy of itself.
 const STAGING_BYTES: usize = 32 << 20;
 
 impl Device {
-    /// Returns a buffer in GPU memory that holds `items`. Waits for the copy: for loading, not for
-    /// frames. On a device without a queue the next frame of the host copies first, and nothing
-    /// waits.
+    /// Returns a buffer in GPU memory with the contents `items`. Waits for the copy, so it is for
+    /// loading, not for frames. On a device without a queue it does not wait: the next frame of the
+    /// host first records the copy.
     ///
     /// # Errors
     /// No memory, or a failed call.
@@ -60,8 +60,8 @@ impl Device {
             let to = buffer.whole().part(offset, data.len() as u64);
             self.run_once("upload", |commands| {
                 commands.copy_buffer(staging.whole(), to);
-                // Waiting for the tick shows the GPU nothing: later submits use it without a
-                // barrier.
+                // The wait makes nothing visible to the GPU, and later submits use the buffer
+                // without a barrier of their own.
                 commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::Any]));
             })?;
         }
@@ -84,7 +84,7 @@ impl Device {
             Ok(tick)
         });
         drop(recording);
-        // The commands go with their pool once the tick of the submit is over.
+        // The commands are freed with their pool once the tick of the submit is over.
         self.retire(Retired::CommandPool(pool));
         self.wait(submitted?, WaitFor::Transfer)?;
         self.free_retired()

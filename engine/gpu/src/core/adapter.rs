@@ -7,18 +7,18 @@ use crate::core::instance::{InstanceShared, version_text};
 use crate::core::offer::Offer;
 use crate::core::ownership::OwnerId;
 
-/// A physical device as the engine sees it.
+/// A physical device and its capabilities.
 #[derive(Debug, Clone)]
 pub struct Adapter {
     pub(crate) instance: OwnerId,
     pub(crate) physical: vk::PhysicalDevice,
     pub(crate) queue_family: Option<u32>,
     pub(crate) timestamp_bits: u32,
-    /// The device's name.
+    /// The name of the device.
     pub name: String,
-    /// The driver's name and version.
+    /// The name and version of the driver.
     pub driver: String,
-    /// The Vulkan version it speaks, `1.3.230`.
+    /// The Vulkan version that the device supports, such as `1.3.230`.
     pub api: String,
     /// The kind of device: integrated, discrete, software.
     pub kind: vk::PhysicalDeviceType,
@@ -27,12 +27,12 @@ pub struct Adapter {
     /// The most textures of a [`TextureTable`](crate::TextureTable), on devices with
     /// [`OptionalFeature::DescriptorIndexing`].
     pub indexed_textures: u32,
-    /// The entries of the engine's capability table that it has.
+    /// The entries of the engine's capability table that the device has.
     pub capabilities: Capabilities,
 }
 
 impl Adapter {
-    /// Reads the properties of a physical device, and its capabilities off `offer`.
+    /// Reads the properties of a physical device, and derives its capabilities from `offer`.
     ///
     /// # Safety
     /// `physical` is of `instance`.
@@ -60,7 +60,8 @@ impl Adapter {
         }
     }
 
-    /// Returns the preference for it: a real GPU before a software one, then by capabilities.
+    /// Returns the preference for this device: a real GPU before a software one, then by
+    /// capabilities.
     pub fn score(&self) -> u32 {
         let kind = match self.kind {
             vk::PhysicalDeviceType::DISCRETE_GPU => 4,
@@ -78,12 +79,13 @@ impl Adapter {
         self.capabilities.has(OptionalFeature::ConditionalRendering)
     }
 
-    /// Returns true if it is a driver that draws on the CPU.
+    /// Returns true if the driver draws on the CPU.
     pub fn is_software(&self) -> bool {
         self.kind == vk::PhysicalDeviceType::CPU
     }
 
-    /// Returns the names of the required capabilities that it lacks, if any.
+    /// Returns the names of the required capabilities that the device lacks; `None` if it lacks
+    /// none.
     pub fn missing(&self) -> Option<String> {
         let names: Vec<_> = self.capabilities.missing.iter().map(|m| m.name()).collect();
         if names.is_empty() { None } else { Some(names.join(", ")) }
@@ -93,7 +95,7 @@ impl Adapter {
 /// Returns the driver's name and version.
 ///
 /// # Safety
-/// `physical` is of `instance` and speaks the version `api`.
+/// `physical` is of `instance` and supports the version `api`.
 unsafe fn driver_text(
     instance: &ash::Instance,
     physical: vk::PhysicalDevice,

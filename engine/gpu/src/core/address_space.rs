@@ -1,28 +1,28 @@
-//! The limit of a process's address space, under which a loader loads no driver and says that there
-//! is none.
+//! The limit of a process's address space. If the limit is too low, a loader cannot load a driver
+//! and reports that there is none.
 
 use crate::core::error::Error;
 
-/// The address space that a driver may take with its libraries and threads: with less, the limit is
-/// the likely cause of a failure.
+/// The address space that a driver may need for its libraries and threads. If less is free, the
+/// limit is the likely cause of a failure.
 const DRIVER_BYTES: u64 = 1 << 30;
 
-/// The least room for a driver. With less, software drivers (lavapipe and SwiftShader in 2026) fail
-/// in ways that end the process.
+/// The least free address space for a driver. With less, software drivers (lavapipe and SwiftShader
+/// in 2026) fail in ways that end the process.
 const LEAST_DRIVER_BYTES: u64 = 512 << 20;
 
 /// The address space of a process that has a limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct AddressSpace {
-    /// The limit.
+    /// The limit in bytes.
     limit_bytes: u64,
-    /// The part that is taken.
+    /// The part in use.
     used_bytes: u64,
 }
 
 impl AddressSpace {
-    /// Returns the address space of this process; `None` without a limit, and where the system does
-    /// not tell.
+    /// Returns the address space of this process; `None` without a limit, or if the system does not
+    /// report it.
     fn of_this_process() -> Option<Self> {
         let read = |file: &str| std::fs::read_to_string(file).ok();
         Self::parse(&read("/proc/self/limits")?, &read("/proc/self/status")?)
@@ -34,7 +34,7 @@ impl AddressSpace {
         let limit = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
         let used = status.lines().find_map(|line| line.strip_prefix("VmSize:"))?;
         Some(Self {
-            // "unlimited" is no number.
+            // "unlimited" is not a number.
             limit_bytes: first_number(limit)?,
             used_bytes: first_number(used)?.saturating_mul(1 << 10),
         })
@@ -44,7 +44,7 @@ impl AddressSpace {
         self.limit_bytes.saturating_sub(self.used_bytes)
     }
 
-    /// Refuses a limit under which no driver can run.
+    /// Returns an error if no driver can run under the limit.
     fn check(&self) -> Result<(), Error> {
         if self.room_bytes() < LEAST_DRIVER_BYTES {
             Err(self
@@ -54,7 +54,8 @@ impl AddressSpace {
         }
     }
 
-    /// Returns an error of the loader, blamed on the limit if that leaves no room for a driver.
+    /// Returns an error of the loader, attributed to the limit if too little address space is left
+    /// for a driver.
     fn explain(space: Option<Self>, error: Error) -> Error {
         match space.filter(|space| space.room_bytes() < DRIVER_BYTES) {
             Some(space) => space.blamed(error.to_string()),
@@ -68,15 +69,12 @@ impl AddressSpace {
     }
 }
 
-/// Refuses to begin where the limit of this process leaves no room for a driver.
-///
-/// # Errors
-/// [`Error::AddressSpace`].
+/// Returns an error if the limit of this process leaves too little address space for a driver.
 pub(crate) fn check_room() -> Result<(), Error> {
     AddressSpace::of_this_process().map_or(Ok(()), |space| space.check())
 }
 
-/// Returns an error of the loader, blamed on the limit of this process if that is the cause.
+/// Returns an error of the loader, attributed to the limit of this process if that is the cause.
 pub(crate) fn explained(error: Error) -> Error {
     AddressSpace::explain(AddressSpace::of_this_process(), error)
 }

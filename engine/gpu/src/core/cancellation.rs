@@ -1,39 +1,39 @@
-//! The cancellation of loading: who waits for it may ask for its end at any time.
+//! The cancellation of long work, such as loading, which can be requested at any time.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::core::error::Error;
 
-/// A request to give work up, shared by who may ask and who works: clones are the same request.
-/// Work that takes long checks it between its pieces, and ends with [`Error::Cancelled`].
+/// A request to cancel work. Clones share the request, one clone for the caller and one for the
+/// work. Long work checks it between its pieces, and ends with [`Error::Cancelled`].
 #[derive(Clone, Debug, Default)]
 pub struct CancellationToken {
     is_cancelled: Arc<AtomicBool>,
 }
 
 impl CancellationToken {
-    /// Creates a request that nobody has made yet.
+    /// Creates a token that is not cancelled yet.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Creates the request that is made once `flag` is true, such as by the handler of a signal.
+    /// Creates a token that is cancelled once `flag` is true, such as by the handler of a signal.
     pub fn of_flag(flag: Arc<AtomicBool>) -> Self {
         Self { is_cancelled: flag }
     }
 
-    /// Asks for the end of the work. That cannot be taken back.
+    /// Requests the end of the work. This cannot be undone.
     pub fn cancel(&self) {
         self.is_cancelled.store(true, Ordering::Relaxed);
     }
 
-    /// Returns true if the end was asked for.
+    /// Returns true if the end was requested.
     pub fn is_cancelled(&self) -> bool {
         self.is_cancelled.load(Ordering::Relaxed)
     }
 
-    /// Gives the work up if that was asked for.
+    /// Returns an error if the end was requested, to end the work.
     ///
     /// # Errors
     /// [`Error::Cancelled`].

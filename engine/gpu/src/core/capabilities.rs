@@ -1,5 +1,5 @@
-//! The one table of capabilities: those that the engine requires of a device, and optional ones,
-//! each with the features and extensions that it needs.
+//! The table of capabilities: required and optional ones, each with the features and extensions
+//! that it needs.
 
 use std::ffi::CStr;
 
@@ -8,8 +8,8 @@ use ash::{ext, google, khr, nv, vk};
 use crate::core::features::{Features, KHR_SWAPCHAIN_MAINTENANCE1};
 use crate::core::offer::{CaptureLimits, Offer};
 
-/// A capability that a device must have. A device that lacks one is refused, and the refusal names
-/// it.
+/// A capability that a device must have. A device without it is rejected, and the error names the
+/// capability.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RequiredFeature {
     /// Core 1.3: dynamic rendering, synchronization2.
@@ -18,7 +18,7 @@ pub enum RequiredFeature {
     DynamicRendering,
     /// Barriers and submits of `VK_KHR_synchronization2`.
     Synchronization2,
-    /// One counter that proves which frames are over.
+    /// A counter that proves which frames are over.
     TimelineSemaphore,
     /// One call that draws a contiguous range of objects.
     MultiDrawIndirect,
@@ -28,30 +28,31 @@ pub enum RequiredFeature {
     GraphicsQueue,
     /// 32-bit float depth, drawn to and copied from.
     Depth32,
-    /// As many storage buffers per shader stage as the largest of the engine's shaders binds.
+    /// The number of storage buffers per shader stage that the engine's shaders need.
     StorageBuffers,
 }
 
 /// The most storage buffers that a stage of the engine's shaders binds (`list_sizes.comp`). Vulkan
-/// promises four.
+/// guarantees four.
 pub(crate) const STAGE_STORAGE_BUFFERS: u32 = 7;
 
-/// The most that a stage binds which section planes cut (`surface_shadowed_section.frag`), or which
-/// stores fragments (`surface_shadowed_sorted_section.frag`).
+/// The most storage buffers that a stage binds if section planes cut
+/// (`surface_shadowed_section.frag`) or if it stores fragments
+/// (`surface_shadowed_sorted_section.frag`).
 pub(crate) const SECTION_STORAGE_BUFFERS: u32 = 9;
 
 /// The limits that a capture of tessellated triangles needs: patches of 16 control points, levels
-/// up to 64, and a buffer as large as storage buffers are everywhere. Vulkan promises as much where
-/// there are tessellation and transform feedback.
+/// up to 64, and a buffer of the size that every storage buffer may have. Vulkan guarantees these
+/// limits on devices with tessellation and transform feedback.
 pub(crate) const LEAST_CAPTURE: CaptureLimits =
     CaptureLimits { patch_points: 16, level: 64, buffer_bytes: 1 << 27 };
 
-/// The fewest textures that are worth a table. Devices with descriptor indexing have half a million
-/// (specification, "Required Limits").
+/// The least number of textures that is worth a table. Devices with descriptor indexing have half a
+/// million (specification, "Required Limits").
 pub(crate) const LEAST_INDEXED_TEXTURES: u32 = 1024;
 
 impl RequiredFeature {
-    /// All required capabilities, in the order in which they are shown to the user.
+    /// All required capabilities, in the order of display.
     pub const ALL: [RequiredFeature; 9] = [
         RequiredFeature::Vulkan13,
         RequiredFeature::DynamicRendering,
@@ -79,10 +80,10 @@ impl RequiredFeature {
         }
     }
 
-    /// Returns true if `purpose` requires it.
+    /// Returns true if `purpose` requires the capability.
     pub fn is_for(self, purpose: Purpose) -> bool {
         match self {
-            // An executor neither submits nor makes images.
+            // An executor neither submits work nor creates images.
             RequiredFeature::TimelineSemaphore | RequiredFeature::Depth32 => {
                 purpose == Purpose::Renderer
             }
@@ -90,7 +91,7 @@ impl RequiredFeature {
         }
     }
 
-    /// Returns the features that it needs.
+    /// Returns the features that the capability needs.
     pub fn features(self) -> Features {
         let none = Features::default();
         match self {
@@ -119,12 +120,12 @@ impl RequiredFeature {
     }
 }
 
-/// A part of the engine that a device is for. They require different things of it.
+/// The part of the engine that a device is used for. Each part has its own requirements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
-    /// The executor of plans, which records into a host's command buffers.
+    /// The executor of plans, which records into the command buffers of a host.
     Executor,
-    /// The renderer, with images and submits of its own, and all else.
+    /// The renderer, which creates images, submits work and uses everything else.
     Renderer,
 }
 
@@ -133,18 +134,18 @@ pub enum Purpose {
 pub enum OptionalFeature {
     /// `VK_EXT_conditional_rendering`: the GPU skips draws by 32 bits in memory.
     ConditionalRendering,
-    /// Indirect draws whose count the GPU reads.
+    /// Indirect draws whose count is read by the GPU.
     DrawIndirectCount,
     /// Exact numbers of samples from occlusion queries.
     PreciseQueries,
-    /// Queries that are reset by the CPU: some drivers wait once per query that a command resets.
+    /// Queries that are reset by the CPU: some drivers wait for each query that a command resets.
     HostQueryReset,
     /// Timestamps on the graphics queue.
     Timestamps,
     /// Fragment shaders that write to storage buffers.
     FragmentStores,
-    /// `VK_NV_representative_fragment_test`: of the fragments of a primitive that pass the depth
-    /// test, one is enough for a flag.
+    /// `VK_NV_representative_fragment_test`: if several fragments of a primitive pass the depth
+    /// test, a single one is enough to set a flag.
     RepresentativeFragments,
     /// Renderings of several views at once, each to a layer of the image.
     Multiview,
@@ -152,17 +153,17 @@ pub enum OptionalFeature {
     Wireframe,
     /// Textures that stay sharp at grazing angles.
     Anisotropy,
-    /// Textures that shaders find by number, thousands of them, to which more are added while
-    /// frames are in flight ([`TextureTable`](crate::TextureTable)).
+    /// Thousands of textures that shaders access by index, with more added while frames are in
+    /// flight ([`TextureTable`](crate::TextureTable)).
     DescriptorIndexing,
-    /// Textures of compressed blocks, BC1 to BC7, as desktop GPUs have them.
+    /// Block-compressed textures, BC1 to BC7, as on desktop GPUs.
     BcTextures,
-    /// Textures of compressed blocks of ASTC, as mobile GPUs have them.
+    /// Block-compressed textures, ASTC, as on mobile GPUs.
     AstcTextures,
-    /// Depths of several samples per pixel, each at the place that its coverage is taken from, as
-    /// Vulkan demands. Without it no test of a proxy is exact there.
+    /// Depth per sample, taken at the position of the sample's coverage, as Vulkan requires.
+    /// Without it no test of a proxy is exact with several samples per pixel.
     SampleDepths,
-    /// Shaders that make triangles of triangles.
+    /// Shaders that create triangles from triangles.
     GeometryShaders,
     /// Tessellation shaders whose triangles `VK_EXT_transform_feedback` captures in a buffer.
     TessellationCapture,
@@ -172,14 +173,14 @@ pub enum OptionalFeature {
     SectionBuffers,
     /// Reading the clocks of GPU and CPU at once.
     CalibratedTimestamps,
-    /// Frames in windows. This one and those below are there only if the instance was made for
-    /// windows ([`crate::InstanceOptions::windows`]).
+    /// Frames in windows. This capability and the ones below exist only if the instance was created
+    /// for windows ([`crate::InstanceOptions::windows`]).
     Swapchain,
     /// Fences that are signalled when a present no longer uses its semaphore and image.
     PresentFences,
-    /// Waiting for a present to be on the screen.
+    /// Waiting until a present is on the screen.
     PresentWait,
-    /// The times at which presents were on the screen, and the duration of a refresh.
+    /// The times at which presents appeared on the screen, and the duration of a refresh.
     DisplayTiming,
 }
 
@@ -242,7 +243,7 @@ impl OptionalFeature {
         }
     }
 
-    /// Returns true if `purpose` has a use for it.
+    /// Returns true if `purpose` can use the capability.
     pub fn is_for(self, purpose: Purpose) -> bool {
         match self {
             OptionalFeature::ConditionalRendering
@@ -259,7 +260,7 @@ impl OptionalFeature {
         }
     }
 
-    /// Returns the features that it needs.
+    /// Returns the features that the capability needs.
     pub fn features(self) -> Features {
         let none = Features::default();
         match self {
@@ -308,8 +309,8 @@ impl OptionalFeature {
         }
     }
 
-    /// Returns the extensions that it needs, each by all of its names: one of them is enough, the
-    /// first is preferred.
+    /// Returns the extensions that the capability needs, each with all of its names. Any one of the
+    /// names is enough; the first is preferred.
     pub fn extensions(self) -> &'static [&'static [&'static CStr]] {
         const SWAPCHAIN: &[&CStr] = &[khr::swapchain::NAME];
         const MAINTENANCE: &[&CStr] =
@@ -355,11 +356,11 @@ impl OptionalFeature {
 /// The capabilities of one device.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Capabilities {
-    /// The required ones it lacks.
+    /// The required capabilities that the device lacks.
     pub missing: Vec<RequiredFeature>,
-    /// The optional ones it has.
+    /// The optional capabilities that the device has.
     pub optional: Vec<OptionalFeature>,
-    /// True if plain indirect draws take the count of the counted draw before them.
+    /// True if a plain indirect draw takes the count of the counted draw before it.
     pub(crate) keeps_draw_counts: bool,
 }
 
@@ -369,18 +370,19 @@ impl Capabilities {
         self.optional.contains(&optional)
     }
 
-    /// Returns true if unconditional draws must have a count, too, since plain ones take that of
-    /// the counted draw before them. Elsewhere they must have none: NVIDIA's driver (580, on an
-    /// H100) did not come back from draws whose count is `maxDrawIndirectCount`, 2^32 - 1 there.
+    /// Returns true if unconditional draws also need a count, because plain indirect draws take the
+    /// count of the counted draw before them. On other drivers they must have none: NVIDIA's driver
+    /// (580, on an H100) hangs in draws whose count is `maxDrawIndirectCount`, which is 2^32 - 1
+    /// there.
     pub(crate) fn keeps_draw_counts(&self) -> bool {
         self.keeps_draw_counts
     }
 
-    /// Reads the table off an offer.
+    /// Derives the capabilities from an offer.
     pub(crate) fn of(offer: &Offer) -> Self {
         let missing = RequiredFeature::ALL.into_iter().filter(|what| !what.is_in(offer));
         let missing = if offer.api_version < vk::API_VERSION_1_3 {
-            // The features of such a device may not be asked for.
+            // The features of such a device must not be queried.
             missing.filter(|what| what.features().is_empty()).collect()
         } else {
             missing.collect()

@@ -1,4 +1,4 @@
-//! The clock of a device: the numbers by which it knows what is in flight and what is over.
+//! The clock of a device: the numbers of the work in flight and of the work that is over.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -11,17 +11,17 @@ use crate::core::tick::Tick;
 /// The numbers of work in flight, as [`Tick`]s.
 pub(super) struct Clock {
     pub(super) source: ClockSource,
-    /// The newest tick that was given out.
+    /// The newest tick that was issued.
     newest: AtomicU64,
-    /// The newest tick that was seen to be over.
+    /// The newest tick that is known to be over.
     over: AtomicU64,
 }
 
 /// The origin of a clock's numbers.
 pub(super) enum ClockSource {
-    /// The device's own submits to a queue, counted by a timeline semaphore.
+    /// The submits of the device to a queue, counted by a timeline semaphore.
     Timeline(OwnTimeline),
-    /// The frames of a host, who submits them and says which are over.
+    /// The frames of a host, which submits them and reports which are over.
     HostFrames,
 }
 
@@ -36,7 +36,7 @@ impl Clock {
         Self { source, newest: AtomicU64::new(0), over: AtomicU64::new(0) }
     }
 
-    /// Returns the queue and its timeline, which `what` needs.
+    /// Returns the queue and its timeline; `what` names the operation that needs them.
     pub(super) fn timeline(&self, what: &'static str) -> Result<&OwnTimeline, Error> {
         match &self.source {
             ClockSource::Timeline(timeline) => Ok(timeline),
@@ -52,17 +52,17 @@ impl Clock {
         Tick(self.over.load(Ordering::Acquire))
     }
 
-    /// Notes a submit. The caller holds the queue.
+    /// Notes a submit. The caller must hold the queue.
     pub(super) fn submitted(&self, tick: Tick) {
         self.newest.store(tick.0, Ordering::Release);
     }
 
-    /// Notes that everything up to `tick` was seen to be over.
+    /// Notes that everything up to `tick` is over.
     pub(super) fn completed(&self, tick: Tick) {
         self.over.fetch_max(tick.0, Ordering::AcqRel);
     }
 
-    /// Begins the frame `current` of a host, for whom all frames up to `safe` are over.
+    /// Begins the frame `current` of a host; all frames up to `safe` are over.
     pub(super) fn begin_host_frame(&self, current: Tick, safe: Tick) -> Result<(), Error> {
         if !matches!(self.source, ClockSource::HostFrames) {
             return Err(Error::HasQueue);
@@ -99,7 +99,7 @@ mod tests {
     #[test]
     fn numbers_of_frames_rise_and_none_is_over_before_it_begins() {
         let clock = Clock::new(ClockSource::HostFrames);
-        // The engine may join late, and need not see every frame.
+        // The engine may start late and need not see every frame.
         clock.begin_host_frame(Tick(7), Tick(5)).unwrap();
         clock.begin_host_frame(Tick(10), Tick(9)).unwrap();
         assert_eq!((clock.newest(), clock.over()), (Tick(10), Tick(9)));
@@ -108,7 +108,7 @@ mod tests {
             assert!(matches!(error, Error::FrameNumbers { .. }), "{error}");
             assert!(error.to_string().contains(&format!("frame {current}")), "{error}");
         }
-        // A refused frame leaves no trace.
+        // A rejected frame changes nothing.
         assert_eq!((clock.newest(), clock.over()), (Tick(10), Tick(9)));
         assert!(matches!(clock.timeline("a drain"), Err(Error::NoQueue { what: "a drain" })));
         clock.finish_host_frames().unwrap();

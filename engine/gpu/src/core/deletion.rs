@@ -1,5 +1,5 @@
-//! The deletion queue: dropped objects wait here until nothing can use them any more, neither
-//! commands that are being recorded nor the GPU.
+//! The deletion queue: dropped objects wait here until neither commands that are being recorded nor
+//! the GPU can use them any more.
 
 use std::collections::VecDeque;
 
@@ -21,29 +21,29 @@ pub(crate) enum Retired {
     QueryPool(vk::QueryPool),
     Sampler(vk::Sampler),
     Semaphore(vk::Semaphore),
-    /// Things of several handles, destroyed together.
+    /// Objects of several handles that are destroyed together.
     Other(Box<dyn RetiredObject>),
 }
 
-/// A payload that knows how it is destroyed.
+/// A payload with its own way of destruction.
 pub(crate) trait RetiredObject: Send {
-    /// Destroys it. Nothing uses it any more.
+    /// Destroys the payload. Nothing may use it any more.
     fn destroy(self: Box<Self>, device: &ash::Device);
 }
 
-/// The identity of one recording among all of its device, those of reused command buffers included.
-/// Recordings are numbered from 1 in the order in which they are opened.
+/// The identity of a recording among all recordings of its device, including recordings of reused
+/// command buffers. Recordings are numbered from 1 in the order in which they are opened.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub struct RecordingId(u64);
 
-/// Retired objects, in the order in which they are freed.
+/// Dropped objects, in the order in which they are freed.
 pub(crate) struct DeletionQueue<T> {
     newest: RecordingId,
-    /// Recordings that are neither submitted nor given up, oldest first.
+    /// Recordings that are neither submitted nor abandoned, oldest first.
     open: Vec<RecordingId>,
-    /// Objects that these may use: no recording opened after the one named uses them.
+    /// Objects that open recordings may use. No recording opened after the given one uses them.
     recorded: VecDeque<(RecordingId, T)>,
-    /// Objects that only the GPU may still use, until a tick.
+    /// Objects that only the GPU may still use, until the given tick.
     submitted: VecDeque<(Tick, T)>,
 }
 
@@ -57,14 +57,14 @@ impl<T> DeletionQueue<T> {
         }
     }
 
-    /// Begins a recording: what is retired until it is closed outlives it.
+    /// Begins a recording: objects retired before it is closed outlive it.
     pub(crate) fn open(&mut self) -> RecordingId {
         self.newest.0 += 1;
         self.open.push(self.newest);
         self.newest
     }
 
-    /// Ends a recording that was submitted at `submitted` or before, or never will be.
+    /// Ends a recording that was submitted at `submitted` or before, or will never be submitted.
     pub(crate) fn close(&mut self, recording: RecordingId, submitted: Tick) {
         self.open.retain(|open| *open != recording);
         let oldest = self.open.first().copied();
@@ -77,8 +77,8 @@ impl<T> DeletionQueue<T> {
     }
 
     /// Keeps `payload` until every open recording is closed, and then until the last submit before
-    /// that is over. With none open, keeps it until `submitted`, the newest tick, is over.
-    /// `submitted` never falls from call to call.
+    /// that is over. Without open recordings, keeps it until `submitted`, the newest tick, is over.
+    /// `submitted` must never decrease from call to call.
     pub(crate) fn retire(&mut self, submitted: Tick, payload: T) {
         debug_assert!(self.submitted.back().is_none_or(|(last, _)| *last <= submitted));
         if self.open.is_empty() {
@@ -88,7 +88,7 @@ impl<T> DeletionQueue<T> {
         }
     }
 
-    /// Returns the next payload that nothing uses once `completed` is over.
+    /// Returns the next payload that nothing uses if `completed` is over.
     pub(crate) fn pop_over(&mut self, completed: Tick) -> Option<T> {
         if self.submitted.front()?.0 <= completed {
             self.submitted.pop_front().map(|(_, payload)| payload)
@@ -127,7 +127,7 @@ mod tests {
         let mut queue = DeletionQueue::new();
         let frame = queue.open();
         queue.retire(Tick(3), 'a');
-        // A transfer of another thread comes and goes meanwhile.
+        // Meanwhile a transfer of another thread begins and ends.
         let transfer = queue.open();
         queue.retire(Tick(3), 'b');
         queue.close(transfer, Tick(4));

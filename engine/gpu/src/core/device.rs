@@ -1,4 +1,4 @@
-//! The device: one queue, one timeline, one allocator, and everything that outlives a frame.
+//! The device: one queue, one timeline, one allocator, and all objects that outlive a frame.
 
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, MutexGuard};
@@ -25,13 +25,13 @@ use crate::core::pending_uploads::PendingUploads;
 use crate::core::queue_lock::{QueueLock, lock};
 use crate::core::tick::Tick;
 
-/// The number of times the CPU waited for the GPU since the device was made.
+/// The numbers of times that the CPU waited for the GPU since the device was created.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct WaitCounts {
-    /// Waits for a frame slot's own tick of N frames ago: these bound the frames in flight.
+    /// Waits for the tick of a frame slot, N frames ago; these bound the frames in flight.
     pub slot: u64,
-    /// All others: loading, draining, [`crate::Frame::wait`]. In a frame loop, each of them is a
-    /// stall.
+    /// All other waits: loading, draining, [`crate::Frame::wait`]. In a frame loop, each of them is
+    /// a stall.
     pub other: u64,
 }
 
@@ -44,18 +44,18 @@ pub(crate) enum WaitFor {
     Drain,
 }
 
-/// A Vulkan device with one queue. Clones share it; the last one to go waits for the GPU.
+/// A Vulkan device with one queue. Clones share it; dropping the last clone waits for the GPU.
 #[derive(Clone)]
 pub struct Device {
     shared: Arc<DeviceShared>,
 }
 
 impl Device {
-    /// Opens `adapter` with everything of the capability table that it has.
+    /// Opens `adapter` with all entries of the capability table that it has.
     ///
     /// # Errors
-    /// [`Error::Foreign`] for an adapter of another instance; [`Error::DeviceLacks`] for one that
-    /// lacks something required; a failed call.
+    /// [`Error::Foreign`] for an adapter of another instance; [`Error::DeviceLacks`] for an adapter
+    /// without a required capability; a failed call.
     pub fn new(
         instance: &Instance,
         adapter: &Adapter,
@@ -71,7 +71,7 @@ impl Device {
             });
         };
         let raw = create_raw(shared, adapter, queue_family)?;
-        // SAFETY: the family and index were asked for when the device was created.
+        // SAFETY: the family and index were requested when the device was created.
         let queue = unsafe { raw.get_device_queue(queue_family, 0) };
         let device = RawDevice {
             instance: Arc::clone(shared),
@@ -100,7 +100,7 @@ impl Device {
         device
     }
 
-    /// Returns the adapter this device was opened on.
+    /// Returns the adapter that this device was opened on.
     pub fn adapter(&self) -> &Adapter {
         &self.shared.adapter
     }
@@ -110,10 +110,11 @@ impl Device {
         &self.shared.adapter.capabilities
     }
 
-    /// Refuses `thing` if it was made from another device; `user` names what was about to use it.
+    /// Checks that `thing` was made from this device; `user` names the object or method that will
+    /// use it.
     ///
     /// # Errors
-    /// [`Error::Foreign`].
+    /// [`Error::Foreign`] if it was made from another device.
     pub fn check<T: OfDevice>(&self, thing: &T, user: &'static str) -> Result<(), Error> {
         ownership::check(thing.device_id(), self.id(), T::KIND, user, "Device")
     }
@@ -121,7 +122,7 @@ impl Device {
     /// Returns the newest tick that is over. Never waits.
     ///
     /// # Errors
-    /// A failed call, a lost device among them.
+    /// A failed call, for example on a lost device.
     pub fn completed(&self) -> Result<Tick, Error> {
         let clock = &self.shared.clock;
         let ClockSource::Timeline(timeline) = &clock.source else { return Ok(clock.over()) };
@@ -132,51 +133,51 @@ impl Device {
         Ok(Tick(completed))
     }
 
-    /// Returns the semaphore that counts the submits of this device, for a host that waits for a
-    /// [`Tick`] on its own: for the value of that tick. The semaphore lives as long as the device.
+    /// Returns the semaphore that counts the submits of this device. A host can wait for a [`Tick`]
+    /// by waiting for its value. The semaphore lives as long as the device.
     ///
     /// # Errors
-    /// [`Error::NoQueue`] on a device that submits nothing.
+    /// [`Error::NoQueue`] on a device without a queue.
     pub fn timeline_semaphore(&self) -> Result<vk::Semaphore, Error> {
         Ok(self.shared.clock.timeline("a timeline")?.semaphore)
     }
 
-    /// Refuses a device that submits nothing; `what` needs one that does.
+    /// Returns an error on a device without a queue; `what` names the operation that needs one.
     pub(crate) fn check_queue(&self, what: &'static str) -> Result<(), Error> {
         self.shared.clock.timeline(what).map(|_| ())
     }
 
-    /// Begins the frame `current` of a host, for whom all frames up to `safe` are over on the GPU
-    /// or will never be submitted. The former rises, the latter never falls.
+    /// Begins the frame `current` of a host. All frames up to `safe` are over on the GPU or will
+    /// never be submitted. `current` must increase, and `safe` must not decrease.
     pub(crate) fn host_frame(&self, current: Tick, safe: Tick) -> Result<(), Error> {
         self.shared.clock.begin_host_frame(current, safe)?;
         self.executions().settle(safe);
         Ok(())
     }
 
-    /// Notes that all frames of the host are over, and frees what was kept for them. To be called
-    /// before the last handle of an adopted device without a queue is dropped: what a frame may
-    /// still use is not freed.
+    /// Notes that all frames of the host are over, and frees the objects that were kept for them.
+    /// Call this before the last handle of an adopted device without a queue is dropped; otherwise
+    /// objects that a frame may still use are leaked.
     ///
     /// # Safety
-    /// Every frame that was begun is over on the GPU, or will never be submitted.
+    /// Every frame that was begun is over on the GPU or will never be submitted.
     ///
     /// # Errors
-    /// [`Error::HasQueue`] on a device that submits by itself: it knows.
+    /// [`Error::HasQueue`] on a device with a queue, which tracks this without help.
     pub unsafe fn host_finished(&self) -> Result<(), Error> {
         self.shared.clock.finish_host_frames()?;
         self.executions().settle(self.submitted());
         self.free_retired()
     }
 
-    /// Cuts `completed` to the newest tick that this device was seen to complete: it may be of
-    /// another device.
+    /// Limits `completed` to the newest tick that this device is known to have completed, because
+    /// `completed` may come from another device.
     pub(crate) fn proven(&self, completed: Tick) -> Tick {
         completed.min(self.shared.clock.over())
     }
 
-    /// Returns a tick of this device at or after the end of the frame just submitted as `tick`,
-    /// which may be of another device.
+    /// Returns a tick of this device at or after the end of the frame that was just submitted as
+    /// `tick`. `tick` may come from another device.
     pub(crate) fn not_before(&self, tick: Tick) -> Tick {
         tick.max(self.submitted())
     }
@@ -186,8 +187,8 @@ impl Device {
         self.shared.clock.newest()
     }
 
-    /// Waits until everything submitted is over. For loading and shutting down, not for a frame
-    /// loop: it counts as [`WaitCounts::other`].
+    /// Waits until all submitted work is over. For loading and shutting down, not for a frame loop:
+    /// the wait counts as [`WaitCounts::other`].
     ///
     /// # Errors
     /// [`Error::Timeout`], a failed call.
@@ -196,7 +197,7 @@ impl Device {
         self.free_retired()
     }
 
-    /// Returns the number of times the CPU waited.
+    /// Returns the numbers of times that the CPU waited.
     pub fn wait_counts(&self) -> WaitCounts {
         WaitCounts {
             slot: self.shared.slot_waits.load(Ordering::Relaxed),
@@ -219,7 +220,8 @@ impl Device {
         lock(&self.shared.deletion).len()
     }
 
-    /// Waits for the GPU: here and in [`Device::wait_within`] alone, each time bounded and counted.
+    /// Waits for the GPU. Only this function and [`Device::wait_within`] do so; each wait is
+    /// bounded and counted.
     pub(crate) fn wait(&self, tick: Tick, reason: WaitFor) -> Result<(), Error> {
         let (counter, what) = match reason {
             WaitFor::Slot => (&self.shared.slot_waits, "a frame"),
@@ -236,7 +238,7 @@ impl Device {
         }
     }
 
-    /// Waits for the tick of a slot for no longer than `bound`, and returns true if it is over.
+    /// Waits for the tick of a slot for at most `bound`, and returns true if it is over.
     pub(crate) fn wait_within(&self, tick: Tick, bound: Duration) -> Result<bool, Error> {
         if self.completed()? >= tick {
             return Ok(true);
@@ -249,7 +251,7 @@ impl Device {
         }
     }
 
-    /// Submits a command buffer, or the `order` alone, and signals the tick returned.
+    /// Submits a command buffer, or only the `order`, and signals the returned tick.
     pub(crate) fn submit(
         &self,
         commands: Option<vk::CommandBuffer>,
@@ -260,7 +262,7 @@ impl Device {
         let timeline = self.shared.clock.timeline("a submit")?;
         let submit = |queue| {
             let tick = self.submitted().next();
-            // SAFETY: the queue is ours while it is locked; the commands are complete.
+            // SAFETY: the lock gives exclusive use of the queue; the commands are complete.
             unsafe { order.submit(self.raw(), queue, commands, timeline.semaphore, tick) }?;
             self.shared.clock.submitted(tick);
             Ok(tick)
@@ -271,26 +273,26 @@ impl Device {
         })
     }
 
-    /// Calls `present` with the queue, which nobody else uses meanwhile. Returns `None` if others
-    /// hold it for longer than the bound of every wait.
+    /// Calls `present` with exclusive use of the queue. Returns `None` if other users hold the
+    /// queue for longer than the bound of every wait.
     pub(crate) fn with_queue<R>(&self, present: impl FnOnce(vk::Queue) -> R) -> Option<R> {
         let timeline = self.shared.clock.timeline("presenting").ok()?;
         timeline.queue.locked(self.shared.wait_bound, present)
     }
 
     /// Takes the payload of a dropped object. Commands being recorded may still use it, so it is
-    /// freed when all of them are over, or given up.
+    /// freed when all of them are over or abandoned.
     pub(crate) fn retire(&self, retired: Retired) {
         let mut deletion = lock(&self.shared.deletion);
         deletion.retire(self.submitted(), retired);
     }
 
-    /// Begins to record commands, which keep alive all that is dropped before the guard is dropped.
+    /// Begins a recording. Objects that are dropped before the guard is dropped stay alive for it.
     pub(crate) fn open_recording(&self) -> OpenRecording {
         OpenRecording { device: self.clone(), number: lock(&self.shared.deletion).open() }
     }
 
-    /// Frees what was retired and is no longer in use.
+    /// Frees retired objects that are no longer in use.
     pub(crate) fn free_retired(&self) -> Result<(), Error> {
         let completed = self.completed()?;
         let mut deletion = lock(&self.shared.deletion);
@@ -300,8 +302,8 @@ impl Device {
         Ok(())
     }
 
-    /// Returns true if the device submits by itself, and false if it was adopted without a queue:
-    /// then it records into command buffers of the host
+    /// Returns true if the device submits work, and false if it was adopted without a queue.
+    /// Without a queue it records into command buffers of the host
     /// ([`FrameRing::begin_in`](crate::FrameRing::begin_in)).
     pub fn has_queue(&self) -> bool {
         matches!(self.shared.clock.source, ClockSource::Timeline(_))
@@ -319,13 +321,13 @@ impl Device {
         lock(&self.shared.numbers)
     }
 
-    /// Returns the functions of the device, for a host that records or makes things of its own. It
-    /// stays the engine's: whoever destroys it, or submits to its queue, breaks this handle.
+    /// Returns the functions of the device, for a host that records commands or creates objects.
+    /// The device still belongs to the engine: do not destroy it, and do not submit to its queue.
     pub fn raw(&self) -> &ash::Device {
         &self.shared.raw
     }
 
-    /// Returns true if images of `format` in optimal tiling can do all of `features`.
+    /// Returns true if images of `format` with optimal tiling support all of `features`.
     pub(crate) fn has_format_feature(
         &self,
         format: vk::Format,
@@ -338,7 +340,7 @@ impl Device {
         has.optimal_tiling_features.contains(features)
     }
 
-    /// Returns the id of this device, which no other has.
+    /// Returns the unique id of this device.
     pub(crate) fn id(&self) -> OwnerId {
         self.shared.id
     }
@@ -351,7 +353,7 @@ impl Device {
         self.shared.queue_family
     }
 
-    /// Returns the functions of the extensions that are on.
+    /// Returns the functions of the enabled extensions.
     pub(crate) fn extensions(&self) -> &Extensions {
         &self.shared.extensions
     }
@@ -368,7 +370,7 @@ impl Device {
         self.shared.extensions.capture.as_ref()
     }
 
-    /// Returns the allocation callbacks, for all that is made from the device.
+    /// Returns the allocation callbacks for all objects made from the device.
     pub(crate) fn callbacks(&self) -> Option<&vk::AllocationCallbacks<'static>> {
         self.shared.callbacks.get()
     }
@@ -381,19 +383,19 @@ impl Device {
         lock(&self.shared.allocator)
     }
 
-    /// Gives a Vulkan object its debug name where a debugger or layer listens.
+    /// Gives a Vulkan object its debug name if a debugger or layer is active.
     pub(crate) fn name<H: vk::Handle>(&self, handle: H, name: &str) {
         let Some(debug) = self.debug() else { return };
         let name = std::ffi::CString::new(name.replace('\0', " ")).unwrap_or_default();
         let info =
             vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
-        // SAFETY: a live object of this device. A name that cannot be set is no reason to stop.
+        // SAFETY: a live object of this device. A failure to set a name is ignored.
         let _unnamed_is_fine = unsafe { debug.set_debug_utils_object_name(&info) };
     }
 }
 
-/// The guard of commands that are being recorded. Dropped after their last submit, or when there
-/// will be none.
+/// The guard of commands that are being recorded. It must be dropped after their last submit, or
+/// when they are abandoned.
 pub(crate) struct OpenRecording {
     device: Device,
     pub(crate) number: RecordingId,

@@ -1,4 +1,4 @@
-//! All that clones of a device share, from its opening to its end.
+//! The state that clones of a device share, from opening to closing.
 
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex};
@@ -21,7 +21,7 @@ use crate::core::pipeline_cache::PipelineCache;
 use crate::core::queue_lock::lock;
 use crate::core::tick::Tick;
 
-/// The Vulkan device and all that lives as long as it does.
+/// The Vulkan device and all objects with the same lifetime.
 pub(crate) struct DeviceShared {
     pub(super) id: OwnerId,
     pub(super) instance: Arc<InstanceShared>,
@@ -35,11 +35,11 @@ pub(crate) struct DeviceShared {
     pub(super) allocator: Mutex<Option<Allocator>>,
     pub(super) deletion: Mutex<DeletionQueue<Retired>>,
     pub(super) clock: Clock,
-    /// The frames of a host that ran or did not.
+    /// The frames of a host, with the knowledge of which ran.
     pub(super) executions: Mutex<Executions>,
     /// Uploads that wait for a frame of a host.
     pub(super) pending_uploads: Mutex<PendingUploads>,
-    /// The numbers of instances, once a pipeline has read them.
+    /// The buffer of instance numbers, once a pipeline has read them.
     pub(super) numbers: Mutex<Option<NumberBuffer>>,
     pub(super) wait_bound: Duration,
     pub(super) slot_waits: AtomicU64,
@@ -48,8 +48,9 @@ pub(crate) struct DeviceShared {
 }
 
 impl DeviceShared {
-    /// Leaks everything: destroying what the GPU still uses would be worse. The allocator would
-    /// free its memory as it goes, the instance would go before its device.
+    /// Leaks everything, because destroying objects that the GPU still uses would be worse.
+    /// Otherwise the allocator would free its memory on drop, and the instance would be destroyed
+    /// before its device.
     fn abandon(&self) {
         std::mem::forget(lock(&self.allocator).take());
         std::mem::forget(Arc::clone(&self.instance));
@@ -96,7 +97,8 @@ impl DeviceShared {
         }
     }
 
-    /// Waits until the GPU no longer uses what was made from the device; false if it still may.
+    /// Waits until the GPU no longer uses objects of the device; returns false if it may still use
+    /// them.
     fn finish(&self) -> bool {
         let newest = self.clock.newest();
         let ClockSource::Timeline(timeline) = &self.clock.source else {
@@ -111,7 +113,7 @@ impl DeviceShared {
             }
             return is_over;
         };
-        // vkDeviceWaitIdle knows no bound, so the timeline is waited for first.
+        // vkDeviceWaitIdle has no bound, so the timeline is waited for first.
         match wait_bounded(&self.raw, timeline.semaphore, newest, self.wait_bound) {
             Ok(()) => {}
             // All work of a lost device is over (Vulkan specification, "Lost Device").
@@ -121,9 +123,9 @@ impl DeviceShared {
                 return false;
             }
         }
-        // Other queues of a host are not ours to wait for.
+        // The engine does not wait for other queues of a host.
         if self.ownership == Ownership::Ours
-            // SAFETY: nobody else holds the device.
+            // SAFETY: no other handle of the device exists.
             && let Err(code) = unsafe { self.raw.device_wait_idle() }
         {
             tracing::error!("vkDeviceWaitIdle failed with {code:?} while closing the device");
@@ -139,7 +141,7 @@ impl Drop for DeviceShared {
             return;
         }
         loop {
-            // No recording is open: each holds the device.
+            // No recording is open, because each holds the device.
             let popped = lock(&self.deletion).pop_over(self.clock.newest());
             let Some(retired) = popped else { break };
             self.destroy(retired);
@@ -151,7 +153,7 @@ impl Drop for DeviceShared {
         self.pipeline_cache.save(&self.raw);
         self.pipeline_cache.destroy(&self.raw, &self.callbacks);
         if let Some(allocator) = lock(&self.allocator).take() {
-            // The allocator frees leaked blocks as it goes, so no layer would ever see a leak.
+            // The allocator frees leaked blocks on drop, so no layer would report a leak.
             let leaked = allocator.generate_report().allocations;
             for allocation in &leaked {
                 tracing::error!(
@@ -162,7 +164,7 @@ impl Drop for DeviceShared {
             }
             debug_assert!(leaked.is_empty(), "GPU memory leaked, see the log");
         }
-        // SAFETY: everything made from the device is gone.
+        // SAFETY: all objects made from the device are destroyed.
         unsafe {
             if let ClockSource::Timeline(timeline) = &self.clock.source {
                 self.raw.destroy_semaphore(timeline.semaphore, self.callbacks.get());
@@ -178,7 +180,7 @@ impl Drop for DeviceShared {
     }
 }
 
-/// Waits for a tick of a timeline, but no longer than `bound`.
+/// Waits for a tick of a timeline for at most `bound`.
 pub(super) fn wait_bounded(
     device: &ash::Device,
     timeline: vk::Semaphore,

@@ -1,8 +1,8 @@
-//! The errors between the program and the GPU, with the call, the code, and the remedy.
+//! The errors of the GPU layer, each with the failed call, the code and the remedy.
 
 use ash::vk;
 
-/// An error of the GPU layer. Its text is one sentence for the person in front of the machine.
+/// An error of the GPU layer. Its text is one sentence for the user of the machine.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The Vulkan loader library is not installed.
@@ -10,25 +10,27 @@ pub enum Error {
         "no Vulkan loader was found ({0}); install it (on Debian: apt install libvulkan1 mesa-vulkan-drivers)"
     )]
     NoLoader(String),
-    /// The loader is there, but it found no driver at all.
+    /// The loader is installed but found no driver.
     #[error(
         "the Vulkan loader found no driver; install one (on Debian: apt install mesa-vulkan-drivers, which needs no GPU)"
     )]
     NoDriver,
-    /// A process that may take too little memory for a driver, before or after the loader failed.
+    /// The process has too little address space for a driver, found before or after a failure of
+    /// the loader.
     #[error(
         "this process may take {} MiB of address space and has {} MiB of it, which is no room for a Vulkan driver: raise the limit, as by `ulimit -v unlimited` ({failure})",
         limit_bytes >> 20, used_bytes >> 20
     )]
     AddressSpace {
-        /// The limit.
+        /// The limit in bytes.
         limit_bytes: u64,
-        /// The part that is taken.
+        /// The part in use.
         used_bytes: u64,
-        /// The failure that would be another's without the limit, or the room that is needed.
+        /// The failure that has another error without the limit, or the address space that a driver
+        /// needs.
         failure: String,
     },
-    /// The loader could not read what is installed.
+    /// The loader could not read the manifest of a driver or a layer.
     #[error(
         "{call} failed with {code:?}: the Vulkan loader cannot read the manifest of a driver or a layer, or has no memory at all; install the driver again (on Debian: apt install --reinstall mesa-vulkan-drivers), or run with VK_LOADER_DEBUG=error to see which file it is"
     )]
@@ -44,26 +46,26 @@ pub enum Error {
         /// The loader's version, `major.minor`.
         found: String,
     },
-    /// Validation was asked for and the layer is not installed.
+    /// Validation was requested, but the layer is not installed.
     #[error(
         "the layer {0} is not installed, validation is impossible; install it (on Debian: apt install vulkan-validationlayers) or switch validation off"
     )]
     NoValidationLayer(String),
-    /// No device has what the engine needs.
+    /// No device has all that the engine needs.
     #[error("no Vulkan device can run the engine: {refused}")]
     NoSuitableDevice {
-        /// Each device with what it lacks.
+        /// Each device with the capabilities that it lacks.
         refused: String,
     },
-    /// A device was asked for that is not there.
+    /// The requested device does not exist.
     #[error("there is no device '{wanted}'; the devices are: {available}")]
     UnknownDevice {
-        /// The index or name asked for.
+        /// The requested index or name.
         wanted: String,
         /// The list of devices.
         available: String,
     },
-    /// The device asked for lacks something required.
+    /// The requested device lacks a required capability.
     #[error(
         "the device {device} lacks {missing}; update its driver or choose another device ({available})"
     )]
@@ -75,22 +77,22 @@ pub enum Error {
         /// The list of devices.
         available: String,
     },
-    /// An optional capability was asked for that the device lacks.
+    /// The device lacks a requested optional capability.
     #[error("the device {device} lacks {missing}, which {wanted} needs")]
     Unsupported {
         /// The device's name.
         device: String,
-        /// The capability it lacks.
+        /// The missing capability.
         missing: &'static str,
         /// The option or method that needs it.
         wanted: &'static str,
     },
-    /// A threshold was asked of an executor that only compares with zero.
+    /// A threshold was requested of an executor that can only compare with zero.
     #[error(
         "conditional rendering cannot compare samples with a threshold of {threshold_samples}: skip draws by counts or by instances, or set the threshold to 0"
     )]
     CannotCompare {
-        /// The threshold asked for.
+        /// The requested threshold.
         threshold_samples: u32,
     },
     /// A size or count is beyond the device's limit.
@@ -98,36 +100,36 @@ pub enum Error {
     TooLarge {
         /// The size or count that is too large.
         what: String,
-        /// The value wanted.
+        /// The requested value.
         wanted: u64,
         /// The device's limit.
         limit: u64,
     },
-    /// An image of a host has a format that it cannot be drawn to with.
+    /// An image of a host has a format that cannot be drawn to.
     #[error("the {what} of a host's target has the format {format:?}; {needed}")]
     TargetFormat {
-        /// The image: depth, or a colour by its number.
+        /// The image: depth, or a colour by its index.
         what: String,
-        /// Its format.
+        /// The format of the image.
         format: ash::vk::Format,
         /// The formats that are possible.
         needed: &'static str,
     },
-    /// Attachments of as many samples per pixel as the device cannot draw to.
+    /// Attachments have a number of samples per pixel that the device cannot draw to.
     #[error("attachments of {samples:?} samples per pixel; this device draws to {supported:?}")]
     Samples {
         /// The samples of the attachments.
         samples: ash::vk::SampleCountFlags,
-        /// Those that the device draws to.
+        /// The numbers of samples that the device can draw to.
         supported: ash::vk::SampleCountFlags,
     },
-    /// A number of samples per pixel that the engine's own targets do not have.
+    /// A number of samples per pixel that the engine's own targets do not support.
     #[error("{wanted} samples per pixel are not possible: take 1 or 4")]
     SampleCount {
-        /// The number wanted.
+        /// The requested number.
         wanted: u32,
     },
-    /// There is no display to open a window on, or its connection is gone.
+    /// There is no display to open a window on, or the connection to it is lost.
     #[error(
         "there is no display to show a window on ({0}); start one, name it in DISPLAY or WAYLAND_DISPLAY, or draw without a window"
     )]
@@ -137,7 +139,7 @@ pub enum Error {
         "this Vulkan instance shows no windows, {0} is missing: install a driver that has it (on Debian: apt install mesa-vulkan-drivers), or draw without a window"
     )]
     NoWindows(String),
-    /// No device, or not the one wanted, can show frames in the window.
+    /// No device, or not the requested one, can show frames in the window.
     #[error(
         "no frame can be shown in this window: {0}; choose another device, or draw without a window"
     )]
@@ -145,19 +147,19 @@ pub enum Error {
     /// A thread could not be started.
     #[error("the thread that presents cannot start: {0}; end other programs, or show no window")]
     NoThread(String),
-    /// Two things were used together that were not made from the same device, instance or renderer.
+    /// Two objects were used together that come from different devices, instances or renderers.
     #[error(
         "{thing} is used by {user}, but both are of different `{owner}`s: make both from the same one"
     )]
     Foreign {
-        /// The object used.
+        /// The object that was used.
         thing: &'static str,
-        /// The object or method that it was given to.
+        /// The object or method that used it.
         user: &'static str,
-        /// The type that both have to be made from.
+        /// The type of the common owner that both need.
         owner: &'static str,
     },
-    /// Work was to be submitted, or waited for, on a device that has no queue of its own.
+    /// Work was to be submitted or waited for on a device without a queue.
     #[error(
         "{what} needs a queue, and this device was adopted without one: record it into a frame of the host, or adopt the device with `HostDevice::queue`"
     )]
@@ -165,23 +167,23 @@ pub enum Error {
         /// The work that needs a queue.
         what: &'static str,
     },
-    /// A frame of a host was begun on a device that submits by itself.
+    /// A frame of a host was begun on a device that submits its own work.
     #[error(
         "this device counts its own submits, not the frames of a host: adopt it without `HostDevice::queue`"
     )]
     HasQueue,
-    /// The numbers of a host's frame do not follow those before.
+    /// The numbers of a host's frame do not follow the numbers of the frames before.
     #[error(
         "frame {current} cannot begin with all up to {safe} over: the last frame begun was {newest}, with all up to {over} over; numbers of frames must rise, `safe` must not fall, and no frame is over before it begins"
     )]
     FrameNumbers {
         /// The number of the frame.
         current: u64,
-        /// The newest frame that is said to be over.
+        /// The newest frame that is over according to the caller.
         safe: u64,
-        /// The newest frame that was begun before.
+        /// The newest frame begun before.
         newest: u64,
-        /// The newest frame that was said to be over before.
+        /// The newest frame that was over according to the call before.
         over: u64,
     },
     /// More frames of a host are in flight than its ring has slots.
@@ -196,13 +198,13 @@ pub enum Error {
         /// The number of slots.
         slots: usize,
     },
-    /// An image was read that is not there: its frame is not over, was never submitted, or there
-    /// was none yet.
+    /// An image was read before it exists: its frame is not over, was never submitted, or there was
+    /// no frame yet.
     #[error(
         "the image is not there yet: read it when the frame that copies it is over, see `Device::completed` and `Device::wait_idle`"
     )]
     NoImage,
-    /// Commands were recorded that no device could run. A mistake of the program that records them.
+    /// Commands were recorded that no device could run. This is a mistake in the recording program.
     #[error("the commands recorded cannot be run: {0}; correct the program that records them")]
     WrongCommands(&'static str),
     /// A Vulkan call failed.
@@ -220,12 +222,13 @@ pub enum Error {
     Memory {
         /// The purpose of the memory.
         what: String,
-        /// The size asked for.
+        /// The requested size in bytes.
         size_bytes: u64,
-        /// The allocator's reason.
+        /// The error of the allocator.
         source: gpu_allocator::AllocationError,
     },
-    /// The work was cancelled by its [`CancellationToken`](crate::CancellationToken): no failure.
+    /// The work was cancelled by its [`CancellationToken`](crate::CancellationToken). This is not a
+    /// failure.
     #[error("the work was given up, as was asked for")]
     Cancelled,
     /// The memory allocator could not be set up.
@@ -249,7 +252,7 @@ pub enum Error {
         /// The compiler's messages, `file:line: error: …`.
         log: String,
     },
-    /// Bytes that are no SPIR-V.
+    /// The bytes of a shader are not SPIR-V.
     #[error("{name} is not SPIR-V; compile the shaders again")]
     NotSpirv {
         /// The shader's name.
@@ -258,14 +261,14 @@ pub enum Error {
 }
 
 impl Error {
-    /// Returns true if the device is lost: nothing made from it works any more. Create all of it
-    /// again, or end.
+    /// Returns true if the device is lost: no object made from it works any more. Create all
+    /// objects again, or end the program.
     pub fn is_device_lost(&self) -> bool {
         matches!(self, Error::Vulkan { code: vk::Result::ERROR_DEVICE_LOST, .. })
     }
 }
 
-/// Gives a failed call its name.
+/// Adds the name of the call to a failed result.
 pub(crate) trait Called<T> {
     fn called(self, call: &'static str) -> Result<T, Error>;
 }

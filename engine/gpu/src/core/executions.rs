@@ -1,9 +1,9 @@
-//! The execution of a host's frames: which of them ran, and in which order, as far as it is known.
+//! The execution of a host's frames: which frames ran and in which order, as far as it is known.
 //!
-//! A host submits the command buffers that we recorded into, or does not. Each frame writes its
-//! number into mapped memory when it runs, and beside it the number of the frame that ran before.
-//! Answers of frames that did not run are ignored. Memory that frames share is only right if they
-//! ran in the order of their numbers.
+//! A host may or may not submit the command buffers that the engine recorded into. When a frame
+//! runs, it writes its number into mapped memory, together with the number of the frame that ran
+//! before it. Answers of frames that did not run are ignored. Memory that frames share is valid
+//! only if the frames ran in the order of their numbers.
 
 use std::collections::VecDeque;
 use std::sync::Weak;
@@ -12,34 +12,34 @@ use bytemuck::{Pod, Zeroable};
 
 use crate::core::tick::Tick;
 
-/// The stamp of a frame as the GPU writes it.
+/// The stamp that the GPU writes for a frame.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
 pub(crate) struct FrameStamp {
     /// The number of the frame.
     pub(crate) frame: u64,
-    /// The number of the frame that ran before it; 0 for none.
+    /// The number of the frame that ran before; 0 for none.
     pub(crate) predecessor: u64,
 }
 
-/// The memory that a frame leaves its stamp in. It is gone if its owner is: nobody knows then, and
-/// the frame counts as lost.
+/// The memory for the stamp of a frame. If its owner was dropped, the stamp is unknown and the
+/// frame counts as lost.
 pub(crate) trait StampMemory: Send + Sync {
     /// Returns the stamp of the last frame, which is over or never ran.
     fn stamp(&self) -> FrameStamp;
 }
 
-/// The most frames that are remembered as lost; all before them count as lost then.
+/// The most frames that are remembered as lost; all frames before them then count as lost.
 const LOST_KEPT: usize = 256;
 
-/// The frames that are over, so far as they ran or did not.
+/// The record of frames that are over: which of them ran.
 #[derive(Default)]
 pub(crate) struct Executions {
-    /// Frames of all rings of the device that are not known to be over, in their order.
+    /// Frames of all rings of the device that may not be over, in order.
     sent: VecDeque<(Tick, Weak<dyn StampMemory>)>,
-    /// The newest frame that ran after those before it.
+    /// The newest frame that ran in order.
     confirmed: Tick,
-    /// Frames that never ran, in their order.
+    /// Frames that never ran, in order.
     lost: VecDeque<Tick>,
     /// Frames up to this one count as lost.
     forgotten: Tick,
@@ -48,9 +48,9 @@ pub(crate) struct Executions {
 }
 
 impl Executions {
-    /// Notes that `frame` was recorded, and leaves its stamp in `memory` if it runs.
+    /// Notes that `frame` was recorded and leaves its stamp in `memory` if it runs.
     pub(crate) fn sent(&mut self, frame: Tick, memory: Weak<dyn StampMemory>) {
-        // Frames that are recorded at once may end in another order.
+        // Frames that are recorded concurrently may end in another order.
         let place = self.sent.partition_point(|(sent, _)| *sent < frame);
         self.sent.insert(place, (frame, memory));
     }
@@ -76,17 +76,17 @@ impl Executions {
         }
     }
 
-    /// Returns the newest frame that ran after those before it.
+    /// Returns the newest frame that ran in order.
     pub(crate) fn confirmed(&self) -> Tick {
         self.confirmed
     }
 
-    /// Returns true for a frame that is over and never ran.
+    /// Returns true if a frame is over and never ran.
     pub(crate) fn is_lost(&self, frame: Tick) -> bool {
         frame <= self.forgotten || self.lost.contains(&frame)
     }
 
-    /// Returns the number of times that frames ran in another order than they were recorded.
+    /// Returns the number of times that frames ran in another order than recorded.
     pub(crate) fn disorders(&self) -> u64 {
         self.disorders
     }
@@ -122,7 +122,7 @@ mod tests {
 
     #[test]
     fn a_frame_that_ran_late_or_twice_is_a_disorder() {
-        // 4 ran before 3; then 5 ran twice.
+        // 4 ran before 3, and 5 ran twice.
         let executions = noted(&[(3, 3, 4), (4, 4, 0), (5, 5, 5)]);
         assert_eq!((executions.confirmed(), executions.disorders()), (Tick(4), 2));
     }

@@ -1,11 +1,11 @@
-//! The functions of the extensions of a device.
+//! The functions of a device's extensions.
 
 use ash::{ext, google, khr};
 
 use crate::core::capabilities::{Capabilities, OptionalFeature};
 use crate::core::instance::InstanceShared;
 
-/// The functions of the extensions that are on.
+/// The functions of the enabled extensions.
 pub(crate) struct Extensions {
     pub(crate) debug: Option<ext::debug_utils::Device>,
     pub(crate) conditional: Option<ext::conditional_rendering::Device>,

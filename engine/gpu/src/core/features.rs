@@ -1,38 +1,37 @@
-//! The features of Vulkan that the engine uses, and the structures that they lie in.
+//! The Vulkan features that the engine uses, and the structures that contain them.
 
 use std::ffi::CStr;
 
 use ash::{ext, khr, nv, vk};
 
-/// Declares [`Features`] and its way to and from the structures of Vulkan: a structure, and the
-/// features that lie in it.
+/// Declares [`Features`] and its conversion to and from the structures of Vulkan: each structure
+/// with its features.
 macro_rules! features {
     ($($structure:ident { $($field:ident $name:literal)+ })+) => {
-        /// Features of a device that the engine uses, each by its name in Vulkan: those that are
-        /// true.
+        /// Features of a device that the engine uses, each by its Vulkan name; true for enabled.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
         pub struct Features {
             $($(#[doc = concat!("`", $name, "`.")] pub $field: bool,)+)+
         }
 
         impl Features {
-            /// Returns the Vulkan names of those that are true.
+            /// Returns the Vulkan names of the enabled features.
             pub fn names(self) -> impl Iterator<Item = &'static str> {
                 let all = [$($((self.$field, $name),)+)+];
                 all.into_iter().filter_map(|(is_on, name)| is_on.then_some(name))
             }
 
-            /// Returns those that are true in either.
+            /// Returns the features that are enabled in either set.
             pub fn union(self, other: Self) -> Self {
                 Self { $($($field: self.$field || other.$field,)+)+ }
             }
 
-            /// Returns those that are true here and not in `other`.
+            /// Returns the features that are enabled here but not in `other`.
             pub fn without(self, other: Self) -> Self {
                 Self { $($($field: self.$field && !other.$field,)+)+ }
             }
 
-            /// Returns the structures of Vulkan with these features on and all others off.
+            /// Returns the Vulkan structures with these features enabled and all others disabled.
             pub fn structures(self) -> FeatureStructures {
                 let mut structures = FeatureStructures::default();
                 $($(structures.$structure.$field = self.$field.into();)+)+
@@ -100,24 +99,24 @@ features! {
 }
 
 impl Features {
-    /// Returns true if none is.
+    /// Returns true if no feature is enabled.
     pub fn is_empty(self) -> bool {
         self == Self::default()
     }
 }
 
-/// The structures of Vulkan that [`Features`] lie in, for the creation of a device.
+/// The Vulkan structures that contain [`Features`], for the creation of a device.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct FeatureStructures {
     /// The features of Vulkan 1.0.
     pub core: vk::PhysicalDeviceFeatures,
-    /// Those of Vulkan 1.1.
+    /// The features of Vulkan 1.1.
     pub vulkan_11: vk::PhysicalDeviceVulkan11Features<'static>,
-    /// Those of Vulkan 1.2.
+    /// The features of Vulkan 1.2.
     pub vulkan_12: vk::PhysicalDeviceVulkan12Features<'static>,
-    /// Those of Vulkan 1.3.
+    /// The features of Vulkan 1.3.
     pub vulkan_13: vk::PhysicalDeviceVulkan13Features<'static>,
-    /// That of `VK_EXT_conditional_rendering`.
+    /// The feature of `VK_EXT_conditional_rendering`.
     pub conditional: vk::PhysicalDeviceConditionalRenderingFeaturesEXT<'static>,
     capture: vk::PhysicalDeviceTransformFeedbackFeaturesEXT<'static>,
     representative: vk::PhysicalDeviceRepresentativeFragmentTestFeaturesNV<'static>,
@@ -126,12 +125,12 @@ pub struct FeatureStructures {
     waits: vk::PhysicalDevicePresentWaitFeaturesKHR<'static>,
 }
 
-/// The younger name of `VK_EXT_swapchain_maintenance1`, with the same structures.
+/// The newer name of `VK_EXT_swapchain_maintenance1`, with the same structures.
 pub(crate) const KHR_SWAPCHAIN_MAINTENANCE1: &CStr = c"VK_KHR_swapchain_maintenance1";
 
 impl FeatureStructures {
-    /// Links them into one chain, without the structures of extensions that are not among
-    /// `extensions`: Vulkan refuses what it does not know.
+    /// Links the structures into one chain. Leaves out structures of extensions that are not in
+    /// `extensions`, because Vulkan rejects unknown structures.
     pub fn link(&mut self, extensions: &[&CStr]) -> vk::PhysicalDeviceFeatures2<'_> {
         let has = |name: &CStr| extensions.contains(&name);
         let mut chain = vk::PhysicalDeviceFeatures2::default()

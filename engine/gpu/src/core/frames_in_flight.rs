@@ -1,14 +1,11 @@
-//! The bound of frames in flight.
+//! The limit of frames in flight.
 
 use crate::core::error::Error;
 
 /// The most frames in flight.
 pub const MAX_FRAMES_IN_FLIGHT: usize = 64;
 
-/// Refuses more frames in flight than there may be.
-///
-/// # Errors
-/// [`Error::TooLarge`].
+/// Checks a number of frames in flight against the limit.
 pub(crate) fn check_frames_in_flight(frames_in_flight: usize) -> Result<(), Error> {
     let wanted = frames_in_flight as u64;
     let limit = MAX_FRAMES_IN_FLIGHT as u64;

@@ -1,15 +1,15 @@
-//! The allocation callbacks of a host, which drivers call for memory of the CPU.
+//! The allocation callbacks of a host, which drivers call for CPU memory.
 
 use ash::vk;
 
-/// The callbacks of a host, or none.
+/// The callbacks of a host, if it has any.
 #[derive(Default)]
 pub(crate) struct HostCallbacks(Option<vk::AllocationCallbacks<'static>>);
 
-// SAFETY: `Device::adopt` has the host promise that the callbacks may be called on any thread, with
-// their user data.
+// SAFETY: the caller of `Device::adopt` promises that the callbacks may be called on any thread
+// with their user data.
 unsafe impl Send for HostCallbacks {}
-// SAFETY: as above; nothing here changes.
+// SAFETY: as above; the value never changes.
 unsafe impl Sync for HostCallbacks {}
 
 impl HostCallbacks {
@@ -17,7 +17,7 @@ impl HostCallbacks {
         Self(callbacks)
     }
 
-    /// Returns them as the calls of Vulkan take them.
+    /// Returns the callbacks in the form that Vulkan calls take.
     pub(crate) fn get(&self) -> Option<&vk::AllocationCallbacks<'static>> {
         self.0.as_ref()
     }

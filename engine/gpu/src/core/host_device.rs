@@ -1,4 +1,4 @@
-//! The device of a host, as the host describes it.
+//! The description of a host's device by the host.
 
 use std::ffi::CString;
 use std::sync::Arc;
@@ -9,9 +9,9 @@ use crate::core::features::Features;
 use crate::core::open_device::DeviceOptions;
 use crate::core::queue_lock::HostQueueLock;
 
-/// A device that a host made and goes on to own, for [`Device::adopt`](crate::Device::adopt).
+/// A device that a host created and keeps owning, for [`Device::adopt`](crate::Device::adopt).
 pub struct HostDevice {
-    /// The entry through which the instance was made.
+    /// The entry through which the instance was created.
     pub entry: ash::Entry,
     /// The instance.
     pub instance: ash::Instance,
@@ -21,29 +21,30 @@ pub struct HostDevice {
     pub device: ash::Device,
     /// The queue family of the command buffers that the engine records into.
     pub queue_family: u32,
-    /// The version of Vulkan that the instance was made for.
+    /// The Vulkan version that the instance was created for.
     pub api_version: u32,
-    /// The names of the extensions that are on, those of the device and `VK_EXT_debug_utils` of the
-    /// instance. Names that the engine does not know are ignored.
+    /// The names of the enabled extensions: all device extensions, and `VK_EXT_debug_utils` of the
+    /// instance. Unknown names are ignored.
     pub extensions: Vec<CString>,
-    /// The features that are on.
+    /// The enabled features.
     pub features: Features,
-    /// The callbacks for memory of the CPU. Everything that the engine makes from the device gets
-    /// them, except blocks of GPU memory (`vkAllocateMemory`), whose allocator knows none.
+    /// The callbacks for CPU memory. All objects that the engine makes from the device use them,
+    /// except blocks of GPU memory (`vkAllocateMemory`), because their allocator does not support
+    /// callbacks.
     pub allocation_callbacks: Option<vk::AllocationCallbacks<'static>>,
-    /// The cache for the engine's pipelines. Without one the engine has its own.
+    /// The cache for the engine's pipelines. Without it the engine creates its own.
     pub pipeline_cache: Option<vk::PipelineCache>,
-    /// The queue that the engine submits to. Without one it never submits: it records into the
-    /// host's command buffers, and the host's frame numbers are its clock.
+    /// The queue that the engine submits to. Without it the engine never submits: it records into
+    /// the host's command buffers and uses the host's frame numbers as its clock.
     pub queue: Option<HostQueue>,
-    /// The bound of waits, and the file of a pipeline cache of the engine's own.
+    /// The bound of waits, and the file of the engine's own pipeline cache.
     pub options: DeviceOptions,
 }
 
-/// A queue that host and engine share.
+/// A queue that the host and the engine share.
 pub struct HostQueue {
     /// The queue, of the family [`HostDevice::queue_family`].
     pub raw: vk::Queue,
-    /// The lock that keeps others from the queue while the engine submits.
+    /// The lock that excludes other users of the queue while the engine submits.
     pub lock: Arc<dyn HostQueueLock>,
 }

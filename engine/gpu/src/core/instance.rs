@@ -1,4 +1,4 @@
-//! The Vulkan instance: loader, layers, the messenger that fills the validation log.
+//! The Vulkan instance: loader, layers, and the messenger that fills the validation log.
 
 use std::ffi::{CStr, CString};
 use std::sync::Arc;
@@ -19,7 +19,7 @@ pub enum Validation {
     Off,
     /// The core checks: valid usage of every call.
     Core,
-    /// Core checks and synchronization hazards.
+    /// The core checks and synchronization hazards.
     Synchronization,
 }
 
@@ -30,8 +30,7 @@ pub struct InstanceOptions {
     pub application: String,
     /// The checks of the validation layer.
     pub validation: Validation,
-    /// The window system whose windows will show frames; `None` for an instance that shows none
-    /// and needs no window system.
+    /// The window system whose windows will show frames; `None` for an instance without windows.
     pub windows: Option<WindowSystem>,
 }
 
@@ -52,7 +51,7 @@ pub(crate) struct InstanceShared {
     pub(crate) raw: ash::Instance,
     messenger: Option<Messenger>,
     pub(crate) has_debug_utils: bool,
-    /// The functions that create surfaces and ask about them, if the instance is for windows.
+    /// The functions that create and query surfaces, if the instance is for windows.
     pub(crate) windows: Option<WindowFunctions>,
     // Boxed: the messenger holds its address.
     log: Box<ValidationLog>,
@@ -61,7 +60,7 @@ pub(crate) struct InstanceShared {
 }
 
 impl InstanceShared {
-    /// Wraps the instance of a host, who also destroys it.
+    /// Wraps the instance of a host, which also destroys it.
     pub(crate) fn of_host(entry: ash::Entry, raw: ash::Instance, extensions: &[CString]) -> Self {
         let has_debug_utils =
             extensions.iter().any(|name| name.as_c_str() == ext::debug_utils::NAME);
@@ -82,7 +81,7 @@ impl InstanceShared {
 /// Finds and opens the Vulkan loader of this machine.
 ///
 /// # Errors
-/// [`Error::NoLoader`] when there is none; [`Error::AddressSpace`] when there is no room for it.
+/// [`Error::NoLoader`] if there is none; [`Error::AddressSpace`] if there is no room for it.
 #[cfg(feature = "loaded")]
 pub fn load_entry() -> Result<ash::Entry, Error> {
     // SAFETY: we load the system's Vulkan loader, whose initialisation has no further contract.
@@ -90,7 +89,7 @@ pub fn load_entry() -> Result<ash::Entry, Error> {
 }
 
 impl Instance {
-    /// Creates an instance through `entry` (the loader's, or one whose calls a test wraps).
+    /// Creates an instance through `entry`: the loader's, or an entry whose calls a test wraps.
     ///
     /// # Errors
     /// An old loader, a missing validation layer, no driver or no room for one, or a failed call.
@@ -99,7 +98,7 @@ impl Instance {
         require_1_3(&entry)?;
         let layers = wanted_layers(&entry, options.validation)?;
         let there = extension_names(&entry)?;
-        // The layer offers debug_utils even where the loader has none.
+        // The layer offers debug_utils even if the loader does not.
         let has_debug_utils = options.validation != Validation::Off
             || there.iter().any(|name| name.as_c_str() == ext::debug_utils::NAME);
         let (mut extensions, present_fences) = match options.windows {
@@ -162,12 +161,12 @@ impl Instance {
         Ok(Self { shared: Arc::new(shared) })
     }
 
-    /// Returns the log of the validation layers. It stays empty when validation is off.
+    /// Returns the log of the validation layers. It stays empty if validation is off.
     pub fn validation_log(&self) -> &ValidationLog {
         &self.shared.log
     }
 
-    /// Returns the checks that are on.
+    /// Returns the enabled checks.
     pub fn validation(&self) -> Validation {
         self.shared.validation
     }
@@ -176,17 +175,17 @@ impl Instance {
 impl Drop for InstanceShared {
     fn drop(&mut self) {
         if let Some((debug, messenger)) = self.messenger.take() {
-            // SAFETY: made from this instance, used by nobody else.
+            // SAFETY: made from this instance and used only here.
             unsafe { debug.destroy_debug_utils_messenger(messenger, None) };
         }
         if self.ownership == Ownership::Ours {
-            // SAFETY: every device holds this Arc, so all are gone.
+            // SAFETY: every device holds this Arc, so no device is left.
             unsafe { self.raw.destroy_instance(None) };
         }
     }
 }
 
-/// Creates the messenger that fills `log`, whose box outlives it.
+/// Creates the messenger that fills `log`; the box of the log outlives the messenger.
 fn create_messenger(
     entry: &ash::Entry,
     raw: &ash::Instance,
@@ -244,8 +243,8 @@ fn extension_names(entry: &ash::Entry) -> Result<Vec<CString>, Error> {
     Ok(names.map(Into::into).collect())
 }
 
-/// Returns the error behind the code of a loader that cannot begin. With a damaged manifest of a
-/// driver or a layer, a loader reports missing memory.
+/// Returns the error that explains a failure of the loader. With a damaged manifest of a driver or
+/// a layer, a loader reports missing memory.
 fn refusal(call: &'static str, code: vk::Result) -> Error {
     let error = match code {
         vk::Result::ERROR_INCOMPATIBLE_DRIVER | vk::Result::ERROR_INITIALIZATION_FAILED => {

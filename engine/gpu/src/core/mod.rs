@@ -1,4 +1,4 @@
-//! The foundation of all other rooms: instance, adapter, device, ticks, deletion, ownership of
+//! The foundation of all other modules: instance, adapter, device, ticks, deletion, ownership of
 //! handles.
 
 pub(crate) mod adapter;

@@ -1,16 +1,16 @@
-//! The buffer of rising numbers that a device keeps for vertex shaders.
+//! The buffer of ascending numbers that a device keeps for vertex shaders.
 
 use ash::vk;
 use gpu_allocator::vulkan::Allocation;
 
 use crate::core::deletion::Retired;
 
-/// A buffer of the numbers 0, 1, 2, ... in mapped memory. A larger one takes its place, and it is
-/// never written again, so that frames may use it while there is a newer one.
+/// A buffer of the numbers 0, 1, 2, ... in mapped memory. It is never rewritten: if more numbers
+/// are needed, a larger buffer replaces it, while frames may still use the old one.
 pub(crate) struct NumberBuffer {
     pub(crate) raw: vk::Buffer,
     pub(crate) allocation: Allocation,
-    /// The numbers in it.
+    /// The number of numbers in the buffer.
     pub(crate) count: u64,
 }
 

@@ -1,4 +1,4 @@
-//! The offer of an adapter, or of a host: the table of capabilities is read off it.
+//! The offer of an adapter or of a host, from which the capability table is filled.
 
 use std::ffi::{CStr, CString};
 
@@ -13,7 +13,7 @@ pub(crate) struct Offer {
     pub(crate) api_version: u32,
     /// The index of a queue family with graphics and compute.
     pub(crate) queue_family: Option<u32>,
-    /// The number of bits of that family's timestamps.
+    /// The number of timestamp bits of this family.
     pub(crate) timestamp_bits: u32,
     pub(crate) extensions: Vec<CString>,
     pub(crate) features: Features,
@@ -22,25 +22,25 @@ pub(crate) struct Offer {
     pub(crate) stage_storage_buffers: u32,
     /// The most textures of a [`TextureTable`](crate::TextureTable), by the device's limits.
     pub(crate) indexed_textures: u32,
-    /// The most that a capture of tessellated triangles may take.
+    /// The limits of a capture of tessellated triangles.
     pub(crate) capture: CaptureLimits,
-    /// The driver, if it says so.
+    /// The driver, if it is known.
     pub(crate) driver: vk::DriverId,
 }
 
-/// The limits of tessellation and transform feedback; 0 where there is none.
+/// The limits of tessellation and transform feedback; 0 if there is none.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct CaptureLimits {
-    /// The most control points of a patch.
+    /// The most control points in a patch.
     pub(crate) patch_points: u32,
-    /// The highest level of an edge.
+    /// The highest tessellation level of an edge.
     pub(crate) level: u32,
-    /// The most bytes that one buffer captures.
+    /// The most bytes captured in one buffer.
     pub(crate) buffer_bytes: u64,
 }
 
 impl CaptureLimits {
-    /// Returns true if none of the limits is below that of `least`.
+    /// Returns true if every limit is at least the limit in `least`.
     pub(crate) fn holds(self, least: Self) -> bool {
         self.patch_points >= least.patch_points
             && self.level >= least.level
@@ -48,16 +48,16 @@ impl CaptureLimits {
     }
 }
 
-/// The flags of a queue family that the engine can use.
+/// The flags that a queue family needs for the engine.
 pub(crate) const QUEUE_FLAGS: vk::QueueFlags =
     vk::QueueFlags::from_raw(vk::QueueFlags::GRAPHICS.as_raw() | vk::QueueFlags::COMPUTE.as_raw());
 
-/// The descriptors that a pipeline has beside a table of textures, with room to spare: they count
+/// The descriptors that a pipeline has besides a table of textures, with some reserve: they count
 /// towards the same limits.
 const OTHER_DESCRIPTORS: u32 = 64;
 
 impl Offer {
-    /// Reads all that an adapter offers. Frames in windows are part of it if the instance is for
+    /// Reads everything that an adapter offers, including frames in windows if the instance is for
     /// `windows`.
     ///
     /// # Safety
@@ -74,7 +74,7 @@ impl Offer {
         // SAFETY: as above.
         let mut offer = unsafe { Self::of_family(instance, physical, family) };
         if offer.api_version < vk::API_VERSION_1_3 {
-            // The structures of the features may not be asked of such a device.
+            // The feature structures must not be queried on such a device.
             return offer;
         }
         // SAFETY: as above.
@@ -84,7 +84,8 @@ impl Offer {
         let names: Vec<_> = names.filter(|name| is_usable(name, windows)).collect();
         let mut structures = FeatureStructures::default();
         let mut chain = structures.link(&names);
-        // SAFETY: the chain holds only structures that this device's version and extensions know.
+        // SAFETY: the chain contains only structures that this device's version and extensions
+        // support.
         unsafe { instance.get_physical_device_features2(physical, &mut chain) };
         structures.core = chain.features;
         offer.features = Features::from(&structures);
@@ -92,7 +93,7 @@ impl Offer {
         offer
     }
 
-    /// Reads what a physical device offers to those who turned no extension and no feature on.
+    /// Reads the offer of a physical device with no extension and no feature enabled.
     ///
     /// # Safety
     /// `physical` is of `instance`.
@@ -128,29 +129,31 @@ impl Offer {
         }
     }
 
-    /// Adds what a host turned on, who shows frames in windows himself.
+    /// Adds the extensions and features that a host enabled. The host itself shows frames in
+    /// windows.
     pub(crate) fn turn_on(&mut self, extensions: Vec<CString>, features: Features) {
         self.extensions = extensions;
         self.extensions.retain(|name| is_usable(name, None));
         self.features = features;
     }
 
-    /// Returns true if the driver offers multiview and draws wrong images with it: Mesa's llvmpipe.
-    /// That of 22.3 draws most of what the later views show to the first layer; no other version
-    /// was tried.
+    /// Returns true if the driver offers multiview but draws wrong images with it, as Mesa's
+    /// llvmpipe does. Version 22.3 draws most of the contents of later views to the first layer; no
+    /// other version was tested.
     pub(crate) fn draws_views_wrong(&self) -> bool {
         self.driver == vk::DriverId::MESA_LLVMPIPE
     }
 
-    /// Returns true if the driver takes the depth of a sample from another sample's place than its
-    /// coverage: Google's SwiftShader. Of a triangle that is seen edge-on, such a depth is nowhere
-    /// on it.
+    /// Returns true if the driver takes the depth of a sample at a different position than its
+    /// coverage, as Google's SwiftShader does. For a triangle that is seen edge-on, such a depth
+    /// does not lie on the triangle.
     pub(crate) fn misplaces_sample_depths(&self) -> bool {
         self.driver == vk::DriverId::GOOGLE_SWIFTSHADER
     }
 
-    /// Returns true if the driver gives a plain indirect draw the count of the counted draw before
-    /// it in the command buffer: Mesa's llvmpipe. That of 22.3 does; no other version was tried.
+    /// Returns true if the driver uses the count of a counted indirect draw for the next plain
+    /// indirect draw in the command buffer, as Mesa's llvmpipe 22.3 does. No other version was
+    /// tested.
     pub(crate) fn keeps_draw_counts(&self) -> bool {
         self.driver == vk::DriverId::MESA_LLVMPIPE
     }
@@ -161,7 +164,7 @@ impl Offer {
     }
 }
 
-/// Returns the driver of an adapter; none where Vulkan is too old to say.
+/// Returns the driver of an adapter; a default if the Vulkan version is too old to report it.
 ///
 /// # Safety
 /// `physical` is of `instance`, with these properties.
@@ -180,7 +183,8 @@ unsafe fn driver_of(
     driver.driver_id
 }
 
-/// Returns the most textures that shaders find by number; 0 where Vulkan is too old to say.
+/// Returns the most textures that shaders can index; 0 if the Vulkan version is too old to report
+/// it.
 ///
 /// # Safety
 /// `physical` is of `instance`, with these properties.
@@ -207,7 +211,7 @@ unsafe fn indexed_textures(
     all.into_iter().min().unwrap_or(0).saturating_sub(OTHER_DESCRIPTORS)
 }
 
-/// Returns the limits of captures; none where there is no transform feedback.
+/// Returns the limits of captures; 0 if there is no transform feedback.
 ///
 /// # Safety
 /// `physical` is of `instance`, with these properties.
@@ -226,7 +230,7 @@ unsafe fn capture_limits(
     }
     let mut feedback = vk::PhysicalDeviceTransformFeedbackPropertiesEXT::default();
     let mut chain = vk::PhysicalDeviceProperties2::default().push_next(&mut feedback);
-    // SAFETY: the device knows the structure, as the extension is there.
+    // SAFETY: the device supports the structure, because it has the extension.
     unsafe { instance.get_physical_device_properties2(physical, &mut chain) };
     CaptureLimits {
         patch_points: properties.limits.max_tessellation_patch_size,
@@ -235,7 +239,7 @@ unsafe fn capture_limits(
     }
 }
 
-/// Returns true if the instance has its half of a device extension.
+/// Returns true if the instance has the instance extension that a device extension depends on.
 fn is_usable(extension: &CStr, windows: Option<&WindowFunctions>) -> bool {
     let maintenance = [KHR_SWAPCHAIN_MAINTENANCE1, ext::swapchain_maintenance1::NAME];
     match windows {

@@ -1,5 +1,5 @@
-//! Opening a device: the features and extensions asked for, and the objects that every device
-//! needs.
+//! Opening a device: requests the features and extensions, and creates the objects that every
+//! device needs.
 
 use std::path::PathBuf;
 use std::sync::atomic::AtomicU64;
@@ -28,40 +28,40 @@ use crate::core::tick::create_semaphore;
 /// The options of a [`Device`](crate::Device).
 #[derive(Debug, Clone)]
 pub struct DeviceOptions {
-    /// The file of compiled pipelines between runs; `None` keeps none. A file that belongs to
-    /// another device or driver, or is damaged, is ignored and replaced.
+    /// The file that keeps compiled pipelines between runs; `None` for no file. A file that belongs
+    /// to another device or driver, or is damaged, is ignored and replaced.
     pub pipeline_cache: Option<PathBuf>,
-    /// The bound of every wait. A frame that takes longer is an error, not a hang.
+    /// The bound of every wait. A frame that takes longer results in an error, not a hang.
     pub wait_bound: Duration,
 }
 
 impl Default for DeviceOptions {
     fn default() -> Self {
-        // A million objects on a software driver take half a minute per frame.
+        // A frame of a million objects takes half a minute on a software driver.
         Self { pipeline_cache: None, wait_bound: Duration::from_secs(300) }
     }
 }
 
-/// A raw device, ours or a host's, and what is needed to work with it.
+/// A raw device, created by the engine or a host, with the data that is needed to use it.
 pub(crate) struct RawDevice {
     pub(crate) instance: Arc<InstanceShared>,
     pub(crate) adapter: Adapter,
     pub(crate) raw: ash::Device,
     pub(crate) ownership: Ownership,
     pub(crate) queue_family: u32,
-    /// The queue to submit to; none of an executor in a host's command buffers.
+    /// The queue to submit to; `None` for an executor that records into a host's command buffers.
     pub(crate) queue: Option<QueueLock<vk::Queue>>,
     pub(crate) callbacks: HostCallbacks,
     /// The pipeline cache of a host.
     pub(crate) pipeline_cache: Option<vk::PipelineCache>,
 }
 
-/// Makes the objects that every device needs: timeline, allocator, pipeline cache. A failure leaves
-/// nothing of them behind.
+/// Creates the objects that every device needs: timeline, allocator, pipeline cache. If it fails,
+/// none of them is left.
 pub(crate) fn equip(device: RawDevice, options: &DeviceOptions) -> Result<DeviceShared, Error> {
     let RawDevice { instance, adapter, raw, ownership, queue_family, queue, callbacks, .. } =
         device;
-    // Owns nothing of the device until memory is asked for.
+    // Owns no object of the device until memory is requested.
     let allocator = Allocator::new(&AllocatorCreateDesc {
         instance: instance.raw.clone(),
         device: raw.clone(),
@@ -108,7 +108,7 @@ pub(crate) fn equip(device: RawDevice, options: &DeviceOptions) -> Result<Device
     })
 }
 
-/// Creates a device of our own, by the same requirements that hosts are told.
+/// Creates a device for the engine itself, by the requirements that hosts also get.
 pub(super) fn create_raw(
     instance: &InstanceShared,
     adapter: &Adapter,
@@ -128,6 +128,6 @@ pub(super) fn create_raw(
         .queue_create_infos(&queues)
         .enabled_extension_names(&extensions)
         .push_next(&mut features);
-    // SAFETY: only features and extensions that the adapter reported are asked for.
+    // SAFETY: only features and extensions that the adapter reported are requested.
     unsafe { instance.raw.create_device(adapter.physical, &info, None) }.called("vkCreateDevice")
 }

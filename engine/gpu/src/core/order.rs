@@ -1,4 +1,4 @@
-//! The order of a submit among the others: what it waits for, and what it signals.
+//! The order of a submit relative to other submits: the semaphores that it waits for and signals.
 
 use ash::vk;
 
@@ -6,8 +6,8 @@ use crate::core::error::{Called, Error};
 use crate::core::tick::Tick;
 use crate::core::timeline::Timeline;
 
-/// The semaphores of a submit beside its tick: to wait for, and to signal. Binary semaphores belong
-/// to a window.
+/// The semaphores of a submit in addition to its tick: to wait for, and to signal. Binary
+/// semaphores belong to a window.
 #[derive(Default)]
 pub(crate) struct Order<'a> {
     pub(crate) after: Option<(&'a Timeline, Tick)>,
@@ -16,10 +16,11 @@ pub(crate) struct Order<'a> {
 }
 
 impl Order<'_> {
-    /// Submits a command buffer, or the order alone, and signals `tick` on `timeline`.
+    /// Submits a command buffer, or only the order, and signals `tick` on `timeline`.
     ///
     /// # Safety
-    /// Nobody else uses the queue. The commands are complete, and all handles of one device.
+    /// No other thread uses the queue. The commands are complete, and all handles are of one
+    /// device.
     pub(crate) unsafe fn submit(
         &self,
         device: &ash::Device,
@@ -35,7 +36,7 @@ impl Order<'_> {
             vk::SemaphoreSubmitInfo::default().semaphore(raw).value(value).stage_mask(stages)
         };
         let after = self.after.map(|(timeline, tick)| semaphore(timeline.raw, tick.0, all));
-        // Only copies touch the image of a window: whatever comes before them need not wait.
+        // Only copies touch the image of a window, so the work before them need not wait.
         let copies = vk::PipelineStageFlags2::ALL_TRANSFER;
         let acquired = self.acquired.map(|raw| semaphore(raw, 0, copies));
         let (waits, waiting) = both(after, acquired);
@@ -51,7 +52,7 @@ impl Order<'_> {
     }
 }
 
-/// Returns those of the two that are there, in front, and their number.
+/// Returns the values that are present, at the front of the array, and their number.
 fn both<T: Copy + Default>(first: Option<T>, second: Option<T>) -> ([T; 2], usize) {
     match (first, second) {
         (Some(first), Some(second)) => ([first, second], 2),

@@ -1,15 +1,16 @@
-//! The device of each object, and the one check that no other device is given its handles.
+//! The owning device of each object, and the check that handles are only used with their own
+//! device.
 //!
-//! Handles mean something to the device (or instance) that gave them away and to no other: drivers
-//! follow them as pointers. Whatever owns handles says by [`OfDevice`] where they come from;
-//! [`Commands`](crate::Commands) ask before they record it, everything else by
+//! A handle is only valid for the device (or instance) that created it: drivers follow it as a
+//! pointer. Every owner of handles reports its device by [`OfDevice`].
+//! [`Commands`](crate::Commands) check it before they record; all other code uses
 //! [`Device::check`](crate::Device::check).
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::core::error::Error;
 
-/// The identity of a [`Device`](crate::Device) or an [`Instance`](crate::Instance) among all of the
+/// The identity of a [`Device`](crate::Device) or an [`Instance`](crate::Instance), unique in the
 /// process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct OwnerId(u64);
@@ -22,25 +23,25 @@ impl OwnerId {
     }
 }
 
-/// The owner of a Vulkan handle, who destroys it.
+/// The owner of a Vulkan handle, which destroys it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Ownership {
-    /// The engine made it.
+    /// The engine created it.
     Ours,
     /// A host lent it.
     Host,
 }
 
-/// A thing made from a [`Device`](crate::Device), of use to no other.
+/// An object made from a [`Device`](crate::Device), which cannot be used with another device.
 pub trait OfDevice {
-    /// Its kind with an article, for error messages.
+    /// The kind of the object with an article, for error messages.
     const KIND: &'static str;
 
-    /// Returns the id of the device that it was made from.
+    /// Returns the id of the device that the object was made from.
     fn device_id(&self) -> OwnerId;
 }
 
-/// Refuses a thing that has another owner than its user.
+/// Returns an error if an object has another owner than its user.
 pub(crate) fn check(
     owner: OwnerId,
     wanted: OwnerId,

@@ -1,7 +1,6 @@
-//! Uploads that wait for a frame of a host: a device without a queue cannot copy by itself.
+//! Uploads that wait for a frame of a host: a device without a queue cannot submit copies.
 //!
-//! Each frame records the copies first, again and again until one that holds them is known to have
-//! run.
+//! Each frame first records the copies, until a frame with them is known to have run.
 
 use std::sync::{Arc, Weak};
 
@@ -11,28 +10,28 @@ use gpu_allocator::vulkan::Allocation;
 use crate::core::deletion::Retired;
 use crate::core::tick::Tick;
 
-/// The proof that the destination of a pending upload is still wanted; it goes with the buffer.
+/// The token that shows that the destination of a pending upload still exists; the buffer holds it.
 pub(crate) type UploadToken = Arc<()>;
 
-/// The uploads of a device that no frame is known to have done.
+/// The uploads of a device that are not known to have been executed.
 #[derive(Default)]
 pub(crate) struct PendingUploads {
     uploads: Vec<PendingUpload>,
 }
 
-/// A buffer in mapped memory, and the one that it is copied to.
+/// A buffer in mapped memory, and the buffer that it is copied to.
 pub(crate) struct PendingUpload {
     pub(crate) from: vk::Buffer,
     pub(crate) allocation: Allocation,
     pub(crate) to: vk::Buffer,
     pub(crate) size_bytes: u64,
     wanted: Weak<()>,
-    /// The first frame that did it.
+    /// The first frame that recorded the copy.
     frame: Option<Tick>,
 }
 
 impl PendingUploads {
-    /// Adds the copy of the whole of `from` to `to`. The token belongs to the owner of `to`.
+    /// Adds a copy of the whole buffer `from` to `to`. The owner of `to` must keep the token.
     pub(crate) fn push(
         &mut self,
         from: vk::Buffer,
@@ -46,8 +45,8 @@ impl PendingUploads {
         token
     }
 
-    /// Calls `copy` for each upload that the frame `current` does, and `retire` with what no later
-    /// frame needs: done in a frame up to `confirmed`, or no longer wanted.
+    /// Calls `copy` for each upload that the frame `current` must record. Calls `retire` for each
+    /// upload that was executed in a frame up to `confirmed` or is no longer wanted.
     pub(crate) fn record(
         &mut self,
         current: Tick,
@@ -68,7 +67,7 @@ impl PendingUploads {
         }
     }
 
-    /// Takes all of them, when the device goes.
+    /// Removes all uploads when the device is closed.
     pub(crate) fn drain(&mut self) -> impl Iterator<Item = Retired> {
         self.uploads.drain(..).map(|upload| Retired::Buffer(upload.from, upload.allocation))
     }

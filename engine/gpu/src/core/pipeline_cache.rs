@@ -1,8 +1,9 @@
-//! The pipeline cache on disk: pipelines compiled in an earlier run are not compiled again.
+//! The pipeline cache on disk, so that pipelines of an earlier run are not compiled again.
 //!
 //! Drivers check little more than the header of their data, and may crash if the rest is damaged
-//! (VUID-VkPipelineCacheCreateInfo-initialDataSize-00769). So the file has a header of its own, and
-//! data reaches a driver only if it is whole and of this very driver and device.
+//! (VUID-VkPipelineCacheCreateInfo-initialDataSize-00769). So the file has a header of its own. Its
+//! data reaches a driver only if it is complete and was written by the same driver for the same
+//! device.
 
 use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
@@ -16,7 +17,7 @@ use crate::core::host_callbacks::HostCallbacks;
 use crate::core::instance::InstanceShared;
 use crate::core::ownership::Ownership;
 
-/// A driver's cache and the file it lives in.
+/// A driver's cache and its file.
 pub(crate) struct PipelineCache {
     pub(crate) raw: vk::PipelineCache,
     path: Option<PathBuf>,
@@ -24,14 +25,14 @@ pub(crate) struct PipelineCache {
     ownership: Ownership,
 }
 
-/// The identity of the device and of the exact build of its driver.
+/// The identity of a device and of the exact build of its driver.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Identity([u8; IDENTITY_BYTES]);
 
 /// The size of three numbers and three UUIDs.
 const IDENTITY_BYTES: usize = 3 * 4 + 3 * vk::UUID_SIZE;
 
-/// The size beyond which a file is refused as foreign: drivers keep some megabytes.
+/// The size beyond which a file is rejected: caches of drivers take some megabytes.
 const MOST_BYTES: u64 = 256 << 20;
 
 /// The first bytes of the file. The last character is its version.
@@ -58,13 +59,13 @@ impl Identity {
 }
 
 impl PipelineCache {
-    /// Wraps the cache of a host, who also saves and destroys it.
+    /// Wraps the cache of a host, which also saves and destroys it.
     pub(crate) fn of_host(raw: vk::PipelineCache) -> Self {
         let identity = Identity([0; IDENTITY_BYTES]);
         Self { raw, path: None, identity, ownership: Ownership::Host }
     }
 
-    /// Opens the cache with what `path` holds, if this device and driver wrote it.
+    /// Opens the cache with the contents of `path`, if this device and driver wrote them.
     pub(crate) fn open(
         instance: &InstanceShared,
         adapter: &Adapter,
@@ -80,7 +81,7 @@ impl PipelineCache {
             tracing::info!("the stored pipeline cache is damaged or of another driver");
         }
         let info = vk::PipelineCacheCreateInfo::default().initial_data(stored.unwrap_or_default());
-        // SAFETY: the data, if any, is what this driver gave away for this device, unharmed.
+        // SAFETY: the data, if any, was written by this driver for this device and is undamaged.
         let raw = match unsafe { device.create_pipeline_cache(&info, callbacks.get()) } {
             Ok(raw) => raw,
             Err(code) => {
@@ -94,10 +95,10 @@ impl PipelineCache {
         Ok(Self { raw, path, identity, ownership: Ownership::Ours })
     }
 
-    /// Writes the cache back to its file. A disk that refuses costs time, not correctness.
+    /// Writes the cache back to its file. A failure costs time, not correctness.
     pub(crate) fn save(&self, device: &ash::Device) {
         let Some(path) = &self.path else { return };
-        // SAFETY: the cache is ours.
+        // SAFETY: the engine created this cache.
         match unsafe { device.get_pipeline_cache_data(self.raw) } {
             Ok(data) if data.is_empty() => {}
             Ok(data) => self.write(path, &data),
@@ -105,10 +106,10 @@ impl PipelineCache {
         }
     }
 
-    /// Destroys the cache, unless it is a host's.
+    /// Destroys the cache, unless it belongs to a host.
     pub(crate) fn destroy(&self, device: &ash::Device, callbacks: &HostCallbacks) {
         if self.ownership == Ownership::Ours {
-            // SAFETY: called once, when the device goes.
+            // SAFETY: called once, when the device is closed.
             unsafe { device.destroy_pipeline_cache(self.raw, callbacks.get()) };
         }
     }
@@ -122,14 +123,14 @@ impl PipelineCache {
     }
 }
 
-/// Returns the file that holds `data`.
+/// Returns the contents of the file for `data`.
 fn seal(identity: Identity, data: &[u8]) -> Vec<u8> {
     let length = data.len() as u64;
     let hash = fnv_1a(data);
     [MAGIC, &identity.0[..], &length.to_le_bytes(), &hash.to_le_bytes(), data].concat()
 }
 
-/// Returns the data that [`seal`] put into `file`, if that is whole and of the same identity.
+/// Returns the data that [`seal`] wrote to `file`, if it is complete and of the same identity.
 fn unseal(identity: Identity, file: &[u8]) -> Option<&[u8]> {
     let rest = file.strip_prefix(MAGIC)?.strip_prefix(&identity.0)?;
     let (length, rest) = rest.split_first_chunk()?;
@@ -139,14 +140,14 @@ fn unseal(identity: Identity, file: &[u8]) -> Option<&[u8]> {
     is_whole.then_some(data)
 }
 
-/// Returns the FNV-1a hash of 64 bits: it finds accidents, not attacks.
+/// Returns the 64-bit FNV-1a hash, which detects accidents, not attacks.
 fn fnv_1a(data: &[u8]) -> u64 {
     let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
     data.iter().fold(0xcbf2_9ce4_8422_2325, step)
 }
 
-/// Reads a regular file of at most `most_bytes`. Refuses anything else by its type: to open a pipe
-/// would be to wait for somebody who writes, and a file of holes is as large as it says.
+/// Reads a regular file of at most `most_bytes`. Rejects other types before opening: opening a pipe
+/// would wait for a writer. Rejects sparse files by their nominal size.
 fn read_file(path: &Path, most_bytes: u64) -> std::io::Result<Vec<u8>> {
     let about = std::fs::metadata(path)?;
     let refuse = |reason| Err(std::io::Error::new(ErrorKind::InvalidData, reason));
@@ -157,18 +158,18 @@ fn read_file(path: &Path, most_bytes: u64) -> std::io::Result<Vec<u8>> {
         return refuse("it is too large");
     }
     let mut bytes = Vec::with_capacity(about.len() as usize);
-    // It may grow meanwhile.
+    // The file may grow meanwhile.
     std::fs::File::open(path)?.take(most_bytes).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 
-/// Writes beside the file and renames: another process sees the old file or the new one, whole, and
-/// so does the next run after a power cut.
+/// Writes a new file and renames it: another process sees either the old file or the new one,
+/// complete, and so does the next run after a power failure.
 fn replace_file(path: &Path, data: &[u8]) -> std::io::Result<()> {
     /// The number of files written, for unique names: devices of one process may close at the same
     /// time.
     static WRITTEN: AtomicU64 = AtomicU64::new(0);
-    // A pipe or a device is not ours to replace.
+    // A pipe or a device file must not be replaced.
     if std::fs::metadata(path).is_ok_and(|about| !about.is_file()) {
         return Err(std::io::Error::new(ErrorKind::InvalidInput, "it is no regular file"));
     }
@@ -180,12 +181,12 @@ fn replace_file(path: &Path, data: &[u8]) -> std::io::Result<()> {
     let write = || {
         let mut file = std::fs::File::create(&beside)?;
         file.write_all(data)?;
-        // Else the new name may reach the disk before what it names.
+        // Otherwise the new name may reach the disk before the contents.
         file.sync_all()?;
         std::fs::rename(&beside, path)
     };
     write().inspect_err(|_| {
-        // Nothing half-written stays behind.
+        // No partial file is left.
         let _gone_or_not_ours = std::fs::remove_file(&beside);
     })
 }
@@ -257,7 +258,7 @@ mod tests {
         replace_file(&path, b"first").unwrap();
         replace_file(&path, b"second").unwrap();
         assert_eq!(std::fs::read(&path).unwrap(), b"second");
-        // A folder is in the way.
+        // A folder has the name of the file.
         let blocked = folder.join("inner");
         assert!(replace_file(&blocked, b"third").is_err());
         let left: Vec<_> = std::fs::read_dir(&folder).unwrap().collect();

@@ -1,15 +1,15 @@
-//! A lock with a bounded wait: a present may hold a queue for as long as its window is hidden.
+//! A lock with a bounded wait: a present may hold a queue as long as its window is hidden.
 
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The lock of a host around a queue that it shares with the engine. Every [`Mutex`] is one.
+/// The lock of a host for a queue that it shares with the engine. Every [`Mutex`] implements it.
 ///
-/// Vulkan leaves it to the program that no two threads use one queue at once. The engine holds the
-/// lock around each of its submits and nowhere else.
+/// Vulkan requires that no two threads use one queue at once. The engine holds the lock during each
+/// of its submits and at no other time.
 pub trait HostQueueLock: Send + Sync {
-    /// Calls `submit` once, while nobody else uses the queue. A lock that can wait for a limited
-    /// time returns without having called it if others hold the queue for longer than `bound`.
+    /// Calls `submit` once, with exclusive use of the queue. A lock with a bounded wait returns
+    /// without the call if others hold the queue for longer than `bound`.
     fn locked(&self, bound: Duration, submit: &mut dyn FnMut());
 }
 
@@ -27,20 +27,20 @@ pub(crate) struct QueueLock<T> {
     host: Option<Arc<dyn HostQueueLock>>,
 }
 
-/// The guard of a turn among the engine's own threads, which ends when the guard is dropped.
+/// The guard of exclusive use among the engine's own threads, which ends when the guard is dropped.
 struct Turn<'a> {
     is_taken: &'a Mutex<bool>,
     is_free: &'a Condvar,
 }
 
 impl<T: Copy> QueueLock<T> {
-    /// Returns a lock that takes the lock of a host too, if there is one.
+    /// Returns a lock that also takes the lock of a host, if there is one.
     pub(crate) fn new(value: T, host: Option<Arc<dyn HostQueueLock>>) -> Self {
         Self { value, is_taken: Mutex::new(false), is_free: Condvar::new(), host }
     }
 
-    /// Calls `user` with the value, which nobody else uses meanwhile. Returns `None` if the others
-    /// do not end their turns within `bound`.
+    /// Calls `user` with the value and exclusive use of it. Returns `None` if other users do not
+    /// end within `bound`.
     pub(crate) fn locked<R>(&self, bound: Duration, user: impl FnOnce(T) -> R) -> Option<R> {
         let began = Instant::now();
         let _turn = self.take_turn(bound)?;
@@ -55,7 +55,7 @@ impl<T: Copy> QueueLock<T> {
     fn take_turn(&self, bound: Duration) -> Option<Turn<'_>> {
         let Self { is_taken, is_free, .. } = self;
         let waited = is_free.wait_timeout_while(lock(is_taken), bound, |is_taken| *is_taken);
-        // A poisoned lock means that a thread panicked; a flag stays whole.
+        // A poisoned lock means that a thread panicked; the flag is still valid.
         let (mut now_taken, timeout) = waited.unwrap_or_else(|error| error.into_inner());
         if timeout.timed_out() && *now_taken {
             return None;
@@ -72,9 +72,9 @@ impl Drop for Turn<'_> {
     }
 }
 
-/// Locks a value that stays whole even where a thread panicked while it held the lock.
+/// Locks a value that stays valid even if a thread panicked while it held the lock.
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // A poisoned lock means that a thread panicked; the values behind our locks stay whole.
+    // A poisoned lock means that a thread panicked; the locked values stay valid.
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -115,7 +115,7 @@ mod tests {
         assert!(host.try_lock().is_ok());
     }
 
-    /// A host that never gives its queue away.
+    /// A host that never releases its queue.
     struct Busy;
 
     impl HostQueueLock for Busy {
@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn a_host_that_keeps_its_queue_is_not_waited_for_in_vain() {
         let queue = QueueLock::new(7, Some(Arc::new(Busy)));
-        // The turn among our own threads is given back each time.
+        // The turn among the engine's threads is released each time.
         for _ in 0..2 {
             assert_eq!(queue.locked(Duration::ZERO, |value| value), None);
         }

@@ -1,4 +1,4 @@
-//! The requirements that a host merges into its creation of the device that the engine will use.
+//! The requirements that a host includes when it creates a device for the engine.
 
 use std::ffi::CStr;
 
@@ -9,10 +9,11 @@ use crate::core::error::Error;
 use crate::core::features::Features;
 use crate::core::offer::{Offer, QUEUE_FLAGS};
 
-/// The needs of the engine on one physical device: what to turn on when a device is made of it.
+/// The needs of the engine on one physical device: the extensions and features to enable when a
+/// device is created.
 ///
-/// A host merges them into its own creation of the device, and hands the device to
-/// [`Device::adopt`](crate::Device::adopt). The engine's own devices are made from the same value.
+/// A host includes them in its own creation of a device, and passes the device to
+/// [`Device::adopt`](crate::Device::adopt). The engine creates its own devices from the same value.
 ///
 /// ```no_run
 /// # use antumbra_gpu as gpu;
@@ -42,22 +43,22 @@ use crate::core::offer::{Offer, QUEUE_FLAGS};
 /// ```
 #[derive(Debug, Clone)]
 pub struct Requirements {
-    /// The part of the engine that they are for.
+    /// The part of the engine that will use the device.
     pub purpose: Purpose,
-    /// The least version of Vulkan that the instance must be made for, and the device speak.
+    /// The least Vulkan version of the instance and of the device.
     pub api_version: u32,
     /// The flags of the queue family whose command buffers the engine records into.
     pub queue_flags: vk::QueueFlags,
     /// The first queue family with these flags.
     pub queue_family: Option<u32>,
-    /// The extensions without which there is no engine. Today there are none: all of them became
+    /// The extensions that the engine cannot work without. Today there are none: all of them became
     /// part of Vulkan 1.3.
     pub required_extensions: Vec<&'static CStr>,
-    /// The extensions that this device has and the engine can use.
+    /// The supported extensions that the engine can use.
     pub optional_extensions: Vec<&'static CStr>,
-    /// The features without which there is no engine, whether the device has them or not.
+    /// The features that the engine cannot work without, supported or not.
     pub required_features: Features,
-    /// The features that this device has and the engine can use.
+    /// The supported features that the engine can use.
     pub optional_features: Features,
     device: String,
     missing: Vec<RequiredFeature>,
@@ -67,7 +68,7 @@ impl Requirements {
     /// Reads the needs of a part of the engine on a physical device.
     ///
     /// # Safety
-    /// `physical` comes from `instance`, which lives.
+    /// `physical` comes from `instance`, which is alive.
     pub unsafe fn of(
         instance: &ash::Instance,
         physical: vk::PhysicalDevice,
@@ -82,7 +83,8 @@ impl Requirements {
         Self::new(&name, &offer, &capabilities, purpose)
     }
 
-    /// Returns what a device with `capabilities` turns on, out of what the adapter offers.
+    /// Returns the extensions and features to enable on a device with `capabilities`, out of
+    /// `offer`.
     pub(crate) fn new(
         device: &str,
         offer: &Offer,
@@ -116,12 +118,12 @@ impl Requirements {
         }
     }
 
-    /// Returns the names of all extensions to turn on: the required and the optional ones.
+    /// Returns the names of all extensions to enable: required and optional ones.
     pub fn extensions(&self) -> Vec<&'static CStr> {
         [&self.required_extensions[..], &self.optional_extensions].concat()
     }
 
-    /// Returns all features to turn on: the required and the optional ones.
+    /// Returns all features to enable: required and optional ones.
     pub fn features(&self) -> Features {
         self.required_features.union(self.optional_features)
     }
@@ -131,10 +133,10 @@ impl Requirements {
         &self.missing
     }
 
-    /// Refuses a device that lacks something required.
+    /// Checks that the device has everything that is required.
     ///
     /// # Errors
-    /// [`Error::DeviceLacks`], with the names.
+    /// [`Error::DeviceLacks`] with the names of the missing capabilities.
     pub fn check(&self) -> Result<(), Error> {
         if self.missing.is_empty() {
             return Ok(());

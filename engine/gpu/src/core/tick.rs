@@ -1,16 +1,16 @@
-//! Ticks: values of a timeline semaphore, the one proof that work on the GPU is over.
+//! Ticks: values of a timeline semaphore, which prove that work on the GPU is over.
 
 use ash::vk;
 
 use crate::core::error::{Called, Error};
 
-/// A value of a timeline. Ticks of one device are numbered from 1 in the order of its submits; on a
+/// A value of a timeline. Ticks of a device are numbered from 1 in the order of its submits. On a
 /// device that records into a host's command buffers, they are the numbers of the host's frames.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct Tick(pub u64);
 
 impl Tick {
-    /// The tick before all work.
+    /// The tick before any work.
     pub const ZERO: Tick = Tick(0);
 
     /// Returns the tick after this one.

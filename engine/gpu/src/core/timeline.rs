@@ -1,4 +1,4 @@
-//! Timelines of a host, which frames may wait for.
+//! Timelines of a host that frames can wait for.
 
 use ash::vk;
 
@@ -8,8 +8,8 @@ use crate::core::error::{Called, Error};
 use crate::core::ownership::{Ownership, of_device};
 use crate::core::tick::{Tick, create_semaphore};
 
-/// A timeline for frames that must wait for something: hand it to [`crate::Frame::submit`], signal
-/// it from the CPU or from a queue of the host.
+/// A timeline for frames that must wait for other work. Pass it to [`crate::Frame::submit`], and
+/// signal it from the CPU or from a queue of the host.
 pub struct Timeline {
     device: Device,
     pub(crate) raw: vk::Semaphore,
@@ -20,7 +20,7 @@ impl Timeline {
     /// Creates a timeline at tick 0.
     ///
     /// # Errors
-    /// [`Error::NoQueue`] on a device that submits nothing; a failed call.
+    /// [`Error::NoQueue`] on a device without a queue; a failed call.
     pub fn new(device: &Device, name: &str) -> Result<Self, Error> {
         device.check_queue("a timeline")?;
         let raw = create_semaphore(device.raw(), device.callbacks())?;
@@ -28,20 +28,20 @@ impl Timeline {
         Ok(Self { device: device.clone(), raw, ownership: Ownership::Ours })
     }
 
-    /// Wraps a timeline semaphore that a host made and goes on to own.
+    /// Wraps a timeline semaphore that a host created and keeps owning.
     ///
     /// # Safety
     /// `raw` is a timeline semaphore of this device. It lives until every frame that waits for it
     /// is over.
     ///
     /// # Errors
-    /// [`Error::NoQueue`] on a device that submits nothing.
+    /// [`Error::NoQueue`] on a device without a queue.
     pub unsafe fn from_raw(device: &Device, raw: vk::Semaphore) -> Result<Self, Error> {
         device.check_queue("a timeline")?;
         Ok(Self { device: device.clone(), raw, ownership: Ownership::Host })
     }
 
-    /// Signals `tick` from the CPU. Ticks must rise.
+    /// Signals `tick` from the CPU. Ticks must increase.
     ///
     /// # Errors
     /// A failed call.

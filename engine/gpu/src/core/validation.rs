@@ -1,4 +1,4 @@
-//! The validation log: the messages of the layers, kept until a test drains it.
+//! The validation log: the messages of the layers, kept until they are drained.
 
 use std::ffi::{CStr, c_void};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -8,9 +8,9 @@ use ash::vk;
 /// One message of a validation layer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Message {
-    /// The layer's name for the rule, such as `VUID-vkCmdDraw-None-02699`.
+    /// The name of the rule, such as `VUID-vkCmdDraw-None-02699`.
     pub id: String,
-    /// The text of the message, in the layer's own words.
+    /// The text of the message from the layer.
     pub text: String,
 }
 
@@ -20,21 +20,21 @@ pub struct ValidationLog {
     messages: Arc<Mutex<Vec<Message>>>,
 }
 
-/// The most messages that are kept: the first ones explain the rest.
+/// The most messages that are kept: the first messages explain the rest.
 const MESSAGES_KEPT: usize = 10_000;
 
 impl ValidationLog {
-    /// Takes out all messages since the last call.
+    /// Removes and returns all messages since the last call.
     pub fn drain(&self) -> Vec<Message> {
         std::mem::take(&mut *self.lock())
     }
 
-    /// Returns the number of messages waiting.
+    /// Returns the number of messages in the log.
     pub fn len(&self) -> usize {
         self.lock().len()
     }
 
-    /// Returns true if no message waits.
+    /// Returns true if the log has no message.
     pub fn is_empty(&self) -> bool {
         self.lock().is_empty()
     }
@@ -50,8 +50,8 @@ impl ValidationLog {
         self.messages.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Returns the description of the messenger: the callback and, as its user data, this log. The
-    /// log must outlive the messenger; [`crate::Instance`] holds it in a box for that.
+    /// Returns the description of the messenger, with this log as the user data of the callback.
+    /// The log must outlive the messenger; [`crate::Instance`] keeps it in a box for this.
     pub(crate) fn messenger_info(log: &ValidationLog) -> vk::DebugUtilsMessengerCreateInfoEXT<'_> {
         vk::DebugUtilsMessengerCreateInfoEXT::default()
             .message_severity(
@@ -77,7 +77,7 @@ unsafe extern "system" fn on_message(
     if data.is_null() || user_data.is_null() {
         return vk::FALSE;
     }
-    // SAFETY: the loader passes valid callback data for the length of the call.
+    // SAFETY: the loader passes callback data that is valid during the call.
     let data = unsafe { &*data };
     // SAFETY: user_data is the boxed log of the instance, which outlives its messenger.
     let log = unsafe { &*user_data.cast::<ValidationLog>() };
@@ -92,10 +92,11 @@ unsafe extern "system" fn on_message(
     vk::FALSE
 }
 
-/// Returns false for messages of the loader (a manifest that it could not read), and for those
-/// about names that were looked up at the wrong level. Loaders and drivers do that within
-/// `vkCreateDevice`, as with `vkGetPhysicalDeviceVideoEncodeQualityLevelPropertiesKHR` on NVIDIA
-/// 580, a name that this program does not contain. Ours are looked up by `ash`, by their level.
+/// Returns false for messages of the loader (about a manifest that it could not read), and for
+/// messages about names that were looked up at the wrong level. Loaders and drivers do so within
+/// `vkCreateDevice`, as NVIDIA 580 does with
+/// `vkGetPhysicalDeviceVideoEncodeQualityLevelPropertiesKHR`, a name that this program does not
+/// contain. The names of this program are looked up by `ash` at their level.
 fn is_about_our_calls(kind: vk::DebugUtilsMessageTypeFlagsEXT, id: &str) -> bool {
     kind != vk::DebugUtilsMessageTypeFlagsEXT::GENERAL && id != "WARNING-vkGetDeviceProcAddr-device"
 }

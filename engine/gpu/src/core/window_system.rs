@@ -1,5 +1,5 @@
-//! Window systems: the kinds of window that an instance can present to, and the extensions that
-//! each needs.
+//! Window systems: the kinds of windows that an instance can present to, and the extensions that
+//! they need.
 
 use std::ffi::{CStr, CString, c_char};
 
@@ -15,15 +15,15 @@ use crate::core::error::Error;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WindowSystem(&'static CStr);
 
-/// The functions with which an instance for windows is asked about surfaces.
+/// The functions to query surfaces of an instance for windows.
 pub(crate) struct WindowFunctions {
     pub(crate) system: WindowSystem,
     pub(crate) surface: khr::surface::Instance,
-    /// The extensions that give devices present fences, if the instance has its half of them.
+    /// The device extensions for present fences whose instance extension is enabled.
     pub(crate) present_fences: Vec<&'static CStr>,
 }
 
-/// The extensions of an instance, and those of its devices.
+/// The extensions of an instance, and the extensions of its devices.
 type Asked = (Vec<*const c_char>, Vec<&'static CStr>);
 
 const MAINTENANCE: [(&CStr, &CStr); 2] = [
@@ -32,11 +32,11 @@ const MAINTENANCE: [(&CStr, &CStr); 2] = [
 ];
 
 impl WindowSystem {
-    /// Returns the window system that `display` belongs to, the display of a window or of an event
-    /// loop without one.
+    /// Returns the window system of `display`, which is the display of a window or of an event loop
+    /// without a window.
     ///
     /// # Errors
-    /// [`Error::NoDisplay`] where the connection is gone, or for a system unknown to Vulkan.
+    /// [`Error::NoDisplay`] if the connection is lost, or if Vulkan does not support the system.
     #[cfg(feature = "window")]
     pub fn of(display: &impl HasDisplayHandle) -> Result<Self, Error> {
         let handle = display.display_handle();
@@ -51,17 +51,17 @@ impl WindowSystem {
         }
     }
 
-    /// Returns true for Wayland: no error reports a resize, and a hidden window may show nothing
-    /// for ever.
+    /// Returns true for Wayland, where no error reports a resize, and a hidden window may never
+    /// show a frame.
     #[cfg(feature = "window")]
     pub(crate) fn is_wayland(self) -> bool {
         self.0 == khr::wayland_surface::NAME
     }
 
-    /// Returns the extensions to ask an instance for, out of those that are `there`.
+    /// Returns the extensions to request from an instance, out of the available ones in `there`.
     ///
-    /// Also returns the device extensions of present fences whose instance half is then on. The
-    /// younger of the two extensions has the structures of the elder.
+    /// Also returns the device extensions for present fences whose instance extension is then
+    /// enabled. The newer of the two extensions has the structures of the older.
     pub(crate) fn extensions(self, there: &[CString]) -> Result<Asked, Error> {
         let has = |name: &CStr| there.iter().any(|extension| extension.as_c_str() == name);
         let required = [khr::surface::NAME, self.0];
@@ -83,7 +83,7 @@ impl WindowSystem {
     }
 }
 
-/// Returns the display as drivers expect it.
+/// Returns the display in the form that drivers expect.
 #[cfg(feature = "window")]
 pub(crate) fn display_for_drivers(handle: RawDisplayHandle) -> RawDisplayHandle {
     #[cfg(feature = "loaded")]
@@ -91,7 +91,7 @@ pub(crate) fn display_for_drivers(handle: RawDisplayHandle) -> RawDisplayHandle 
     handle
 }
 
-/// Returns the window as drivers expect it, on the display of [`display_for_drivers`].
+/// Returns the window in the form that drivers expect, on the display of [`display_for_drivers`].
 #[cfg(feature = "window")]
 pub(crate) fn window_for_drivers(
     handle: RawWindowHandle,
@@ -104,10 +104,10 @@ pub(crate) fn window_for_drivers(
     handle
 }
 
-/// Returns the string as one that lives as long as the program.
+/// Returns the string with the lifetime of the program.
 ///
 /// # Safety
-/// `name` points to a string that lives as long as the program.
+/// `name` points to a string that lives until the program ends.
 #[cfg(feature = "window")]
 unsafe fn constant(name: *const c_char) -> &'static CStr {
     // SAFETY: the caller's promise.

@@ -1,9 +1,9 @@
-//! Windows of Xlib as windows of XCB: every driver for X11 knows these, and some know only these.
+//! Conversion of Xlib windows to XCB windows: every driver for X11 supports XCB windows, and some
+//! support only them.
 //!
-//! The loader takes a surface of Xlib for one that any driver understands. Google's SwiftShader
-//! supports no surface of Xlib, claims that it can present to one, and crashes when it is asked for
-//! its size. Both libraries share one connection, and drivers that take windows of Xlib ask for it,
-//! too.
+//! The loader assumes that any driver supports Xlib surfaces. Google's SwiftShader supports none,
+//! but reports that it can present to them, and crashes when their size is queried. Both libraries
+//! share one connection, and drivers for Xlib windows also use this connection.
 
 use std::ffi::c_void;
 use std::num::NonZeroU32;
@@ -18,14 +18,14 @@ use raw_window_handle::{
 /// The type of `XGetXCBConnection`.
 type ConnectionOf = unsafe extern "C" fn(display: *mut c_void) -> *mut c_void;
 
-/// Returns the same display as XCB calls it, where it is one of Xlib and the library is there.
+/// Returns the XCB form of a display, if it is an Xlib display and the library is installed.
 pub(crate) fn display(handle: RawDisplayHandle) -> RawDisplayHandle {
     let RawDisplayHandle::Xlib(XlibDisplayHandle { display: Some(display), screen, .. }) = handle
     else {
         return handle;
     };
     let Some(connection_of) = loaded() else { return handle };
-    // SAFETY: a display that is open, as who has the handle promises; it keeps its connection.
+    // SAFETY: the display is open, as the owner of the handle promises; it keeps its connection.
     let connection = unsafe { connection_of(display.as_ptr()) };
     match NonNull::new(connection) {
         Some(connection) => XcbDisplayHandle::new(Some(connection), screen).into(),
@@ -33,12 +33,12 @@ pub(crate) fn display(handle: RawDisplayHandle) -> RawDisplayHandle {
     }
 }
 
-/// Returns the same window as XCB calls it, where its display is one of XCB by now.
+/// Returns the XCB form of a window, if its display was converted to XCB.
 pub(crate) fn window(handle: RawWindowHandle, display: RawDisplayHandle) -> RawWindowHandle {
     let (RawWindowHandle::Xlib(window), RawDisplayHandle::Xcb(_)) = (handle, display) else {
         return handle;
     };
-    // Xlib keeps the server's numbers of 32 bits in a long.
+    // Xlib stores the server's 32-bit numbers in a long.
     let number = |long: std::ffi::c_ulong| u32::try_from(long).ok().and_then(NonZeroU32::new);
     let Some(id) = number(window.window) else { return handle };
     let mut xcb = XcbWindowHandle::new(id);
@@ -48,7 +48,7 @@ pub(crate) fn window(handle: RawWindowHandle, display: RawDisplayHandle) -> RawW
 
 fn loaded() -> Option<ConnectionOf> {
     static LIBRARY: OnceLock<Option<Library>> = OnceLock::new();
-    // SAFETY: a part of X11 that does nothing when it is loaded, and is never unloaded.
+    // SAFETY: a part of X11 that runs no code when it is loaded, and is never unloaded.
     let library = LIBRARY.get_or_init(|| unsafe { Library::new("libX11-xcb.so.1") }.ok()).as_ref();
     // SAFETY: the function has this type (X11/Xlib-xcb.h).
     let symbol =

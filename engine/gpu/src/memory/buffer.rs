@@ -1,4 +1,4 @@
-//! Buffers: one allocation, one name, retired when dropped.
+//! Buffers: each has one allocation and one name, and is retired when it is dropped.
 
 use std::ops::Range;
 
@@ -13,14 +13,14 @@ use crate::core::error::{Called, Error};
 use crate::core::ownership::{OfDevice, OwnerId};
 use crate::core::pending_uploads::UploadToken;
 
-/// The memory that a buffer lives in.
+/// The kind of memory of a buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MemoryKind {
-    /// GPU memory the CPU does not see.
+    /// GPU memory that the CPU cannot access.
     Device,
-    /// Mapped memory the CPU writes.
+    /// Mapped memory that the CPU writes.
     Upload,
-    /// Mapped memory the CPU reads.
+    /// Mapped memory that the CPU reads.
     ReadBack,
 }
 
@@ -31,16 +31,17 @@ pub struct Buffer {
     // None only while dropping.
     allocation: Option<Allocation>,
     size_bytes: u64,
-    /// Kept while the first contents may still be on their way.
+    /// Held while the upload of the first contents may be pending.
     upload: Option<UploadToken>,
 }
 
-/// A part of a buffer. Valid for the frame being recorded even if the buffer is dropped meanwhile.
+/// A part of a buffer. It is valid for the frame being recorded even if the buffer is dropped
+/// meanwhile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BufferSlice {
     pub(crate) raw: vk::Buffer,
     pub(crate) device: OwnerId,
-    /// The offset at which it starts in the buffer.
+    /// The offset of the part in the buffer.
     pub offset_bytes: u64,
     /// The length of the part.
     pub size_bytes: u64,
@@ -55,13 +56,14 @@ impl OfDevice for BufferSlice {
 }
 
 impl BufferSlice {
-    /// Returns the buffer that it is a part of, for a host that reads it by commands of its own.
+    /// Returns the buffer of the part, for a host that uses it in its own commands.
     #[must_use]
     pub fn raw(&self) -> vk::Buffer {
         self.raw
     }
 
-    /// Returns the part from `offset_bytes` on, `size_bytes` long, cut to what is there.
+    /// Returns the part of this slice from `offset_bytes` on, `size_bytes` long, clamped to its
+    /// end.
     #[must_use]
     pub fn part(self, offset_bytes: u64, size_bytes: u64) -> Self {
         let offset = offset_bytes.min(self.size_bytes);
@@ -121,7 +123,7 @@ impl Buffer {
         Ok(Self { device: device.clone(), raw, allocation, size_bytes, upload: None })
     }
 
-    /// Lets the next frame of a host copy `staging` here, whole.
+    /// Makes the next frame of a host copy all of `staging` to this buffer.
     pub(crate) fn upload_later(&mut self, mut staging: Self) {
         if let Some(allocation) = staging.allocation.take() {
             let size_bytes = staging.size_bytes;
@@ -133,7 +135,7 @@ impl Buffer {
         }
     }
 
-    /// Returns its size.
+    /// Returns the size in bytes.
     pub fn size_bytes(&self) -> u64 {
         self.size_bytes
     }
@@ -145,8 +147,8 @@ impl Buffer {
         BufferSlice { raw, device, offset_bytes: 0, size_bytes: self.size_bytes }
     }
 
-    /// Returns the contents of mapped memory, as elements `range` of `T`; empty where there are
-    /// none. The caller knows by a tick that the GPU is done writing.
+    /// Returns the elements `range` of the mapped memory as `T`; empty if they do not exist. The
+    /// caller must know by a tick that the GPU has finished writing.
     pub fn read<T: Pod>(&self, range: Range<usize>) -> &[T] {
         let size = size_of::<T>();
         let bytes = self.allocation.as_ref().and_then(Allocation::mapped_slice).unwrap_or(&[]);
@@ -154,20 +156,20 @@ impl Buffer {
         bytemuck::try_cast_slice(bytes).unwrap_or(&[])
     }
 
-    /// Copies `items` to the beginning of mapped memory the CPU writes, as many as fit. The caller
-    /// knows by a tick that the GPU is done reading what was there.
+    /// Copies `items` to the beginning of mapped memory, cut to the size of the buffer. The caller
+    /// must know by a tick that the GPU has finished reading the old contents.
     pub fn write<T: Copy>(&mut self, items: &[T]) {
         let bytes = self.bytes_mut();
         let size = size_of_val(items).min(bytes.len());
-        // SAFETY: so many bytes are mapped, and nobody else has them. Bytes between the fields of
-        // an item may have no value: they are copied, never read.
+        // SAFETY: `size` bytes are mapped, and the borrow is exclusive. Padding bytes between the
+        // fields of an item may be uninitialised: they are copied, never read.
         unsafe {
             let from = items.as_ptr().cast::<u8>();
             std::ptr::copy_nonoverlapping(from, bytes.as_mut_ptr(), size);
         }
     }
 
-    /// Returns the buffer and its memory, which are the caller's then.
+    /// Returns the buffer and its memory, and passes their ownership to the caller.
     pub(crate) fn into_parts(mut self) -> Option<(vk::Buffer, Allocation)> {
         Some((self.raw, self.allocation.take()?))
     }
@@ -186,7 +188,7 @@ impl Drop for Buffer {
     }
 }
 
-/// Takes memory for a buffer (`linear`) or an image.
+/// Allocates memory for a buffer (`linear`) or an image.
 pub(crate) fn allocate(
     device: &Device,
     name: &str,

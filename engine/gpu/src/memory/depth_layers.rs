@@ -1,5 +1,5 @@
-//! Depth images of one size in layers, which are drawn to tile by tile and sampled in later frames
-//! too, such as shadow maps.
+//! Layers of depth images of one size, such as shadow maps. They are drawn tile by tile and also
+//! sampled in later frames.
 
 use ash::vk;
 
@@ -14,16 +14,17 @@ use crate::record::attachments::{Attachments, COLOURS_MAX, ColourFormats, DEPTH_
 use crate::record::commands::Commands;
 use crate::record::render_target::{AttachmentStore, Load, RenderTarget};
 
-/// Layers of depth, reversed: 0 is the farthest. The contents outlast frames. Between two calls
-/// they are ready to be sampled.
+/// Layers of reversed depth: 0 is the farthest. The contents persist over frames and can be sampled
+/// between any two calls.
 pub struct DepthLayers {
     device: Device,
     image: Image,
-    /// A view of each layer, to draw to.
+    /// A view of each layer for drawing.
     views: Vec<vk::ImageView>,
-    /// Compares, and mixes the results of four texels where the device can.
+    /// The sampler that compares, and averages the results of four texels if the device supports
+    /// it.
     comparing: vk::Sampler,
-    /// Reads single texels.
+    /// The sampler that reads single texels.
     reading: vk::Sampler,
     side: u32,
     contents: Contents,
@@ -31,7 +32,7 @@ pub struct DepthLayers {
 
 of_device!(DepthLayers: "layers of depth (`DepthLayers`)");
 
-/// A square of texels in a layer, as [`DepthLayers::copy_from`] copies it.
+/// A square of texels in a layer, for [`DepthLayers::copy_from`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DepthTile {
     /// The layer.
@@ -46,8 +47,8 @@ impl DepthLayers {
     /// Creates layers of `side` by `side` texels.
     ///
     /// # Errors
-    /// [`Error::TooLarge`] for a side or a number of layers of 0 or beyond the device's limits; no
-    /// memory.
+    /// [`Error::TooLarge`] for a side or a number of layers that is 0 or beyond the device's
+    /// limits; no memory.
     pub fn new(device: &Device, side: u32, layers: u32, name: &str) -> Result<Self, Error> {
         let limits = &device.adapter().limits;
         for (what, wanted, limit) in [
@@ -64,7 +65,7 @@ impl DepthLayers {
             | vk::ImageUsageFlags::TRANSFER_SRC
             | vk::ImageUsageFlags::TRANSFER_DST;
         let image = Image::depth_array(device, name, [side; 2], layers, DEPTH_FORMAT, usage)?;
-        // Owned from here on: dropped incomplete, it retires what is there.
+        // Owned from here on: if it is dropped while incomplete, it retires its existing objects.
         let mut made = Self {
             device: device.clone(),
             image,
@@ -120,14 +121,14 @@ impl DepthLayers {
         self.views.len() as u32
     }
 
-    /// Returns the attachments that pipelines which draw to a layer are compiled for.
+    /// Returns the attachments of pipelines that draw to a layer.
     pub fn attachments() -> Attachments {
         Attachments { colours: ColourFormats::new(&[]), ..Attachments::default() }
     }
 
     /// Records draws to layers, outside of rendering: `record` opens a rendering to each
-    /// [`DepthLayers::target`]. What is not drawn to stays; before the first draw of all,
-    /// everything is as far as possible.
+    /// [`DepthLayers::target`]. The rest of the layers stays unchanged. Before the first draw all
+    /// depths are the farthest.
     pub fn draw(&mut self, commands: &Commands, record: impl FnOnce(&Commands, &Self)) {
         if commands.check_owner(self).is_err() {
             return;
@@ -138,7 +139,7 @@ impl DepthLayers {
         self.change(commands, Access::Depth, Access::FragmentSample);
     }
 
-    /// Returns a layer to draw to, with the contents that are there.
+    /// Returns a layer as a render target that keeps its contents.
     pub fn target(&self, layer: u32) -> Option<RenderTarget> {
         Some(RenderTarget {
             device: self.device_id(),
@@ -157,8 +158,8 @@ impl DepthLayers {
         })
     }
 
-    /// Copies tiles to the same places here, outside of rendering. Tiles outside of either of the
-    /// two are left out.
+    /// Copies tiles of `from` to the same positions in these layers, outside of rendering. Tiles
+    /// that are not completely inside of both are left out.
     pub fn copy_from(&mut self, commands: &Commands, from: &mut Self, tiles: &[DepthTile]) {
         if commands.check_owner(self).is_err()
             || commands.check_owner(from).is_err()
@@ -196,7 +197,8 @@ impl DepthLayers {
             .dst_subresource(part)
             .dst_offset(corner)
             .extent(vk::Extent3D { width: tile.side, height: tile.side, depth: 1 });
-        // SAFETY: the tile lies in both images, which have one format and are in the layouts named.
+        // SAFETY: the tile lies in both images, which have the same format and are in the given
+        // layouts.
         unsafe {
             self.device.raw().cmd_copy_image(
                 commands.raw(),
@@ -209,21 +211,21 @@ impl DepthLayers {
         }
     }
 
-    /// Notes that the last recording has been submitted: only then do later recordings build on it.
+    /// Notes that the last recording was submitted, so that later recordings can use its contents.
     pub fn submitted(&mut self) {
         self.contents = self.contents.submitted();
     }
 
-    /// Prepares the layers to be sampled, outside of rendering: as far as possible, if nothing was
-    /// ever drawn to them.
+    /// Prepares the layers to be sampled, outside of rendering: if nothing was ever drawn to them,
+    /// all depths become the farthest.
     pub fn prepare(&mut self, commands: &Commands) {
         if commands.check_owner(self).is_ok() {
             self.define(commands);
         }
     }
 
-    /// Returns the layers for a shader that compares: 1 where a given depth is as near as the
-    /// texel's or nearer, mixed over four texels.
+    /// Returns the layers for a shader that compares: the result is 1 if a given depth is as near
+    /// as the texel or nearer, averaged over four texels.
     pub fn comparing(&self) -> SampledTexture<'_> {
         SampledTexture::new(self.device.id(), self.image.view, self.comparing, self.contents)
     }
@@ -247,18 +249,18 @@ impl DepthLayers {
         commands.change_layouts([change]);
     }
 
-    /// Clears contents that nothing defined yet.
+    /// Clears the contents if no submitted recording has defined them.
     fn define(&mut self, commands: &Commands) {
         if self.contents.is_known_to(commands) {
             return;
         }
         let depth = vk::ImageAspectFlags::DEPTH;
-        // A recording that was never submitted may stand between; no other uses the image.
+        // A recording that was never submitted may have used the image, but no other.
         let uses = [Access::CopyWrite, Access::Depth, Access::FragmentSample];
         let fresh = LayoutChange::forgetting(self.image.raw, depth, &uses, Access::CopyWrite)
             .of_layers(self.layers());
         commands.change_layouts([fresh]);
-        // SAFETY: the image is a destination of transfers, in the layout named.
+        // SAFETY: the image is a transfer destination in the given layout.
         unsafe {
             self.device.raw().cmd_clear_depth_stencil_image(
                 commands.raw(),

@@ -1,4 +1,4 @@
-//! Textures: images that fragment shaders sample, written piece by piece from a frame's memory.
+//! Textures that fragment shaders sample and that are written piece by piece from a frame's memory.
 
 use ash::vk;
 
@@ -12,7 +12,7 @@ use crate::memory::sampled_texture::{Contents, SampledTexture};
 use crate::record::access::{Access, LayoutChange};
 use crate::record::commands::{Commands, Failure};
 
-/// The format of the bytes, whose meaning is the shader's choice.
+/// The format of the bytes, whose meaning the shader defines.
 const FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
 
 /// An image of four 8-bit channels with a linear sampler that clamps at the edges.
@@ -31,7 +31,7 @@ impl DynamicTexture {
     /// Creates a texture of `size` pixels.
     ///
     /// # Errors
-    /// [`Error::TooLarge`] for sizes of 0 or beyond the device's limit; no memory.
+    /// [`Error::TooLarge`] for a side that is 0 or beyond the device's limit; no memory.
     pub fn new(device: &Device, size: [u32; 2], name: &str) -> Result<Self, Error> {
         let limit = device.adapter().limits.max_image_dimension2_d;
         if let Some(side) = size.into_iter().find(|side| *side == 0 || *side > limit) {
@@ -57,15 +57,16 @@ impl DynamicTexture {
         Ok(Self { device: device.clone(), image, sampler, size, contents: Contents::Undefined })
     }
 
-    /// Returns its size in pixels.
+    /// Returns the size in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size
     }
 
-    /// Writes `size` pixels from `origin` on (from the upper left) out of `pixels`: four bytes
-    /// each, rows from the top without gaps. Pixels that were never written are transparent black.
-    /// Outside of rendering; later draws of the same recording see it. An area outside of the
-    /// texture or a slice of another size fails the recording, as does a slice of another device.
+    /// Writes an area of `size` pixels at `origin` (from the upper left) with the contents of
+    /// `pixels`: four bytes per pixel, rows from the top without gaps. Pixels that were never
+    /// written are transparent black. Must be called outside of rendering; later draws of the same
+    /// recording see the new pixels. An area outside of the texture, a slice of another size or a
+    /// slice of another device makes the recording fail.
     pub fn write(
         &mut self,
         commands: &Commands,
@@ -96,7 +97,8 @@ impl DynamicTexture {
             })
             .image_offset(vk::Offset3D { x: origin[0] as i32, y: origin[1] as i32, z: 0 })
             .image_extent(vk::Extent3D { width, height, depth: 1 });
-        // SAFETY: the slice holds the area, which lies within the image, in the layout named.
+        // SAFETY: the slice contains the pixels of the area, which lies within the image in the
+        // given layout.
         unsafe {
             commands.device().raw().cmd_copy_buffer_to_image(
                 commands.raw(),
@@ -109,7 +111,7 @@ impl DynamicTexture {
         self.change(commands, Access::CopyWrite, Access::FragmentSample);
     }
 
-    /// Notes that the last recording has been submitted: only then do later recordings build on it.
+    /// Notes that the last recording was submitted, so that later recordings can use its contents.
     pub fn submitted(&mut self) {
         self.contents = self.contents.submitted();
     }
@@ -119,8 +121,8 @@ impl DynamicTexture {
         SampledTexture::new(self.device.id(), self.image.view, self.sampler, self.contents)
     }
 
-    /// Prepares it to be sampled, outside of rendering: transparent black, if nothing was ever
-    /// written to it.
+    /// Prepares the texture to be sampled, outside of rendering: if nothing was ever written to it,
+    /// it becomes transparent black.
     pub fn prepare(&mut self, commands: &Commands) {
         if commands.check_owner(self).is_err() || self.contents.is_known_to(commands) {
             return;
@@ -135,7 +137,7 @@ impl DynamicTexture {
             layer_count: 1,
             ..Default::default()
         };
-        // SAFETY: the image is a destination of transfers, in the layout named.
+        // SAFETY: the image is a transfer destination in the given layout.
         unsafe {
             commands.device().raw().cmd_clear_color_image(
                 commands.raw(),

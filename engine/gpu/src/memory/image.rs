@@ -1,4 +1,4 @@
-//! Images: one view, memory of their own.
+//! Images: each has one view and its own memory.
 
 use ash::vk;
 use gpu_allocator::MemoryLocation;
@@ -10,7 +10,7 @@ use crate::core::error::{Called, Error};
 use crate::memory::buffer::{allocate, free};
 use crate::record::access::{Access, LayoutChange};
 
-/// An image, its view of all of it, and its memory.
+/// An image with a view of the whole image and its memory.
 pub(crate) struct Image {
     device: Device,
     pub(crate) raw: vk::Image,
@@ -19,8 +19,8 @@ pub(crate) struct Image {
 }
 
 impl Image {
-    /// Creates an image of this size. The first format is for its memory and the second for its
-    /// view; the size is within the device's limits.
+    /// Creates an image. The first format is for its memory and the second for its view; the size
+    /// must be within the device's limits.
     pub(crate) fn new(
         device: &Device,
         name: &str,
@@ -32,8 +32,8 @@ impl Image {
         Self::layered(device, name, size, 1, formats, usage, aspect)
     }
 
-    /// Creates the same with so many layers, within the device's limits. The view is that of an
-    /// array if they are more than one.
+    /// Creates an image with a number of layers, within the device's limits. The view is an array
+    /// view if there are several layers.
     pub(crate) fn layered(
         device: &Device,
         name: &str,
@@ -56,9 +56,9 @@ impl Image {
         Self::with_view(device, name, &info, view)
     }
 
-    /// Creates an image of one layer with so many samples per pixel, which the device draws to.
-    /// One that is a transient attachment takes memory only when it is stored, where the device has
-    /// such memory (tilers do).
+    /// Creates an image of one layer with a number of samples per pixel that the device can draw
+    /// to. A transient attachment takes memory only when it is stored, if the device has such
+    /// memory (as tilers do).
     pub(crate) fn multisampled(
         device: &Device,
         name: &str,
@@ -72,7 +72,7 @@ impl Image {
         Self::with_view(device, name, &info, plain_view(format, aspect, 1, 1))
     }
 
-    /// Creates a 2D array of colours with so many levels and layers, all within the device's
+    /// Creates a 2D array of colours with a number of levels and layers, all within the device's
     /// limits.
     pub(crate) fn array(
         device: &Device,
@@ -171,8 +171,8 @@ impl Image {
     }
 }
 
-/// Takes memory of its own for an image that is only taken from the device when the image is
-/// stored; `None` where there is none of that kind.
+/// Allocates memory for an image that the device provides only when the image is stored; `None` if
+/// there is no memory of this kind.
 fn allocate_lazily(
     device: &Device,
     name: &str,
@@ -197,7 +197,7 @@ fn allocate_lazily(
     device.allocator().as_mut()?.allocate(&wanted).ok()
 }
 
-/// Returns a bit for each type of memory that is taken lazily.
+/// Returns a bit mask of the memory types that are allocated lazily.
 fn lazy_types(memory: &vk::PhysicalDeviceMemoryProperties) -> u32 {
     let lazily = vk::MemoryPropertyFlags::LAZILY_ALLOCATED;
     let is_lazy = |(_, kind): &(u32, &vk::MemoryType)| kind.property_flags.contains(lazily);
@@ -240,7 +240,7 @@ fn bind_and_view(
     memory: &Allocation,
     view: vk::ImageViewCreateInfo<'_>,
 ) -> Result<vk::ImageView, Error> {
-    // SAFETY: fresh memory that fits the image's requirements; the view is made after binding.
+    // SAFETY: fresh memory that fits the image's requirements; the view is created after binding.
     unsafe {
         device
             .raw()
@@ -250,7 +250,7 @@ fn bind_and_view(
     }
 }
 
-/// A view of the depths of an image that has a stencil beside them, for shaders that read it.
+/// A view of the depths of an image with a stencil, for shaders that read depths.
 pub(crate) struct DepthView {
     device: Device,
     pub(crate) raw: vk::ImageView,
@@ -258,9 +258,6 @@ pub(crate) struct DepthView {
 
 impl DepthView {
     /// Creates a view of an image of `format`.
-    ///
-    /// # Errors
-    /// A failed call.
     pub(crate) fn new(
         device: &Device,
         image: vk::Image,

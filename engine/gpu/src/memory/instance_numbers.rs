@@ -1,12 +1,13 @@
-//! The numbers of instances as a vertex attribute: one buffer per device, which grows.
+//! The indices of instances as a vertex attribute: one buffer per device, which grows.
 //!
-//! Vertex shaders of indirect draws do not read the built-in index of the instance: it includes the
-//! first instance of the draw, and some hardware (Intel's, by Mesa's ANV) walks a list of draws by
-//! itself only where no shader asks for that. The attribute has the same value.
+//! Vertex shaders of indirect draws do not read the built-in instance index. That index includes
+//! the first instance of the draw, and some hardware (Intel's, with Mesa's ANV) can only execute a
+//! list of draws without help of the driver if no shader reads it. The attribute has the same
+//! value.
 //!
-//! The numbers lie in the device's own memory wherever the CPU can write to that (Vulkan's
-//! `DEVICE_LOCAL` with `HOST_VISIBLE`, which the allocator prefers for [`MemoryKind::Upload`]; GPUs
-//! of today have 256 MiB of it or more). So no copy is needed, and no frame waits for one.
+//! The indices lie in the device's own memory if the CPU can write to it (Vulkan's `DEVICE_LOCAL`
+//! with `HOST_VISIBLE`, which the allocator prefers for [`MemoryKind::Upload`]; today's GPUs have
+//! 256 MiB or more of it). So no copy is needed, and no frame waits for one.
 
 use ash::vk;
 
@@ -15,21 +16,18 @@ use crate::core::error::Error;
 use crate::core::number_buffer::NumberBuffer;
 use crate::memory::buffer::{Buffer, MemoryKind};
 
-/// The location of the attribute, behind those of all layouts of vertices; mirrors
+/// The location of the attribute, after the attributes of all vertex layouts; mirrors
 /// `instance_number.glsl`.
 pub const NUMBER_LOCATION: u32 = 7;
 
-/// The binding of the buffer, behind those of all layouts of vertices.
+/// The binding of the buffer, after the bindings of all vertex layouts.
 pub const NUMBER_BINDING: u32 = 2;
 
-/// The fewest numbers of a buffer.
+/// The least number of indices in a buffer.
 const COUNT_MIN: u64 = 4096;
 
-/// Returns the device's buffer of numbers, with at least `count` of them. Waits for nothing: the
-/// CPU writes the numbers before any command reads them.
-///
-/// # Errors
-/// No memory, or a failed call.
+/// Returns the device's buffer of indices, with at least `count` of them. Does not wait: the CPU
+/// writes the indices before any command reads them.
 pub(crate) fn instance_numbers(device: &Device, count: u64) -> Result<vk::Buffer, Error> {
     let mut numbers = device.number_buffer();
     if let Some(enough) = numbers.as_ref().filter(|numbers| numbers.count >= count) {

@@ -1,13 +1,13 @@
-//! Images of another size, computed on the CPU: for mip maps on devices that make none, and for
-//! images of a common size.
+//! Resampling of images on the CPU: for mip maps on devices that cannot create them, and for images
+//! of a common size.
 
 use ash::vk;
 
-/// Returns `rgba8` (rows from the top, four bytes per pixel, `from` pixels) at the size `to`. A
-/// smaller image takes the mean of the area that each pixel covers; a larger one is interpolated
-/// linearly between the middles of pixels. Colours of an sRGB `format` are mixed as light, all
-/// other numbers as they are. Returns nothing where there is nothing to read or to write, or too
-/// few bytes.
+/// Returns the image `rgba8` (rows from the top, four bytes per pixel, `from` pixels) at the size
+/// `to`. A smaller image takes the mean of the area that each pixel covers; a larger image is
+/// interpolated linearly between pixel centres. Colours of an sRGB `format` are averaged as linear
+/// light, other values unchanged. Returns an empty image if a size is 0 or `rgba8` has too few
+/// bytes.
 #[must_use]
 pub fn resampled(rgba8: &[u8], from: [u32; 2], to: [u32; 2], format: vk::Format) -> Vec<u8> {
     let [from_width, from_height] = from.map(|side| side as usize);
@@ -39,7 +39,7 @@ pub fn resampled(rgba8: &[u8], from: [u32; 2], to: [u32; 2], format: vk::Format)
     result
 }
 
-/// The elements, from `first` on, that make up one, and the weight of each.
+/// The source elements of one result element, from `first` on, with their weights.
 struct Span {
     first: usize,
     weights: Vec<f32>,
@@ -61,7 +61,7 @@ impl Span {
     }
 }
 
-/// Returns the span that makes up each of `to` elements, out of `from` in a row; neither is 0.
+/// Returns the span of each of `to` result elements over `from` source elements; neither may be 0.
 fn spans(from: usize, to: usize) -> Vec<Span> {
     let scale = from as f32 / to as f32;
     let larger = |place: usize| {
@@ -85,7 +85,7 @@ fn spans(from: usize, to: usize) -> Vec<Span> {
     if to >= from { (0..to).map(larger).collect() } else { (0..to).map(smaller).collect() }
 }
 
-/// Returns the light that each byte of a colour stands for.
+/// Returns the linear light of each byte of a colour.
 fn decoding(format: vk::Format) -> [f32; 256] {
     std::array::from_fn(|byte| {
         let value = byte as f32 / 255.0;

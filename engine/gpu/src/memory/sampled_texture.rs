@@ -1,4 +1,4 @@
-//! Textures as draws sample them, whichever object they are part of.
+//! Textures as draws sample them, for all kinds of owners.
 
 use std::marker::PhantomData;
 
@@ -9,14 +9,14 @@ use crate::core::ownership::{OfDevice, OwnerId};
 use crate::record::access::Access;
 use crate::record::commands::Commands;
 
-/// The contents that the newest recording left in an image.
+/// The contents of an image after its newest recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Contents {
-    /// Undefined contents, as after creation.
+    /// The contents are undefined, as after creation.
     Undefined,
-    /// Contents that the recording defined, which may never be submitted.
+    /// The recording defined the contents, but may never be submitted.
     OfRecording(RecordingId),
-    /// Defined contents: the recording was submitted.
+    /// The contents are defined: the recording was submitted.
     Defined,
 }
 
@@ -30,7 +30,7 @@ impl Contents {
         }
     }
 
-    /// Returns the contents once the recording was submitted.
+    /// Returns the contents after the recording was submitted.
     pub(crate) fn submitted(self) -> Self {
         if self == Self::Undefined { self } else { Self::Defined }
     }
@@ -42,7 +42,7 @@ pub struct SampledTexture<'a> {
     device: OwnerId,
     pub(crate) descriptor: vk::DescriptorImageInfo,
     pub(crate) contents: Contents,
-    // The image lives as long as this, and then until its frames are over.
+    // The image lives as long as this value, and after that until its frames are over.
     owner: PhantomData<&'a vk::Image>,
 }
 
@@ -55,8 +55,8 @@ impl OfDevice for SampledTexture<'_> {
 }
 
 impl SampledTexture<'_> {
-    /// Returns a view of an image that is in the layout of [`Access::FragmentSample`] when it is
-    /// sampled.
+    /// Returns a texture for the view of an image, which must be in the layout of
+    /// [`Access::FragmentSample`] when it is sampled.
     pub(crate) fn new(
         device: OwnerId,
         view: vk::ImageView,

@@ -4,18 +4,19 @@ use ash::vk;
 
 use crate::core::capabilities::OptionalFeature;
 
-/// The texels that lie in memory as one block: a single one where nothing is compressed.
+/// The layout of a format's texels: blocks that lie in memory as a unit. A block of an uncompressed
+/// format is a single texel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct TexelBlocks {
-    /// Width and height of a block in texels.
+    /// The width and height of a block in texels.
     pub(crate) size: [u32; 2],
-    /// The bytes of a block.
+    /// The size of a block in bytes.
     pub(crate) bytes: u32,
-    /// The capability that a device needs for them.
+    /// The capability that a device needs for these blocks.
     pub(crate) needs: Option<OptionalFeature>,
 }
 
-/// The sizes of the blocks of ASTC in the order of their formats, two per size.
+/// The block sizes of ASTC in the order of their formats, of which each size has two.
 const ASTC_SIZES: [[u32; 2]; 14] = [
     [4, 4],
     [5, 4],
@@ -34,7 +35,7 @@ const ASTC_SIZES: [[u32; 2]; 14] = [
 ];
 
 impl TexelBlocks {
-    /// Returns the blocks of a format; `None` for one that no texture has.
+    /// Returns the blocks of a format; `None` for a format that textures do not support.
     pub(crate) fn of(format: vk::Format) -> Option<Self> {
         let of_bc = |bytes| Self { size: [4; 2], bytes, needs: Some(OptionalFeature::BcTextures) };
         Some(match format {
@@ -62,12 +63,12 @@ impl TexelBlocks {
         })
     }
 
-    /// Returns the number of rows of blocks in so many rows of texels.
+    /// Returns the number of rows of blocks in `height` rows of texels.
     pub(crate) fn rows(self, height: u32) -> u32 {
         height.div_ceil(self.size[1])
     }
 
-    /// Returns the bytes of a row of blocks over so many texels.
+    /// Returns the size in bytes of a row of blocks that covers `width` texels.
     pub(crate) fn row_bytes(self, width: u32) -> u64 {
         u64::from(width.div_ceil(self.size[0])) * u64::from(self.bytes)
     }

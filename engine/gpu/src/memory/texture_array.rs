@@ -15,16 +15,17 @@ use crate::memory::texture_sampler::TextureSampler;
 use crate::record::access::{Access, LayoutChange};
 use crate::record::commands::Commands;
 
-/// The maker of the mip maps.
+/// The source of the mip maps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum MipGeneration {
-    /// The device, by linear blits, where it can do them in this format; else the CPU.
+    /// Created by the device with linear blits if it supports them for this format, otherwise by
+    /// the CPU.
     Blits,
-    /// The CPU, by [`resampled`](crate::resampled).
+    /// Created by the CPU with [`resampled`](crate::resampled).
     Cpu,
-    /// The caller, who [writes](crate::TextureUploads::write_levels) so many levels with the whole
-    /// image; as many as the size has at most. For light and for compressed blocks it is the only
-    /// one.
+    /// Given by the caller, which [writes](crate::TextureUploads::write_levels) this number of
+    /// levels, including the whole image; clamped to the number that the size has. It is the only
+    /// source for light and for compressed blocks.
     Given(u32),
 }
 
@@ -37,29 +38,29 @@ pub struct TextureArrayInfo<'a> {
     pub size: [u32; 2],
     /// The number of layers.
     pub layers: u32,
-    /// `R8G8B8A8_SRGB` for colours, `R8G8B8A8_UNORM` for numbers, `E5B9G9R9_UFLOAT_PACK32` for
-    /// light; or one of BC1 to BC5 or BC7
-    /// without signs, or of ASTC, where the device has them
+    /// `R8G8B8A8_SRGB` for colours, `R8G8B8A8_UNORM` for numbers, or `E5B9G9R9_UFLOAT_PACK32` for
+    /// light. If the device supports them, also unsigned BC1 to BC5 and BC7, and ASTC
     /// ([`OptionalFeature::BcTextures`](crate::OptionalFeature::BcTextures),
     /// [`OptionalFeature::AstcTextures`](crate::OptionalFeature::AstcTextures)).
     pub format: vk::Format,
-    /// The addressing beyond the edges, across and down.
+    /// The address modes beyond the edges, horizontal and vertical.
     pub wrap: [vk::SamplerAddressMode; 2],
-    /// The filter of magnification.
+    /// The filter for magnification.
     pub magnified: vk::Filter,
-    /// The filter of minification.
+    /// The filter for minification.
     pub minified: vk::Filter,
-    /// The filter between mip maps; `None` makes none.
+    /// The filter between mip maps; `None` for a texture without mip maps.
     pub between_levels: Option<vk::SamplerMipmapMode>,
-    /// The most samples of the anisotropic filter; from 1 on, cut to what the device has, 1 without
-    /// [`OptionalFeature::Anisotropy`](crate::OptionalFeature::Anisotropy) or linear filters.
+    /// The most samples of the anisotropic filter, clamped to 1 and to the device's limit. 1
+    /// without [`OptionalFeature::Anisotropy`](crate::OptionalFeature::Anisotropy) or without
+    /// linear filters.
     pub anisotropy: f32,
-    /// The maker of the mip maps.
+    /// The source of the mip maps.
     pub mip_making: MipGeneration,
 }
 
-/// Layers of one size, format and sampler. It can be bound once each was
-/// [written or reserved](crate::TextureUploads).
+/// Layers of one size, format and sampler. The array can be bound once every layer was [written or
+/// reserved](crate::TextureUploads).
 pub struct TextureArray {
     device: Device,
     image: Image,
@@ -72,12 +73,12 @@ pub struct TextureArray {
     pub(super) layers: Vec<Layer>,
 }
 
-/// The part of a layer that is on the GPU.
+/// The state of the upload of a layer.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Layer {
-    /// Rows of blocks from the top.
+    /// The number of rows of blocks on the GPU, from the top.
     pub(super) rows: u32,
-    /// The bytes written so far, kept where the CPU makes the mip maps.
+    /// The bytes written so far, kept if the CPU creates the mip maps.
     pub(super) kept: Vec<u8>,
 }
 
@@ -87,15 +88,15 @@ impl TextureArray {
     /// Creates an array of empty layers.
     ///
     /// # Errors
-    /// [`Error::TooLarge`] for a size or number of layers of 0 or beyond the device's limits;
-    /// [`Error::WrongCommands`] for another format, or for blocks whose mip maps are not given;
-    /// [`Error::Unsupported`] for blocks that the device does not have; no memory.
+    /// [`Error::TooLarge`] for a size or number of layers that is 0 or beyond the device's limits;
+    /// [`Error::WrongCommands`] for an unsupported format, or for blocks without given mip maps;
+    /// [`Error::Unsupported`] for blocks that the device does not support; no memory.
     pub fn new(device: &Device, info: &TextureArrayInfo<'_>) -> Result<Self, Error> {
         Self::with_sampler(device, info, Arc::new(TextureSampler::new(device, info)?))
     }
 
-    /// Creates the same with a sampler that was made for such a description, and that others have
-    /// too.
+    /// Creates an array of empty layers with a shared sampler, which was created for an equal
+    /// sampler description.
     pub(super) fn with_sampler(
         device: &Device,
         info: &TextureArrayInfo<'_>,
@@ -155,12 +156,12 @@ impl TextureArray {
         self.layers.len() as u32
     }
 
-    /// Returns true if the caller gives the mip maps.
+    /// Returns true if the caller provides the mip maps.
     pub(crate) fn has_given_levels(&self) -> bool {
         matches!(self.mip_making, MipGeneration::Given(_))
     }
 
-    /// Refuses another number of bytes than a level has.
+    /// Returns an error if `bytes` does not have the size of a level.
     pub(crate) fn check_level(&self, level: u32, bytes: &[u8]) -> Result<(), Error> {
         let wanted = self.row_bytes(level) * u64::from(self.level_rows(level));
         if bytes.len() as u64 == wanted {
@@ -169,13 +170,13 @@ impl TextureArray {
         Err(Error::WrongCommands("a layer is written with too many or too few bytes"))
     }
 
-    /// Returns true if the device makes the mip maps.
+    /// Returns true if the device creates the mip maps.
     pub(crate) fn blits_levels(&self) -> bool {
         self.mip_making == MipGeneration::Blits && self.levels > 1
     }
 
-    /// Returns the mip maps of a whole layer from its second on, if the CPU makes them; none
-    /// otherwise.
+    /// Returns the mip maps of a whole layer from its second level on if the CPU creates them;
+    /// otherwise none.
     pub fn levels_by_cpu(&self, rgba8: &[u8]) -> Vec<Vec<u8>> {
         let mut levels: Vec<Vec<u8>> = Vec::new();
         if self.mip_making == MipGeneration::Cpu {
@@ -188,8 +189,8 @@ impl TextureArray {
         levels
     }
 
-    /// Counts all layers as reserved. The caller [opens](crate::Commands::open_texture) them with
-    /// the next frame, before anything samples or writes them.
+    /// Marks all layers as reserved. The caller must [open](crate::Commands::open_texture) them in
+    /// the next frame, before they are sampled or written.
     pub fn announce(&mut self) {
         let rows = self.level_rows(0);
         self.layers.iter_mut().for_each(|layer| layer.rows = rows);
@@ -212,12 +213,12 @@ impl TextureArray {
         self.size.map(|side| (side >> level).max(1))
     }
 
-    /// Returns the number of rows of blocks of a level.
+    /// Returns the number of rows of blocks in a level.
     pub(crate) fn level_rows(&self, level: u32) -> u32 {
         self.blocks.rows(self.level_size(level)[1])
     }
 
-    /// Returns the bytes of a row of blocks of a level.
+    /// Returns the size in bytes of a row of blocks in a level.
     pub(crate) fn row_bytes(&self, level: u32) -> u64 {
         self.blocks.row_bytes(self.level_size(level)[0])
     }
@@ -239,7 +240,7 @@ impl TextureArray {
         LayoutChange::of_part(self.image.raw, part, from, to)
     }
 
-    /// Copies whole rows of blocks from the beginning of a slice to a level.
+    /// Copies complete rows of blocks from the beginning of a slice to a level.
     pub(crate) fn copy_rows(
         &self,
         commands: &Commands,
@@ -249,7 +250,7 @@ impl TextureArray {
         rows: std::ops::Range<u32>,
     ) {
         let [width, height] = self.level_size(level);
-        // Blocks at the lower edge reach beyond it, but a copy does not
+        // Blocks at the lower edge extend beyond it, but a copy must not
         // (VUID-vkCmdCopyBufferToImage-imageSubresource-07972).
         let texels = |row: u32| (row * self.blocks.size[1]).min(height);
         let first = texels(rows.start);
@@ -259,8 +260,8 @@ impl TextureArray {
             .image_subresource(level_of(layer, level))
             .image_offset(vk::Offset3D { x: 0, y: first as i32, z: 0 })
             .image_extent(vk::Extent3D { width, height: end - first, depth: 1 });
-        // SAFETY: the caller's rows lie in the level and in the slice; the level is in the layout
-        // named.
+        // SAFETY: the caller's rows lie in the level and in the slice; the level is in the given
+        // layout.
         unsafe {
             commands.device().raw().cmd_copy_buffer_to_image(
                 commands.raw(),
@@ -272,7 +273,8 @@ impl TextureArray {
         }
     }
 
-    /// Makes each level of a layer out of the one before it, and makes all ready to be sampled.
+    /// Creates each level of a layer from the previous level, and prepares all levels to be
+    /// sampled.
     pub(crate) fn blit_levels(&self, commands: &Commands, layer: u32) {
         for level in 1..self.levels {
             let source = level - 1..level;
@@ -291,8 +293,8 @@ impl TextureArray {
                 .src_offsets(corner(level - 1))
                 .dst_subresource(level_of(layer, level))
                 .dst_offsets(corner(level));
-            // SAFETY: the format can be blitted linearly, checked when the array was made; both
-            // levels are in the layouts named.
+            // SAFETY: the format supports linear blits, as was checked at creation; both levels are
+            // in the given layouts.
             unsafe {
                 commands.device().raw().cmd_blit_image(
                     commands.raw(),
@@ -323,7 +325,7 @@ impl TextureArray {
     }
 }
 
-/// Returns the blocks of the textures of a description.
+/// Returns the blocks of the format of a description.
 fn blocks_of(device: &Device, info: &TextureArrayInfo<'_>) -> Result<TexelBlocks, Error> {
     const FORMATS: &str =
         "a texture array has four bytes per texel, or compressed blocks, in one of a few formats";

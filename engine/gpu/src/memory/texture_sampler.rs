@@ -1,4 +1,4 @@
-//! Samplers of textures. Many textures may share one: devices have as few as 4000.
+//! Samplers of textures. Textures share them, because some devices support only 4000.
 
 use ash::vk;
 
@@ -8,13 +8,13 @@ use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::memory::texture_array::TextureArrayInfo;
 
-/// A sampler, destroyed with the last texture that has it.
+/// A sampler, destroyed with the last texture that uses it.
 pub(super) struct TextureSampler {
     device: Device,
     pub(super) raw: vk::Sampler,
 }
 
-/// The part of a description that samplers depend on.
+/// The part of a description that affects the sampler.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct SamplerKind {
     wrap: [vk::SamplerAddressMode; 2],
@@ -32,7 +32,7 @@ impl SamplerKind {
 }
 
 impl TextureSampler {
-    /// Creates the sampler of textures with this description.
+    /// Creates the sampler for textures with this description.
     pub(super) fn new(device: &Device, info: &TextureArrayInfo<'_>) -> Result<Self, Error> {
         let limit = device.adapter().limits.max_sampler_anisotropy;
         let is_linear = [info.magnified, info.minified] == [vk::Filter::LINEAR; 2];
@@ -49,7 +49,7 @@ impl TextureSampler {
             .address_mode_w(vk::SamplerAddressMode::CLAMP_TO_EDGE)
             .anisotropy_enable(anisotropy > 1.0)
             .max_anisotropy(anisotropy);
-        // SAFETY: anisotropy is asked for only where the feature is on, and within the limit.
+        // SAFETY: anisotropy is only enabled with its feature, and within the limit.
         let raw = unsafe { device.raw().create_sampler(&create, device.callbacks()) }
             .called("vkCreateSampler")?;
         device.name(raw, info.name);

@@ -1,4 +1,4 @@
-//! A descriptor set of one texture, for pipelines of a host.
+//! A descriptor set with one texture, for pipelines of a host.
 
 use ash::vk;
 
@@ -8,10 +8,11 @@ use crate::core::error::{Called, Error};
 use crate::core::ownership::of_device;
 use crate::memory::dynamic_texture::DynamicTexture;
 
-/// A set with one combined image and sampler at binding 0, read by fragment shaders. Pipelines of a
-/// host whose layout has such a set bind it, by commands of their own.
+/// A set with one combined image and sampler at binding 0, for fragment shaders. A host binds it in
+/// its own commands for pipelines whose layout has such a set.
 ///
-/// It names the texture, whose contents may change; both may be dropped while a frame uses them.
+/// The set refers to the texture, whose contents may change. Both may be dropped while a frame uses
+/// them.
 pub struct TextureSet {
     device: Device,
     layout: vk::DescriptorSetLayout,
@@ -22,7 +23,7 @@ pub struct TextureSet {
 of_device!(TextureSet: "a descriptor set (`TextureSet`)");
 
 impl TextureSet {
-    /// Creates the set of `texture`.
+    /// Creates the set for `texture`.
     ///
     /// # Errors
     /// A texture of another device; no memory, or a failed call.
@@ -46,7 +47,7 @@ impl TextureSet {
             .called("vkCreateDescriptorPool")
             .inspect_err(|_| device.retire(Retired::SetLayout(layout)))?;
         device.name(pool, name);
-        // From here on the drop frees both.
+        // From here on, dropping the set frees both.
         let mut set = Self { device: device.clone(), layout, pool, raw: vk::DescriptorSet::null() };
         let layouts = [layout];
         let info =
@@ -66,7 +67,7 @@ impl TextureSet {
         Ok(set)
     }
 
-    /// Returns the set.
+    /// Returns the descriptor set.
     pub fn raw(&self) -> vk::DescriptorSet {
         self.raw
     }

@@ -1,11 +1,11 @@
-//! Tables of textures that shaders find by number.
+//! Tables of textures that shaders access by index.
 //!
 //! A table is one descriptor set with a long array. Textures are added while frames are in flight
-//! and while others are recorded, which writes only descriptors that no command uses: bindings with
-//! `UPDATE_AFTER_BIND`, `UPDATE_UNUSED_WHILE_PENDING` and `PARTIALLY_BOUND` allow that
-//! (VUID-vkUpdateDescriptorSets-None-03047). So a number is given away again only when all frames
-//! that may know it are over. Elements without a texture have a white texel: SwiftShader looks at
-//! all of them in each draw, and would follow the pointers to an image that is gone.
+//! and while others are recorded. This only writes descriptors that no command uses, as bindings
+//! with `UPDATE_AFTER_BIND`, `UPDATE_UNUSED_WHILE_PENDING` and `PARTIALLY_BOUND` allow
+//! (VUID-vkUpdateDescriptorSets-None-03047). So an index is reused only when all frames that may
+//! use it are over. Elements without a texture have a white texel: SwiftShader reads all elements
+//! in each draw, and would follow pointers to destroyed images.
 
 use std::fmt;
 use std::sync::{Arc, Mutex};
@@ -22,12 +22,12 @@ use crate::memory::texture_array::{MipGeneration, TextureArray, TextureArrayInfo
 use crate::memory::texture_sampler::{SamplerKind, TextureSampler};
 use crate::memory::texture_uploads::TextureUploads;
 
-/// The number of a texture in its table, by which shaders find it: the element of the array at
-/// binding 0 of set 1.
+/// The index of a texture in its table, by which shaders access it: the array element at binding 0
+/// of set 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct TextureNumber(pub u32);
 
-/// Textures that fragment shaders find by number, for devices with
+/// Textures that fragment shaders access by index, for devices with
 /// [`OptionalFeature::DescriptorIndexing`].
 pub struct TextureTable {
     device: Device,
@@ -40,14 +40,14 @@ pub struct TextureTable {
     /// The texel of elements without a texture.
     white: TextureArray,
     textures: Vec<Option<TextureArray>>,
-    /// Numbers of removed textures that no frame knows any more.
+    /// The indices of removed textures that no frame uses any more.
     free: Arc<Mutex<Vec<TextureNumber>>>,
     samplers: Vec<(SamplerKind, Arc<TextureSampler>)>,
 }
 
 of_device!(TextureTable: "a table of textures (`TextureTable`)");
 
-/// The number of a removed texture, until nothing uses it.
+/// The index of a removed texture, until no frame uses it.
 struct RetiredNumber {
     number: TextureNumber,
     free: Arc<Mutex<Vec<TextureNumber>>>,
@@ -57,14 +57,14 @@ struct RetiredNumber {
 
 impl RetiredObject for RetiredNumber {
     fn destroy(self: Box<Self>, device: &ash::Device) {
-        // The image is retired behind this, the table and its texel later still.
+        // The image is retired after this, and the table and its white texel later still.
         write_elements(device, self.set, self.number.0, &[self.white]);
         lock(&self.free).push(self.number);
     }
 }
 
 impl TextureTable {
-    /// Creates an empty table with room for `room` textures, or for as many as the device has
+    /// Creates an empty table with room for `room` textures, clamped to the limit of the device
     /// ([`Adapter::indexed_textures`](crate::Adapter::indexed_textures)). Waits for a copy.
     ///
     /// # Errors
@@ -102,11 +102,11 @@ impl TextureTable {
         Ok(table)
     }
 
-    /// Creates a texture with a sampler that it shares with all textures of the table that are
-    /// sampled alike. It has no number yet.
+    /// Creates a texture whose sampler is shared with all textures of the table that are sampled in
+    /// the same way. The texture has no index until it is added.
     ///
     /// # Errors
-    /// As [`TextureArray::new`].
+    /// The errors of [`TextureArray::new`].
     pub fn create(&mut self, info: &TextureArrayInfo<'_>) -> Result<TextureArray, Error> {
         let kind = SamplerKind::of(info);
         let known = self.samplers.iter().find(|(there, _)| *there == kind);
@@ -121,12 +121,12 @@ impl TextureTable {
         TextureArray::with_sampler(&self.device, info, sampler)
     }
 
-    /// Adds a texture, and returns its number. Commands that were recorded before do not know it;
-    /// those that are recorded later find it if it was [written](crate::TextureUploads::write) or
+    /// Adds a texture and returns its index. Commands recorded before cannot use it. Commands
+    /// recorded later can, if the texture was [written](crate::TextureUploads::write) or
     /// [opened](crate::Commands::open_texture) before they run.
     ///
     /// # Errors
-    /// [`Error::TooLarge`] where the table is full; [`Error::Foreign`] for a texture of another
+    /// [`Error::TooLarge`] if the table is full; [`Error::Foreign`] for a texture of another
     /// device; a failed call.
     pub fn add(&mut self, texture: TextureArray) -> Result<TextureNumber, Error> {
         self.device.check(&texture, "tables of textures (`TextureTable`)")?;
@@ -147,7 +147,8 @@ impl TextureTable {
         Ok(number)
     }
 
-    /// Removes a texture that nothing recorded from now on samples. Frames in flight still do.
+    /// Removes a texture. Nothing that is recorded from now on may sample it; frames in flight
+    /// still may.
     pub fn remove(&mut self, number: TextureNumber) {
         let there = self.textures.get_mut(number.0 as usize);
         if let Some(texture) = there.and_then(Option::take) {
@@ -160,12 +161,12 @@ impl TextureTable {
         }
     }
 
-    /// Returns the texture of a number.
+    /// Returns the texture with this index.
     pub fn texture(&self, number: TextureNumber) -> Option<&TextureArray> {
         self.textures.get(number.0 as usize)?.as_ref()
     }
 
-    /// Refuses another texture where so many have a number.
+    /// Returns an error if the table with `count` textures is full.
     fn check_room(&self, count: u32) -> Result<(), Error> {
         if count < self.room {
             return Ok(());
@@ -193,7 +194,7 @@ impl Drop for TextureTable {
 
 const KIND: vk::DescriptorType = vk::DescriptorType::COMBINED_IMAGE_SAMPLER;
 
-/// The description of the texel of elements without a texture.
+/// The description of the white texel for elements without a texture.
 const WHITE: TextureArrayInfo<'_> = TextureArrayInfo {
     name: "no texture",
     size: [1; 2],
@@ -221,8 +222,8 @@ fn create_layout(device: &Device, room: u32) -> Result<vk::DescriptorSetLayout, 
         .bindings(&bindings)
         .flags(vk::DescriptorSetLayoutCreateFlags::UPDATE_AFTER_BIND_POOL)
         .push_next(&mut flags);
-    // SAFETY: the device has the features of these flags, and so many descriptors, checked by the
-    // caller.
+    // SAFETY: the device has the features of these flags and this number of descriptors, as the
+    // caller checked.
     unsafe { device.raw().create_descriptor_set_layout(&info, device.callbacks()) }
         .called("vkCreateDescriptorSetLayout")
 }
@@ -245,13 +246,13 @@ fn allocate_set(
 ) -> Result<vk::DescriptorSet, Error> {
     let layouts = [layout];
     let info = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
-    // SAFETY: the pool is fresh, and has room for just this set.
+    // SAFETY: the pool is new and has room for this set.
     let sets = unsafe { device.raw().allocate_descriptor_sets(&info) }
         .called("vkAllocateDescriptorSets")?;
     Ok(sets.first().copied().unwrap_or_default())
 }
 
-/// Writes descriptors from an element on.
+/// Writes descriptors from the element `first` on.
 fn write_elements(
     device: &ash::Device,
     set: vk::DescriptorSet,
@@ -264,7 +265,7 @@ fn write_elements(
         .dst_array_element(first)
         .descriptor_type(KIND)
         .image_info(images);
-    // SAFETY: no command that runs or is recorded uses the elements: the set is fresh, they were
-    // never given away, or their last frames are over. No other thread writes the same elements.
+    // SAFETY: no command that runs or is recorded uses the elements: the set is new, the indices
+    // were never used, or their last frames are over. No other thread writes the same elements.
     unsafe { device.update_descriptor_sets(&[write], &[]) };
 }

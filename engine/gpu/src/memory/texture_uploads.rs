@@ -1,4 +1,4 @@
-//! Uploads of textures: arrays are filled layer by layer while a scene is loaded, on any thread.
+//! Uploads of textures: arrays are filled layer by layer during loading, on any thread.
 
 use ash::vk;
 
@@ -9,11 +9,11 @@ use crate::memory::buffer::{Buffer, MemoryKind};
 use crate::memory::texture_array::{MipGeneration, TextureArray};
 use crate::record::access::{Access, MemoryBarrier};
 
-/// The size of the pieces in which images go to the GPU.
+/// The size of the pieces in which images are copied to the GPU.
 const STAGING_BYTES: u64 = 8 << 20;
 
 /// The uploader of images to texture arrays, through memory of bounded size. Each call waits for
-/// its copy, on the thread that makes it: a loading thread may fill arrays while another one draws
+/// its copy on the calling thread: a loading thread may fill arrays while another thread draws
 /// frames.
 pub struct TextureUploads {
     device: Device,
@@ -22,7 +22,7 @@ pub struct TextureUploads {
 }
 
 impl TextureUploads {
-    /// Creates the memory that images go through.
+    /// Creates an uploader with its staging memory.
     ///
     /// # Errors
     /// No memory.
@@ -34,22 +34,21 @@ impl TextureUploads {
         Ok(Self { device: device.clone(), staging, cancellation })
     }
 
-    /// Returns the same uploader, which gives up before the next piece of an image once that is
-    /// asked for: with [`Error::Cancelled`], what was written before stays.
+    /// Returns the same uploader with a cancellation. Once it is requested, uploads end before the
+    /// next piece of an image with [`Error::Cancelled`]; pieces written before stay.
     #[must_use]
     pub fn cancelled_by(self, cancellation: CancellationToken) -> Self {
         Self { cancellation, ..self }
     }
 
-    /// Writes the next rows of a layer, from its top on: four bytes per pixel, whole rows; or rows
-    /// of compressed blocks. With the last of them the layer's mip maps are made. So a loader can
-    /// upload images a piece at a time.
+    /// Writes the next rows of a layer, from its top on: complete rows of four bytes per pixel, or
+    /// of compressed blocks. The last row completes the layer and creates its mip maps. So a loader
+    /// can upload images piece by piece.
     ///
     /// # Errors
-    /// [`Error::WrongCommands`] for a missing layer, for bytes that are no whole rows or more than
-    /// are left, for an array with several [given](MipGeneration::Given) mip maps;
-    /// [`Error::Foreign`] for an array of another device; a failed call. What was written before
-    /// stays.
+    /// [`Error::WrongCommands`] for a missing layer, for bytes that are not complete rows or more
+    /// than are left, and for an array with several [given](MipGeneration::Given) mip maps;
+    /// [`Error::Foreign`] for an array of another device; a failed call. Rows written before stay.
     pub fn write_rows(
         &mut self,
         array: &mut TextureArray,
@@ -86,10 +85,10 @@ impl TextureUploads {
         Ok(())
     }
 
-    /// Writes a whole layer and makes its mip maps.
+    /// Writes a whole layer and creates its mip maps.
     ///
     /// # Errors
-    /// As [`TextureUploads::write_rows`]; a layer that something was written to before.
+    /// The errors of [`TextureUploads::write_rows`]; a layer that was written to before.
     pub fn write(
         &mut self,
         array: &mut TextureArray,
@@ -104,7 +103,7 @@ impl TextureUploads {
     /// image first.
     ///
     /// # Errors
-    /// As [`TextureUploads::write`]; another number of mip maps than the array has.
+    /// The errors of [`TextureUploads::write`]; another number of mip maps than the array has.
     pub fn write_levels(
         &mut self,
         array: &mut TextureArray,
@@ -123,8 +122,8 @@ impl TextureUploads {
         if smaller.is_empty() { Ok(()) } else { self.write_smaller_levels(array, layer, smaller) }
     }
 
-    /// Makes layers that nothing was written to ready to be bound, with texels that are not
-    /// defined, for [`Commands::write_texture`](crate::Commands::write_texture).
+    /// Prepares unwritten layers to be bound, with undefined texels, for
+    /// [`Commands::write_texture`](crate::Commands::write_texture).
     ///
     /// # Errors
     /// [`Error::WrongCommands`] for layers that are missing or were written; [`Error::Foreign`] for
@@ -159,7 +158,7 @@ impl TextureUploads {
         Ok(())
     }
 
-    /// Writes rows that fit the staging buffer.
+    /// Writes rows that fit into the staging buffer.
     fn write_piece(
         &mut self,
         array: &mut TextureArray,
@@ -190,7 +189,8 @@ impl TextureUploads {
             if is_last && !has_more {
                 written.blit_levels(commands, layer);
             }
-            // Waiting for the tick shows the GPU nothing: later submits use it without a barrier.
+            // The wait makes nothing visible to the GPU, and later submits use the image without a
+            // barrier of their own.
             commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::Any]));
         })?;
         if let Some(layer) = array.layers.get_mut(place) {
@@ -209,7 +209,7 @@ impl TextureUploads {
         Ok(())
     }
 
-    /// Writes the levels of a layer from the second on, and makes all ready to be sampled.
+    /// Writes the levels of a layer from the second on, and prepares all levels to be sampled.
     fn write_smaller_levels(
         &mut self,
         array: &mut TextureArray,

@@ -1,5 +1,5 @@
-//! Per-frame upload memory: written by the CPU while a frame is recorded, forgotten when it is
-//! over.
+//! Upload memory of a frame: the CPU writes it while the frame is recorded, and it is reused when
+//! the frame is over.
 
 use ash::vk;
 use bytemuck::Pod;
@@ -8,7 +8,8 @@ use crate::core::device::Device;
 use crate::core::error::Error;
 use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
 
-/// A linear arena in mapped memory. After the first frames it is one chunk and allocates nothing.
+/// A linear arena in mapped memory. After the first frames it is a single chunk and does not
+/// allocate.
 pub struct Uploads {
     device: Device,
     chunks: Vec<Buffer>,
@@ -32,7 +33,7 @@ impl Uploads {
         }
     }
 
-    /// Starts over, with one chunk that fits all if the last frame needed several.
+    /// Resets the arena. If the last frame needed several chunks, they are replaced by one.
     pub(crate) fn reset(&mut self) -> Result<(), Error> {
         self.used_bytes = 0;
         if self.chunks.len() > 1 {
@@ -43,7 +44,7 @@ impl Uploads {
         Ok(())
     }
 
-    /// Copies `items` into this frame's memory.
+    /// Copies `items` to the memory of this frame.
     ///
     /// # Errors
     /// No memory.
@@ -51,8 +52,8 @@ impl Uploads {
         self.push_iter(items.iter().copied())
     }
 
-    /// Writes the items one after the other into this frame's memory. The slice is at least one
-    /// item long, so that it can be bound.
+    /// Writes the items consecutively to the memory of this frame. The slice is at least one item
+    /// long, so that it can be bound.
     ///
     /// # Errors
     /// No memory.

@@ -1,4 +1,4 @@
-//! Textures of three dimensions: tables for shaders.
+//! Three-dimensional textures: tables for shaders.
 
 use ash::vk;
 
@@ -12,13 +12,12 @@ use crate::memory::sampled_texture::{Contents, SampledTexture};
 use crate::record::access::{Access, LayoutChange};
 use crate::record::commands::Commands;
 
-/// The texels of a [`VolumeTexture`], which follow each other from left to right, then downwards,
-/// then backwards.
+/// The texels of a [`VolumeTexture`], ordered from left to right, then downwards, then backwards.
 #[derive(Debug, Clone, Copy)]
 pub enum VolumeTexels<'a> {
-    /// Numbers from -1 to 1, read texel by texel; the texture repeats in all directions.
+    /// Numbers from -1 to 1, sampled without interpolation; the texture repeats in all directions.
     Signed(&'a [[i8; 4]]),
-    /// The bits of 16-bit floats, mixed between texels; the edges go on.
+    /// The bits of 16-bit floats, sampled with interpolation; coordinates are clamped to the edges.
     Half(&'a [[u16; 4]]),
 }
 
@@ -62,11 +61,12 @@ pub struct VolumeTexture {
 of_device!(VolumeTexture: "a texture of three dimensions (`VolumeTexture`)");
 
 impl VolumeTexture {
-    /// Creates a texture of width, height and depth texels. Waits for the copy: not for frames.
+    /// Creates a texture of `size` (width, height, depth) texels. Waits for the copy, so it is for
+    /// loading.
     ///
     /// # Errors
-    /// [`Error::TooLarge`] for a size of 0 or beyond the device's limits, or with another number of
-    /// texels; no memory, a failed call.
+    /// [`Error::TooLarge`] for a side that is 0 or beyond the device's limits, or if `texels` has
+    /// another number of texels; no memory, a failed call.
     pub fn new(
         device: &Device,
         size: [u32; 3],
@@ -122,7 +122,7 @@ impl VolumeTexture {
                 ..Default::default()
             })
             .image_extent(vk::Extent3D { width, height, depth });
-        // SAFETY: the buffer holds all texels of the image, which is in the layout named.
+        // SAFETY: the buffer contains all texels of the image, which is in the given layout.
         unsafe {
             self.device.raw().cmd_copy_buffer_to_image(
                 commands.raw(),

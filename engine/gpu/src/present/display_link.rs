@@ -1,5 +1,4 @@
-//! Connections to an X server that break: Xlib ends the process then, unless the program decides
-//! otherwise.
+//! Broken connections to an X server: Xlib then ends the process, unless the program prevents it.
 
 use std::ffi::{c_int, c_void};
 use std::sync::OnceLock;
@@ -10,7 +9,7 @@ use raw_window_handle::{HasDisplayHandle, RawDisplayHandle, XlibDisplayHandle};
 
 /// The type `XIOErrorHandler` of X11/Xlib.h.
 type ErrorHandler = unsafe extern "C" fn(display: *mut c_void) -> c_int;
-/// The type of `XSetIOErrorHandler`, which holds for all connections of the process.
+/// The type of `XSetIOErrorHandler`, whose handler applies to all connections of the process.
 type SetErrorHandler = unsafe extern "C" fn(handler: ErrorHandler) -> *mut c_void;
 /// The type `XIOErrorExitHandler`.
 type ExitHandler = unsafe extern "C" fn(display: *mut c_void, is_lost: *mut c_void);
@@ -20,17 +19,17 @@ type SetExitHandler =
 
 /// The connection of a window to its display.
 ///
-/// A connection of Xlib that breaks ends the process, and unwritten data are lost. With a link it
-/// does not: Xlib's calls fail from then on, [`DisplayLink::is_lost`] returns true, and the program
-/// can end by itself.
+/// A broken Xlib connection ends the process, and unsaved data is lost. With a link the process
+/// goes on: calls of Xlib fail from then on, [`DisplayLink::is_lost`] returns true, and the program
+/// can end in order.
 #[derive(Clone, Copy, Debug)]
 pub struct DisplayLink(&'static AtomicBool);
 
 impl DisplayLink {
     /// Watches the connection of `display`, which belongs to a window or an event loop. Connections
-    /// of other systems, and of an Xlib before 1.7, are not watched: the link is never lost.
+    /// of other systems, and of Xlib before 1.7, are not watched: the link is never lost.
     ///
-    /// Replaces Xlib's handler of broken connections, of which the process has one: a handler of
+    /// Replaces Xlib's handler of broken connections, which is global to the process: a handler of
     /// the host is not called any more. Connections that are not watched still end the process,
     /// without Xlib's message.
     pub fn watch(display: &impl HasDisplayHandle) -> Self {
@@ -43,10 +42,10 @@ impl DisplayLink {
         };
         if let Some((set_error_handler, set_exit_handler)) = loaded() {
             let pointer = std::ptr::from_ref(is_lost).cast_mut().cast();
-            // SAFETY: a display that is open, as who has the handle promises; `note_loss` takes the
-            // pointer for what it is, which lives as long as the program. Xlib's own error handler
-            // ends the process before the exit handler is called; connections without a link still
-            // end it.
+            // SAFETY: the display is open, as the owner of its handle promises. `note_loss` uses
+            // the pointer with its true type, and it is never freed. Xlib's own error handler ends
+            // the process before the exit handler is called; connections without a link still end
+            // it.
             unsafe {
                 set_exit_handler(display.as_ptr(), note_loss, pointer);
                 set_error_handler(go_on);
@@ -66,19 +65,19 @@ impl DisplayLink {
 /// # Safety
 /// `is_lost` points to an `AtomicBool` that lives as long as the program.
 unsafe extern "C" fn note_loss(_: *mut c_void, is_lost: *mut c_void) {
-    // SAFETY: the caller's promise; an atomic is only ever shared.
+    // SAFETY: the caller's promise; an atomic may be shared.
     let is_lost = unsafe { &*is_lost.cast::<AtomicBool>() };
     is_lost.store(true, Ordering::Relaxed);
 }
 
-/// Returns, so that the exit handler decides.
+/// Returns to Xlib, which then calls the exit handler.
 unsafe extern "C" fn go_on(_: *mut c_void) -> c_int {
     0
 }
 
 fn loaded() -> Option<(SetErrorHandler, SetExitHandler)> {
     static LIBRARY: OnceLock<Option<Library>> = OnceLock::new();
-    // SAFETY: whoever has a display of Xlib has this library loaded; it is never unloaded.
+    // SAFETY: a program with an Xlib display has this library loaded; it is never unloaded.
     let library = LIBRARY.get_or_init(|| unsafe { Library::new("libX11.so.6") }.ok()).as_ref()?;
     // SAFETY: both functions have these types (X11/Xlib.h).
     unsafe {

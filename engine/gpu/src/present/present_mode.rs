@@ -1,28 +1,28 @@
-//! Present modes: the order in which frames follow each other on the screen, and the nearest one
-//! that a driver has.
+//! Present modes: the ways in which frames follow each other on the screen, and the choice of the
+//! nearest supported one.
 
 use ash::vk;
 
 /// The way in which a frame replaces the one before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum PresentMode {
-    /// Each frame at a refresh, in order. Every driver has it.
+    /// Each frame at a refresh, in order. Every driver supports it.
     #[default]
     Fifo,
-    /// Each frame at a refresh, in order, but a late one at once; it may tear.
+    /// Each frame at a refresh, in order, but a late frame at once; it may tear.
     FifoRelaxed,
-    /// The newest frame at a refresh; overtaken ones are never seen.
+    /// The newest frame at a refresh; older waiting frames are never shown.
     Mailbox,
     /// Each frame at once; it may tear.
     Immediate,
 }
 
-/// A present mode that was wanted, and the one taken for it.
+/// A requested present mode, and the mode that replaces it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Fallback {
-    /// The mode asked for.
+    /// The requested mode.
     pub wanted: PresentMode,
-    /// The nearest mode that the surface has.
+    /// The nearest mode that the surface supports.
     pub taken: PresentMode,
 }
 
@@ -31,7 +31,7 @@ impl PresentMode {
     pub const ALL: [PresentMode; 4] =
         [PresentMode::Fifo, PresentMode::FifoRelaxed, PresentMode::Mailbox, PresentMode::Immediate];
 
-    /// Returns its name, as users write it.
+    /// Returns the name of the mode, as users write it.
     pub fn name(self) -> &'static str {
         match self {
             PresentMode::Fifo => "fifo",
@@ -41,14 +41,14 @@ impl PresentMode {
         }
     }
 
-    /// Returns the mode of that name.
+    /// Returns the mode with this name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|mode| mode.name() == name)
     }
 
-    /// Returns the mode itself, or the nearest of those `offered`: a mode that does not wait for a
-    /// refresh if this one does not, a mode without tearing if this one has none. `Fifo`, which is
-    /// always there, is the last resort.
+    /// Returns this mode, or the nearest of those `offered`: a mode that does not wait for a
+    /// refresh if this one does not, and a mode without tearing if this one has none. `Fifo`, which
+    /// is always supported, is the last resort.
     pub fn nearest(self, offered: &[PresentMode]) -> PresentMode {
         let order: &[PresentMode] = match self {
             PresentMode::Fifo => &[],

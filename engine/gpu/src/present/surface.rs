@@ -1,5 +1,5 @@
-//! Surfaces: windows as Vulkan sees them, the formats and modes that they offer, and the devices
-//! that can present to them.
+//! Surfaces: windows in Vulkan, the formats and modes that they offer, and the devices that can
+//! present to them.
 
 use std::sync::Arc;
 
@@ -17,15 +17,15 @@ use crate::core::window_system::{
 };
 use crate::present::present_mode::PresentMode;
 
-/// A window of any library that knows `raw-window-handle`.
+/// A window of any library that supports `raw-window-handle`.
 pub trait Window: HasWindowHandle + HasDisplayHandle + Send + Sync {}
 
 impl<W: HasWindowHandle + HasDisplayHandle + Send + Sync> Window for W {}
 
 /// A window that frames can be shown in. Clones share it.
 ///
-/// It keeps the window it was made for, and is kept itself by the swapchains made from it until the
-/// GPU and the presentation engine are done with them.
+/// A surface keeps its window alive. Swapchains made from the surface keep it alive until the GPU
+/// and the presentation engine are done with them.
 #[derive(Clone)]
 pub struct Surface {
     shared: Arc<SurfaceShared>,
@@ -36,17 +36,17 @@ pub(crate) struct SurfaceShared {
     functions: khr::surface::Instance,
     raw: vk::SurfaceKHR,
     is_wayland: bool,
-    // Behind the surface, so that it goes after it.
+    // The field follows the surface, so that the window is dropped after it.
     window: Arc<dyn Window>,
 }
 
 impl Surface {
-    /// Creates a surface for `window`, of the window system that the instance was made for.
+    /// Creates a surface for `window`, which must belong to the window system of the instance.
     ///
     /// # Errors
-    /// [`Error::NoDisplay`] where the window or its connection is gone; [`Error::NoWindows`] for an
+    /// [`Error::NoDisplay`] if the window or its connection is closed; [`Error::NoWindows`] for an
     /// instance that is not for windows; [`Error::Foreign`] for a window of another window system
-    /// than the instance was made for; a failed call.
+    /// than the instance; a failed call.
     pub fn new(instance: &Instance, window: Arc<dyn Window>) -> Result<Self, Error> {
         Self::with_shared(&instance.shared, window)
     }
@@ -69,8 +69,8 @@ impl Surface {
         }
         let display = display_for_drivers(window.display_handle().map_err(gone)?.as_raw());
         let handle = window_for_drivers(window.window_handle().map_err(gone)?.as_raw(), display);
-        // SAFETY: the window is kept until the surface is destroyed, and with it both handles; the
-        // surface keeps the instance, too.
+        // SAFETY: the surface keeps the window, and with it both handles, until the surface is
+        // destroyed; it also keeps the instance.
         let made = unsafe {
             ash_window::create_surface(&instance.entry, &instance.raw, display, handle, None)
         };
@@ -91,11 +91,11 @@ impl Surface {
         Arc::strong_count(&self.shared)
     }
 
-    /// Returns the present modes that `device` has for this window.
+    /// Returns the present modes that `device` supports for this window.
     ///
     /// # Errors
-    /// [`Error::Foreign`] for a device of another instance; a failed call, a window that is gone
-    /// among them.
+    /// [`Error::Foreign`] for a device of another instance; a failed call, for example for a closed
+    /// window.
     pub fn present_modes(&self, device: &Device) -> Result<Vec<PresentMode>, Error> {
         self.check(device)?;
         let physical = device.adapter().physical;
@@ -107,7 +107,7 @@ impl Surface {
         Ok(modes.into_iter().filter_map(PresentMode::from_raw).collect())
     }
 
-    /// Refuses a device of another instance.
+    /// Returns an error for a device of another instance.
     pub(crate) fn check(&self, device: &Device) -> Result<(), Error> {
         let ids = (self.shared.instance.id, device.instance().id);
         ownership::check(ids.0, ids.1, "a surface (`Surface`)", "a device", "Instance")
@@ -120,7 +120,7 @@ impl Surface {
             .called("vkGetPhysicalDeviceSurfaceFormatsKHR")
     }
 
-    /// Returns its size and its other present capabilities.
+    /// Returns the size of the surface and its other present capabilities.
     pub(crate) fn state(&self, device: &Device) -> Result<vk::SurfaceCapabilitiesKHR, vk::Result> {
         let physical = device.adapter().physical;
         // SAFETY: as above.
@@ -129,7 +129,7 @@ impl Surface {
         }
     }
 
-    /// Returns true if `device` can present to the window, which it cannot once the window is gone.
+    /// Returns true if `device` can present to the window; false once the window is closed.
     pub(crate) fn is_there(&self, device: &Device) -> Result<bool, Error> {
         let physical = device.adapter().physical;
         let family = device.queue_family();
@@ -143,8 +143,8 @@ impl Surface {
         }
     }
 
-    /// Returns true if presenting in a queued mode may wait for a compositor that shows the window
-    /// to nobody.
+    /// Returns true if presenting in a queued mode may wait for a compositor while the window is
+    /// not visible.
     pub(crate) fn may_hold_presents(&self) -> bool {
         self.shared.is_wayland
     }
@@ -154,7 +154,7 @@ impl Surface {
     }
 
     /// Returns the first queue family of `adapter` that draws, computes and presents to this
-    /// surface, and the number of bits of its timestamps.
+    /// surface, and the number of its timestamp bits.
     fn presenting_family(&self, adapter: &Adapter) -> Result<Option<(u32, u32)>, Error> {
         let raw = &self.shared.instance.raw;
         // SAFETY: an adapter of this instance.
@@ -179,7 +179,8 @@ impl Surface {
         Ok(None)
     }
 
-    /// Returns `adapter` with a queue that presents to this surface, or the reason why it has none.
+    /// Returns `adapter` with a queue that presents to this surface, or the reason why there is
+    /// none.
     pub(crate) fn presenting(&self, adapter: &Adapter) -> Result<Result<Adapter, String>, Error> {
         let name = &adapter.name;
         if !adapter.capabilities.has(OptionalFeature::Swapchain) {
@@ -201,8 +202,8 @@ fn functions(instance: &InstanceShared) -> Result<&WindowFunctions, Error> {
 
 impl Drop for SurfaceShared {
     fn drop(&mut self) {
-        // SAFETY: every swapchain of the surface holds it, so none is left; window and instance
-        // are.
+        // SAFETY: every swapchain holds the surface, so no swapchain is left; window and instance
+        // are still alive.
         unsafe { self.functions.destroy_surface(self.raw, None) };
     }
 }

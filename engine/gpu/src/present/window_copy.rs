@@ -1,4 +1,4 @@
-//! The last step of a frame: the copy from the target to an image of a window.
+//! The last step of a frame: the copy from the target to an image of the window.
 
 use ash::vk;
 
@@ -6,9 +6,9 @@ use crate::record::access::{Access, LayoutChange, MemoryBarrier};
 use crate::record::commands::Commands;
 use crate::record::target::Target;
 
-/// Copies the frame of `target` to an image of a window, byte for byte where their sizes are
-/// equal. A frame of another shape keeps its proportions, in the middle between black borders.
-/// Leaves the target as it was, since these commands may never be submitted.
+/// Copies the frame of `target` to an image of a window, byte for byte if their sizes are equal. A
+/// frame of another shape keeps its proportions, in the middle between black borders. Restores the
+/// layout of the target, since these commands may never be submitted.
 pub(crate) fn copy_to_window(
     target: &Target,
     commands: &Commands,
@@ -44,8 +44,8 @@ pub(crate) fn copy_to_window(
     } else {
         vk::Filter::LINEAR
     };
-    // SAFETY: both images are in the layouts named, and hold the regions; the formats
-    // were checked to be blitted when the swapchain was made.
+    // SAFETY: both images are in the given layouts and contain the regions; creating the swapchain
+    // checked that the formats support blits.
     unsafe {
         commands.device().raw().cmd_blit_image(
             commands.raw(),
@@ -65,7 +65,7 @@ pub(crate) fn copy_to_window(
     }
 }
 
-/// Clears an image of a window to black; it is a destination of copies, before and after.
+/// Clears an image of a window to black. The image stays in the layout of a copy destination.
 fn clear(commands: &Commands, window: vk::Image) {
     let black = vk::ClearColorValue { float32: [0.0, 0.0, 0.0, 1.0] };
     let whole = vk::ImageSubresourceRange {
@@ -74,7 +74,7 @@ fn clear(commands: &Commands, window: vk::Image) {
         layer_count: 1,
         ..Default::default()
     };
-    // SAFETY: the image is a destination of copies and in the layout named.
+    // SAFETY: the image is a copy destination in the given layout.
     unsafe {
         commands.device().raw().cmd_clear_color_image(
             commands.raw(),
@@ -87,8 +87,8 @@ fn clear(commands: &Commands, window: vk::Image) {
     commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::CopyWrite]));
 }
 
-/// Returns the upper left and lower right corner (pixels) of the largest area in the middle of
-/// `window` that has the proportions of `frame`, up to rounding; at least a pixel. No side is 0.
+/// Returns the upper left and lower right corner (pixels) of the largest centred area of `window`
+/// with the proportions of `frame`, up to rounding; at least one pixel. No side may be 0.
 fn fitted(frame: [u32; 2], window: [u32; 2]) -> [[u32; 2]; 2] {
     let [[width, height], limits] = [frame, window].map(|size| size.map(u64::from));
     let scaled = |side: u64, to: u64, of: u64| ((side * to + of / 2) / of.max(1)).max(1);

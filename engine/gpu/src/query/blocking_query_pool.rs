@@ -1,9 +1,9 @@
-//! Occlusion queries of a frame that is submitted in pieces: the results of a piece are read while
-//! the frame goes on.
+//! Occlusion queries of a frame that is submitted in pieces: the results of a piece are read during
+//! the frame.
 //!
-//! Each piece copies its results to mapped memory, and the CPU reads them once its tick is over:
-//! the CPU polls or waits for ticks only. Queries are numbered over the whole frame; pages of them
-//! are made as a frame asks for more and are kept for the frames that use the slot later.
+//! Each piece copies its results to mapped memory, and the CPU reads them once its tick is over. So
+//! the CPU polls or waits for ticks only. Queries are numbered over the whole frame. They are
+//! created in pages when a frame requests more, and pages are kept for later frames of the slot.
 
 use std::ops::Range;
 
@@ -24,8 +24,8 @@ use crate::record::frames::SlotIndex;
 /// Occlusion queries for frames of several pieces.
 pub struct BlockingQueryPool {
     device: Device,
-    /// The ring of the pages. It collects nothing: results are read while their frame is still
-    /// recorded.
+    /// The ring of pages. It collects nothing, because results are read while their frame is still
+    /// being recorded.
     ring: Ring<(), Vec<Page>>,
     /// The queries of the frame being recorded.
     recorded: RecordedQueries,
@@ -44,20 +44,20 @@ const PAGE: u32 = 256;
 of_device!(BlockingQueryPool: "blocking queries (`BlockingQueryPool`)");
 
 impl BlockingQueryPool {
-    /// Creates a pool for `frames_in_flight` frames, without queries yet.
+    /// Creates a pool for `frames_in_flight` frames, initially without queries.
     pub fn new(device: &Device, frames_in_flight: usize, name: &str) -> Self {
         let device = device.clone();
         let ring = Ring::new(frames_in_flight);
         Self { device, ring, recorded: RecordedQueries::default(), name: name.to_owned() }
     }
 
-    /// Begins a frame in `slot`: its queries are numbered from 0.
+    /// Begins a frame in `slot`; its queries are numbered from 0.
     pub fn begin(&mut self, slot: SlotIndex) {
         self.ring.turn_to(slot, |_| false);
         self.recorded.restart(0);
     }
 
-    /// Takes `count` more queries, to be used in this piece. Outside of rendering.
+    /// Takes `count` more queries for this piece. Must be called outside of rendering.
     ///
     /// # Errors
     /// [`Error::Foreign`] for commands of another device, which fail; no memory, or a failed call.
@@ -66,7 +66,7 @@ impl BlockingQueryPool {
         let used = self.recorded.count();
         let taken = used..used.saturating_add(count);
         let slot = self.ring.current_mut();
-        // The pages that this frame comes to for the first time.
+        // The pages that this frame uses for the first time.
         for number in used.div_ceil(PAGE)..taken.end.div_ceil(PAGE) {
             if number as usize == slot.memory.len() {
                 let name = format!("{} {}, page {number}", self.name, slot.number);
@@ -79,8 +79,8 @@ impl BlockingQueryPool {
         Ok(taken)
     }
 
-    /// Records what `record` draws under `query`, which is used once: a second use makes the
-    /// recording fail.
+    /// Calls `record` and counts its draws under `query`. A query may be used once: a second use
+    /// makes the recording fail.
     pub fn scope(
         &self,
         commands: &Commands,
@@ -102,13 +102,13 @@ impl BlockingQueryPool {
                     record,
                 );
             }
-            // Not taken for this frame: draw without a query.
+            // The query was not taken for this frame, so the draw is recorded without it.
             None => record(commands),
         }
     }
 
-    /// Copies the results of `queries` to mapped memory; outside of rendering. The recording fails
-    /// unless all of them were recorded in this frame.
+    /// Copies the results of `queries` to mapped memory. Must be called outside of rendering. The
+    /// recording fails unless all of them were recorded in this frame.
     pub fn read_back(&self, commands: &Commands, queries: Range<u32>) {
         if commands.check_owner(self).is_err()
             || !check_recorded(commands, &self.recorded, queries.clone())
@@ -131,8 +131,8 @@ impl BlockingQueryPool {
         }
     }
 
-    /// Returns the result of `query`, once the tick of its piece is over; 0 for one that was never
-    /// taken.
+    /// Returns the result of `query`, which is valid once the tick of its piece is over; 0 for a
+    /// query that was never taken.
     pub fn samples(&self, query: QueryIndex) -> u32 {
         let result = (query.0 % PAGE) as usize;
         let results =

@@ -1,8 +1,8 @@
-//! The flag ring: results that shaders set, over N frames in flight, read back like query results.
+//! The flag ring: results that shaders write over N frames in flight, read back like query results.
 //!
-//! A flag is to a shader's store what a query is to the rasteriser's counter: zero until something
-//! is visible. A slot belongs to one frame until its tick is over; the results are read by
-//! predicates in the same frame and copied to mapped memory at its end.
+//! A flag is the equivalent of a query that a shader writes: it is zero until something is visible.
+//! A slot belongs to one frame until its tick is over. Predicates read the results in the same
+//! frame, and at the end of the frame they are copied to mapped memory.
 
 use crate::core::device::Device;
 use crate::core::error::Error;
@@ -15,8 +15,8 @@ use crate::query::ring::Ring;
 use crate::record::commands::Commands;
 use crate::record::frames::Frame;
 
-/// A ring of flags over the frames in flight. Each carries a tag `T` and returns it with its
-/// result; the ring does not look into it.
+/// A ring of flags over the frames in flight. Each flag carries a tag `T` of the caller and returns
+/// it with its result.
 pub struct FlagRing<T> {
     device: Device,
     ring: Ring<T, Option<ResultBuffer>>,
@@ -40,8 +40,8 @@ impl<T: Copy> FlagRing<T> {
         Self { device, ring, source, name: name.to_owned() }
     }
 
-    /// Gives `answer` the tags and results of every frame that is over, oldest first. `completed`
-    /// is [`Device::completed`]. Never waits.
+    /// Passes the tags and results of every frame that is over to `answer`, oldest first.
+    /// `completed` is [`Device::completed`]. Never waits.
     pub fn collect(&mut self, completed: Tick, mut answer: impl FnMut(&[T], &[u32])) {
         let device = &self.device;
         self.ring.collect(
@@ -55,12 +55,12 @@ impl<T: Copy> FlagRing<T> {
         );
     }
 
-    /// Starts the flags of `frame`, one per tag, all zero; the index of a flag is the index of its
-    /// tag. A barrier from [`Access::CopyWrite`](crate::Access::CopyWrite) to the stores must
-    /// follow. Results of this slot that nobody collected are dropped.
+    /// Begins the flags of `frame`, one per tag and with its index, all zero. A barrier from
+    /// [`Access::CopyWrite`](crate::Access::CopyWrite) to the stores must follow. Results of this
+    /// slot that were not collected are dropped.
     ///
     /// # Errors
-    /// [`Error::Foreign`] for a frame of another device, which fails; no memory.
+    /// [`Error::Foreign`] for a frame of another device, which then fails; no memory.
     pub fn begin(
         &mut self,
         frame: &Frame<'_>,
@@ -85,15 +85,16 @@ impl<T: Copy> FlagRing<T> {
         Ok(())
     }
 
-    /// Returns the results that shaders set, one per tag of the frame being recorded; none without
-    /// tags.
+    /// Returns the results that shaders write, one per tag of the frame being recorded; `None`
+    /// without tags.
     pub fn results(&self) -> Option<BufferSlice> {
         let slot = self.ring.current();
         let results = slot.memory.as_ref().filter(|_| !slot.tags.is_empty())?;
         Some(results.first(slot.tags.len()))
     }
 
-    /// Copies all results to mapped memory for [`FlagRing::collect`]. The last use in a frame.
+    /// Copies all results to mapped memory for [`FlagRing::collect`]. Must be the last use in a
+    /// frame.
     pub fn read_back(&self, commands: &Commands) {
         let slot = self.ring.current();
         if let (Ok(()), Some(results)) = (commands.check_owner(self), &slot.memory) {
@@ -101,7 +102,7 @@ impl<T: Copy> FlagRing<T> {
         }
     }
 
-    /// Notes that the frame that the ring recorded for is submitted.
+    /// Notes that the frame of the present recording was submitted as `tick`.
     pub fn submitted(&mut self, tick: Tick) {
         self.ring.submitted(self.device.not_before(tick));
     }

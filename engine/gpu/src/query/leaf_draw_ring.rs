@@ -1,10 +1,10 @@
-//! Leaf draws: a copy of a scene's indirect draws per frame slot, in which shaders switch on the
-//! draws of single leaves, and the list of those leaves.
+//! Leaf draws: a copy of a scene's indirect draws per frame slot, in which shaders enable the draws
+//! of single leaves, and the list of these leaves.
 //!
-//! All instance counts are zero but those that fragments of boxes set in the frame. The first
-//! fragment of a leaf also notes it in a list, which is read back like query results. The draws
-//! that a frame switched on are switched off when its slot is used again: leaf by leaf from the
-//! list, without any work for all the others.
+//! All instance counts are zero except for draws that fragments of boxes enabled in the frame. The
+//! first fragment of a leaf also adds it to a list, which is read back like query results. When a
+//! slot is used again, the draws that its last frame enabled are disabled again: leaf by leaf from
+//! the list, without any work for other leaves.
 
 use ash::vk;
 
@@ -20,8 +20,8 @@ use crate::record::commands::Commands;
 use crate::record::frames::Frame;
 use crate::record::indirect::{DRAW_BYTES, DrawRange, IndirectDraw};
 
-/// A ring with one copy of the draws per frame slot, made when a slot first needs it. Each frame
-/// carries a tag `T` that comes back with its list.
+/// A ring with one copy of the draws per frame slot, created when a slot first needs it. Each frame
+/// carries a tag `T` that is returned with its list.
 pub struct LeafDrawRing<T> {
     device: Device,
     ring: Ring<T, Option<PartMemory>>,
@@ -29,33 +29,33 @@ pub struct LeafDrawRing<T> {
 
 /// The draws of a scene, as the ring copies them.
 pub trait LeafDraws {
-    /// Returns the number of draws, those included that are empty.
+    /// Returns the number of draws, including empty ones.
     fn count(&self) -> u32;
 
-    /// Returns a draw; an empty one where there is none.
+    /// Returns a draw; an empty one if there is none with this index.
     fn draw(&self, number: u32) -> IndirectDraw;
 
-    /// Calls `each` with the number of each draw of a leaf.
+    /// Calls `each` with the index of each draw of a leaf.
     fn draws_of(&self, leaf: u32, each: &mut dyn FnMut(u32));
 }
 
 struct PartMemory {
     draws: Buffer,
     draw_count: u32,
-    /// The number of leaves switched on, then their numbers.
+    /// The number of enabled leaves, followed by their indices.
     list: ResultBuffer,
-    /// Ranges of draws that the frame of this slot may have switched on.
+    /// Ranges of draws that the frame of this slot may have enabled.
     tested: Vec<DrawRange>,
-    /// Ranges whose draws have changed since they were written.
+    /// Ranges of draws that changed since they were written.
     changed: Vec<DrawRange>,
 }
 
-/// The leaves whose draws fragments switched on in one frame.
+/// The leaves whose draws fragments enabled in one frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EnabledLeaves<'a> {
-    /// A complete list: the numbers of the leaves, each once.
+    /// A complete list: the indices of the leaves, each once.
     These(&'a [u32]),
-    /// More leaves than the list holds.
+    /// More leaves than the list can hold, with their number.
     TooMany(u32),
 }
 
@@ -71,13 +71,13 @@ impl<T> OfDevice for LeafDrawRing<T> {
 }
 
 impl<T: Copy> LeafDrawRing<T> {
-    /// Creates a ring without memory yet.
+    /// Creates a ring, initially without memory.
     pub fn new(device: &Device, frames_in_flight: usize) -> Self {
         Self { device: device.clone(), ring: Ring::new(frames_in_flight) }
     }
 
-    /// Notes that the draws of `range` have changed: every slot writes them again when it is next
-    /// used.
+    /// Notes that the draws of `range` have changed: every slot writes them again before its next
+    /// use.
     pub fn changed(&mut self, range: DrawRange) {
         for memory in self.ring.slots_mut().filter_map(|slot| slot.memory.as_mut()) {
             memory.changed(range);
@@ -89,7 +89,7 @@ impl<T: Copy> LeafDrawRing<T> {
         self.changed(DrawRange { first: 0, count: u32::MAX });
     }
 
-    /// Gives `listed` the list of every frame that is over, oldest first. Never waits.
+    /// Passes the list of every frame that is over to `listed`, oldest first. Never waits.
     pub fn collect(&mut self, completed: Tick, mut listed: impl FnMut(T, EnabledLeaves<'_>)) {
         let device = &self.device;
         self.ring.collect(
@@ -103,12 +103,12 @@ impl<T: Copy> LeafDrawRing<T> {
         );
     }
 
-    /// Starts a frame in which fragments may switch on draws of the ranges `tested`; without
-    /// ranges, no memory is used. A barrier from [`Access::CopyWrite`] to the stores and to the
-    /// draws must follow.
+    /// Begins a frame in which fragments may enable draws of the ranges `tested`. Without ranges,
+    /// no memory is used. A barrier from [`Access::CopyWrite`] to the stores and to the draws must
+    /// follow.
     ///
     /// # Errors
-    /// [`Error::Foreign`] for a frame of another device, which fails; no memory.
+    /// [`Error::Foreign`] for a frame of another device, which then fails; no memory.
     pub fn begin(
         &mut self,
         frame: &mut Frame<'_>,
@@ -155,14 +155,15 @@ impl<T: Copy> LeafDrawRing<T> {
         Some(LeafDrawBuffers { draws: memory.draws.whole(), list: memory.list.whole() })
     }
 
-    /// Copies the list to mapped memory for [`LeafDrawRing::collect`]. The last use in a frame.
+    /// Copies the list to mapped memory for [`LeafDrawRing::collect`]. Must be the last use in a
+    /// frame.
     pub fn read_back(&self, commands: &Commands) {
         if let (Ok(()), Some(memory)) = (commands.check_owner(self), self.recorded()) {
             memory.list.read_back(commands, LISTED_LEAVES + 1, Access::FragmentWrite);
         }
     }
 
-    /// Notes that the frame that was recorded is submitted.
+    /// Notes that the frame of the present recording was submitted as `tick`.
     pub fn submitted(&mut self, tick: Tick) {
         self.ring.submitted(self.device.not_before(tick));
     }
@@ -173,8 +174,8 @@ impl<T: Copy> LeafDrawRing<T> {
     }
 }
 
-/// Sorts ranges and merges those that meet: no draw is written twice, which would need a barrier in
-/// between.
+/// Sorts ranges and merges those that touch or overlap, so that no draw is written twice. Writing a
+/// draw twice would need a barrier in between.
 fn join(ranges: &mut Vec<DrawRange>) {
     let end = |range: &DrawRange| range.first.saturating_add(range.count);
     ranges.sort_unstable_by_key(|range| range.first);
@@ -192,12 +193,12 @@ fn join(ranges: &mut Vec<DrawRange>) {
 pub struct LeafDrawBuffers {
     /// All draws of the scene.
     pub draws: BufferSlice,
-    /// The number of leaves switched on, then their numbers.
+    /// The number of enabled leaves, followed by their indices.
     pub list: BufferSlice,
 }
 
 impl PartMemory {
-    /// Creates a copy whose draws are all still to be written.
+    /// Creates a copy in which all draws must still be written.
     fn new(device: &Device, draw_count: u32, slot: usize) -> Result<Self, Error> {
         let usage = vk::BufferUsageFlags::INDIRECT_BUFFER
             | vk::BufferUsageFlags::STORAGE_BUFFER
@@ -214,7 +215,7 @@ impl PartMemory {
     }
 
     fn changed(&mut self, range: DrawRange) {
-        // Beyond that, one copy of everything is less work than all these.
+        // Above this number, one copy of everything is less work than these ranges.
         const MOST_RANGES: usize = 1 << 10;
         let first = range.first.min(self.draw_count);
         let count = range.count.min(self.draw_count - first);
@@ -229,9 +230,9 @@ impl PartMemory {
         }
     }
 
-    /// Adds the draws that the last frame may have switched on to those to write again: those of
-    /// the leaves in its list, as they are now. A draw that belonged to one of them and no longer
-    /// does has changed since. The slot's tick is over, so the list is there, collected or not.
+    /// Adds the draws that the last frame may have enabled to the draws to write again: the present
+    /// draws of the leaves in its list. A draw that no longer belongs to its leaf is among the
+    /// changed draws. The slot's tick is over, so the list is complete, collected or not.
     fn forget_switched_on(&mut self, draws: &impl LeafDraws) {
         if !self.tested.is_empty() {
             let Self { list, changed, tested, .. } = self;
@@ -245,7 +246,7 @@ impl PartMemory {
         join(&mut self.changed);
     }
 
-    /// Reads the list, only once the tick of its frame is over.
+    /// Returns the list, which may be read only once the tick of its frame is over.
     fn enabled(&self) -> EnabledLeaves<'_> {
         enabled(self.list.read(LISTED_LEAVES + 1))
     }

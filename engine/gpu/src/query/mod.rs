@@ -1,4 +1,5 @@
-//! Rings of tests on the GPU with results frames later, and draws that depend on the results.
+//! Rings of tests on the GPU, whose results arrive frames later, and draws that depend on the
+//! results.
 
 pub(crate) mod blocking_query_pool;
 pub(crate) mod flag_ring;

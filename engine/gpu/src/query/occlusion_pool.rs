@@ -1,4 +1,4 @@
-//! A pool of occlusion queries, and the few commands that use it.
+//! A pool of occlusion queries, with the commands that use it.
 
 use std::ops::Range;
 
@@ -14,7 +14,7 @@ use crate::query::recorded_queries::RecordedQueries;
 use crate::query::result_buffer::RESULT_BYTES;
 use crate::record::commands::{Commands, Failure};
 
-/// A query of the frame being recorded.
+/// The index of a query in the frame being recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct QueryIndex(pub u32);
 
@@ -46,19 +46,19 @@ impl OcclusionPool {
         Ok(Self { device: device.clone(), raw, capacity })
     }
 
-    /// Returns the number of its queries.
+    /// Returns the number of queries in the pool.
     pub(crate) fn capacity(&self) -> u32 {
         self.capacity
     }
 
-    /// Resets the first `count` queries. Outside of rendering; the tick of the frame that used them
-    /// before is over.
+    /// Resets the first `count` queries, outside of rendering. The tick of the frame that used them
+    /// before must be over.
     pub(crate) fn reset(&self, commands: &Commands, count: u32) {
         reset_queries(&self.device, commands, self.raw, count.min(self.capacity));
     }
 
-    /// Records what `record` draws under query `query` of this pool: `number` among those
-    /// `recorded` in the frame. A second use of a query makes the recording fail.
+    /// Calls `record` and counts its draws under query `query` of this pool, which has the index
+    /// `number` in `recorded`. A second use of a query makes the recording fail.
     pub(crate) fn scope(
         &self,
         commands: &Commands,
@@ -80,18 +80,18 @@ impl OcclusionPool {
         } else {
             vk::QueryControlFlags::empty()
         };
-        // SAFETY: the query was reset earlier in this frame and is used once in it, as was noted;
-        // precise ones are asked for only where the feature is on.
+        // SAFETY: the query was reset earlier in this frame and is used once in it, as `recorded`
+        // proves; precise queries are used only with the feature enabled.
         unsafe { raw.cmd_begin_query(commands.raw(), self.raw, query, flags) };
         record(commands);
         // SAFETY: closes the query opened above.
         unsafe { raw.cmd_end_query(commands.raw(), self.raw, query) };
     }
 
-    /// Copies the results of `queries`, all of which were recorded, on the GPU to `to`, one result
-    /// each. Outside of rendering.
+    /// Copies the results of `queries` to `to` on the GPU, outside of rendering. All of the queries
+    /// must have been recorded.
     pub(crate) fn copy_results(&self, commands: &Commands, queries: Range<u32>, to: BufferSlice) {
-        // WAIT is the GPU's own wait for its earlier commands, not the CPU's.
+        // WAIT makes the GPU wait for its earlier commands, not the CPU.
         let flags = vk::QueryResultFlags::WAIT;
         // SAFETY: the queries were begun and ended earlier in this frame; the slice has a result
         // for each.
@@ -110,7 +110,7 @@ impl OcclusionPool {
     }
 }
 
-/// Makes the recording fail unless all of `queries` were recorded: the GPU would wait for ever.
+/// Makes the recording fail unless all of `queries` were recorded: the GPU would wait forever.
 pub(crate) fn check_recorded(
     commands: &Commands,
     recorded: &RecordedQueries,

@@ -1,10 +1,10 @@
-//! The query ring: occlusion queries over N frames in flight, whose results nobody waits for.
+//! The query ring: occlusion queries over N frames in flight, whose results are read without
+//! waiting.
 //!
-//! A slot belongs to one frame until its tick is over. While the frame runs, the GPU itself copies
-//! the results: to a buffer for the predicates of the same frame, and from there to mapped memory,
-//! where the CPU picks them up in a later frame (GPU Gems, 29.4; GPU Gems 2, 6.4). The results are
-//! believed because of the tick, not because of an availability value: SwiftShader may write that
-//! value too early.
+//! A slot belongs to one frame until its tick is over. While the frame runs, the GPU copies the
+//! results to a buffer for the predicates of the same frame, and from there to mapped memory, where
+//! the CPU reads them in a later frame (GPU Gems, 29.4; GPU Gems 2, 6.4). The tick proves that the
+//! results are valid, not an availability value: SwiftShader may write that value too early.
 
 use std::ops::Range;
 
@@ -28,8 +28,8 @@ use crate::record::frames::Frame;
 use crate::record::pipeline::{ComputePipeline, StorageLayout};
 use crate::record::shader::Spirv;
 
-/// A ring of occlusion queries over the frames in flight. Each carries a tag `T` and returns it
-/// with its result; the ring does not look into it.
+/// A ring of occlusion queries over the frames in flight. Each query carries a tag `T` of the
+/// caller and returns it with its result.
 pub struct QueryRing<T> {
     device: Device,
     ring: Ring<T, Option<Queries>>,
@@ -37,9 +37,9 @@ pub struct QueryRing<T> {
     recorded: RecordedQueries,
     name: String,
     counting: Counting,
-    /// The views of the renderings that the queries are recorded in.
+    /// The number of views of the renderings that the queries are recorded in.
     views: u32,
-    /// The pass that adds the results of all views, made when there are several.
+    /// The pass that adds the results of all views, created if there are several.
     sum: Option<ComputePipeline>,
 }
 
@@ -47,7 +47,7 @@ pub struct QueryRing<T> {
 struct Queries {
     pool: OcclusionPool,
     results: ResultBuffer,
-    /// One result per query and view, where there are several views.
+    /// One result per query and view, if there are several views.
     of_views: Option<Buffer>,
 }
 
@@ -60,7 +60,7 @@ struct Sum {
     views: u32,
 }
 
-/// Queries per workgroup of `sum_queries.comp`.
+/// The number of queries per workgroup of `sum_queries.comp`.
 const SUM_GROUP: u32 = 64;
 
 impl<T> OfDevice for QueryRing<T> {
@@ -72,10 +72,10 @@ impl<T> OfDevice for QueryRing<T> {
 }
 
 impl<T: Copy> QueryRing<T> {
-    /// Creates a ring for `frames_in_flight` frames. Slots grow as frames ask for more queries.
+    /// Creates a ring for `frames_in_flight` frames. Slots grow as frames request more queries.
     ///
     /// # Errors
-    /// None today; slots are made when they are first used.
+    /// [`Error::TooLarge`] for too many frames in flight.
     pub fn new(device: &Device, frames_in_flight: usize, name: &str) -> Result<Self, Error> {
         check_frames_in_flight(frames_in_flight)?;
         Ok(Self {
@@ -89,13 +89,14 @@ impl<T: Copy> QueryRing<T> {
         })
     }
 
-    /// Sets the meaning of the results of queries that are begun from now on.
+    /// Sets the meaning of results for queries that begin from now on.
     pub fn set_counting(&mut self, counting: Counting) {
         self.counting = counting;
     }
 
-    /// Sets the number of views that renderings of later frames draw at once. A query takes a place
-    /// per view in the pool, as Vulkan demands; its result is the samples of all views.
+    /// Sets the number of views that renderings of later frames draw at once. A query takes one
+    /// entry per view in the pool, as Vulkan requires; its result is the number of samples in all
+    /// views.
     ///
     /// # Errors
     /// A failed call.
@@ -110,8 +111,8 @@ impl<T: Copy> QueryRing<T> {
         Ok(())
     }
 
-    /// Gives `answer` every result that has arrived: the tag and the number of samples that passed
-    /// (only zero or not zero means something, unless they were
+    /// Passes every result that has arrived to `answer`: the tag and the number of samples that
+    /// passed (only meaningful as zero or not zero, unless samples are
     /// [counted](QueryRing::set_counting)). `completed` is [`Device::completed`]. Never waits.
     pub fn collect(&mut self, completed: Tick, mut answer: impl FnMut(T, u32)) {
         let device = &self.device;
@@ -127,12 +128,12 @@ impl<T: Copy> QueryRing<T> {
         );
     }
 
-    /// Starts the queries of `frame`, one per tag; the index of a query is the index of its tag.
-    /// Results of this slot that nobody collected are dropped.
+    /// Begins the queries of `frame`, one per tag and with its index. Results of this slot that
+    /// were not collected are dropped.
     ///
     /// # Errors
-    /// [`Error::Foreign`] for a frame of another device, which fails; [`Error::Unsupported`] where
-    /// the queries of the device cannot count as they are to; no memory, or a failed call.
+    /// [`Error::Foreign`] for a frame of another device, which then fails; [`Error::Unsupported`]
+    /// if samples must be counted and the device cannot; no memory, or a failed call.
     pub fn begin(&mut self, frame: &mut Frame<'_>, tags: &[T]) -> Result<(), Error> {
         frame.commands().check_owner(self)?;
         let lacking = OptionalFeature::PreciseQueries;
@@ -159,22 +160,22 @@ impl<T: Copy> QueryRing<T> {
         Ok(())
     }
 
-    /// Records what `record` draws under `query`. Each query of a frame is recorded exactly once; a
-    /// second use makes the recording fail.
+    /// Calls `record` and counts its draws under `query`. Each query of a frame must be recorded
+    /// exactly once; a second use makes the recording fail.
     pub fn scope(&self, commands: &Commands, query: QueryIndex, record: impl FnOnce(&Commands)) {
         match self.begun(commands) {
             Some(queries) if query.0 < self.recorded.count() => {
                 let place = query.0.saturating_mul(self.views);
                 queries.pool.scope(commands, place, self.counting, &self.recorded, query.0, record);
             }
-            // Not begun for this frame: draw without a query.
+            // The query was not begun for this frame, so the draw is recorded without it.
             _ => record(commands),
         }
     }
 
-    /// Copies the results of queries `range` on the GPU to [`QueryRing::results`], one 32-bit
-    /// result each. Outside of rendering; the recording fails unless all of them were recorded. A
-    /// barrier from [`Access::CopyWrite`] to the use must follow.
+    /// Copies the results of the queries `range` to [`QueryRing::results`] on the GPU, one 32-bit
+    /// result each. Must be called outside of rendering; the recording fails unless all of the
+    /// queries were recorded. A barrier from [`Access::CopyWrite`] to the use must follow.
     pub fn resolve(&self, commands: &Commands, range: Range<u32>) {
         let Some(queries) = self.begun(commands) else {
             return;
@@ -196,7 +197,7 @@ impl<T: Copy> QueryRing<T> {
                 Sum { first: range.start, count: range.end - range.start, views: self.views };
             commands.push_compute_constants(sum, &constants);
             commands.dispatch([constants.count.div_ceil(SUM_GROUP), 1, 1]);
-            // Whoever uses the results waits for copies.
+            // Users of the results wait for copies.
             commands.barrier(between(&[Access::ComputeWrite], &[Access::CopyWrite]));
         }
     }
@@ -207,7 +208,8 @@ impl<T: Copy> QueryRing<T> {
         Some(queries.results.whole())
     }
 
-    /// Copies all results to mapped memory for [`QueryRing::collect`]. The last use in a frame.
+    /// Copies all results to mapped memory for [`QueryRing::collect`]. Must be the last use in a
+    /// frame.
     pub fn read_back(&self, commands: &Commands) {
         let slot = self.ring.current();
         if let (Some(queries), Ok(())) = (&slot.memory, commands.check_owner(self)) {
@@ -215,7 +217,7 @@ impl<T: Copy> QueryRing<T> {
         }
     }
 
-    /// Notes that the frame that the ring recorded for is submitted.
+    /// Notes that the frame of the present recording was submitted as `tick`.
     pub fn submitted(&mut self, tick: Tick) {
         self.ring.submitted(self.device.not_before(tick));
     }
@@ -241,7 +243,7 @@ impl Queries {
         Ok(Self { pool, results, of_views: of_views.transpose()? })
     }
 
-    /// Returns true if there is room for `count` queries in renderings of so many views.
+    /// Returns true if there is room for `count` queries in renderings of `views` views.
     fn holds(&self, count: usize, views: u32) -> bool {
         let places = count as u64 * u64::from(views);
         self.results.holds(count)

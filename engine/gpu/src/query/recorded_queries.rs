@@ -1,5 +1,5 @@
-//! The queries of a frame that were recorded. A query may be begun only once after its reset, and
-//! the GPU would wait for ever for the result of one that was never begun.
+//! The record of which queries of a frame were recorded. A query may be begun only once after its
+//! reset, and the GPU would wait forever for the result of a query that was never begun.
 
 use std::cell::Cell;
 use std::ops::Range;
@@ -18,7 +18,7 @@ impl RecordedQueries {
         self.grow(count);
     }
 
-    /// Goes on with `count` queries in all.
+    /// Continues with `count` queries in total.
     pub(crate) fn grow(&mut self, count: u32) {
         self.count = count;
         self.blocks.resize_with(count.div_ceil(u64::BITS) as usize, Cell::default);

@@ -1,5 +1,5 @@
-//! Results that the GPU writes for the predicates of the same frame, with a copy in mapped memory
-//! for the CPU when the frame is over.
+//! Results that the GPU writes for the predicates of the same frame, and a copy in mapped memory
+//! for the CPU after the frame.
 
 use ash::vk;
 
@@ -9,9 +9,9 @@ use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
 use crate::record::access::{Access, MemoryBarrier};
 use crate::record::commands::Commands;
 
-/// The size of a result.
+/// The size of one result.
 pub(crate) const RESULT_BYTES: u64 = 4;
-/// The smallest capacity: fewer results are not worth growing for.
+/// The smallest capacity, so that slots with few results need not grow.
 const FIRST_CAPACITY: usize = 256;
 
 /// The 32-bit results of one frame slot.
@@ -41,7 +41,7 @@ impl ResultBuffer {
         })
     }
 
-    /// Returns the capacity for `wanted` results, with room to spare, so that slots grow seldom.
+    /// Returns a capacity for `wanted` results with some reserve, so that slots seldom grow.
     pub(crate) fn roomy(wanted: usize) -> usize {
         wanted.max(FIRST_CAPACITY).next_power_of_two()
     }
@@ -60,9 +60,9 @@ impl ResultBuffer {
         self.whole().part(0, count as u64 * RESULT_BYTES)
     }
 
-    /// Copies the first `count` results to mapped memory, after their access `written` and after
-    /// the fill or copy that cleared them: in a frame in which nothing else wrote, no other barrier
-    /// waits for that. Their last use in a frame.
+    /// Copies the first `count` results to mapped memory. Waits for their access `written`, and for
+    /// the fill or copy that cleared them, because no other barrier waits for it if nothing else
+    /// wrote in this frame. Must be their last use in a frame.
     pub(crate) fn read_back(&self, commands: &Commands, count: usize, written: Access) {
         if count == 0 {
             return;
@@ -73,7 +73,7 @@ impl ResultBuffer {
         commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]));
     }
 
-    /// Returns the first `count` results of the frame that copied them last. It is over.
+    /// Returns the first `count` results of the last frame that copied them, which must be over.
     pub(crate) fn read(&self, count: usize) -> &[u32] {
         self.mapped.read(0..count)
     }

@@ -1,8 +1,8 @@
-//! The ring below all rings: the tags and memory of each frame, kept by slot until the GPU has
-//! answered.
+//! The common base of all rings: the tags and memory of each frame, kept per slot until the results
+//! arrive.
 //!
-//! A slot belongs to one frame until its tick is over, so that what the frame wrote to the slot's
-//! memory may be read then, and not before. Nothing here knows the kind of test.
+//! A slot belongs to one frame until its tick is over: only then may the data be read that the
+//! frame wrote to the slot's memory. The ring does not depend on the kind of test.
 
 use crate::core::deletion::RecordingId;
 use crate::core::tick::Tick;
@@ -18,14 +18,15 @@ pub(crate) struct Ring<T, M> {
 /// The tags and memory of one frame.
 pub(crate) struct Slot<T, M> {
     pub(crate) number: usize,
-    /// The memory of the results, kept for the frames that use the slot later.
+    /// The memory for the results, kept for later frames of the slot.
     pub(crate) memory: M,
     /// The caller's tags, returned with the results.
     pub(crate) tags: Vec<T>,
     /// The recording that the slot was begun for.
     recording: RecordingId,
     is_recording: bool,
-    /// The frame whose answers this slot holds; none while recording and once they are collected.
+    /// The frame whose results this slot holds; `None` while recording and after they are
+    /// collected.
     in_flight: Option<Tick>,
     /// True if the last frame of the slot never ran.
     is_undefined: bool,
@@ -49,8 +50,9 @@ impl<T, M: Default> Ring<T, M> {
         self.slots.iter_mut()
     }
 
-    /// Gives `answer` every slot whose frame is over, once, oldest first: a history should see
-    /// answers in the order of their frames. Frames that `is_lost` never ran: there is no answer.
+    /// Passes every slot whose frame is over to `answer`, once, oldest first: a history should get
+    /// answers in the order of their frames. Frames that are lost by `is_lost` never ran, and have
+    /// no results.
     pub(crate) fn collect(
         &mut self,
         completed: Tick,
@@ -71,8 +73,8 @@ impl<T, M: Default> Ring<T, M> {
         }
     }
 
-    /// Goes to the slot of the frame that is recorded next. Also returns true if the last frame
-    /// begun there was never submitted, or `is_lost`, so that its memory is undefined.
+    /// Switches to the slot of the frame that is recorded next. Also returns true if the last frame
+    /// begun in it was never submitted or is lost by `is_lost`, so that its memory is undefined.
     pub(crate) fn turn_to(
         &mut self,
         slot: SlotIndex,
@@ -86,7 +88,7 @@ impl<T, M: Default> Ring<T, M> {
         (slot, was_given_up || was_lost)
     }
 
-    /// Returns the slot that was turned to last.
+    /// Returns the current slot.
     pub(crate) fn current(&self) -> &Slot<T, M> {
         &self.slots[self.current]
     }
@@ -95,7 +97,7 @@ impl<T, M: Default> Ring<T, M> {
         &mut self.slots[self.current]
     }
 
-    /// Notes the tick of the frame that was begun last, unless it is noted already.
+    /// Notes the tick of the frame that was begun last, unless it was noted before.
     pub(crate) fn submitted(&mut self, tick: Tick) {
         let slot = &mut self.slots[self.current];
         if std::mem::take(&mut slot.is_recording) {
@@ -105,19 +107,19 @@ impl<T, M: Default> Ring<T, M> {
 }
 
 impl<T, M> Slot<T, M> {
-    /// Begins to record a frame with its tags. Results that nobody collected are dropped.
+    /// Begins to record a frame with its tags. Results that were not collected are dropped.
     pub(crate) fn begin(&mut self, recording: RecordingId, tags: impl Iterator<Item = T>) {
         (self.recording, self.is_recording, self.in_flight) = (recording, true, None);
         self.tags.clear();
         self.tags.extend(tags);
     }
 
-    /// Returns true for the recording that the slot was begun for.
+    /// Returns true if the slot was begun for `recording`.
     pub(crate) fn is_begun_for(&self, recording: RecordingId) -> bool {
         self.recording == recording
     }
 
-    /// Returns true from the beginning of a frame until it is submitted.
+    /// Returns true between the beginning of a frame and its submit.
     pub(crate) fn is_recording(&self) -> bool {
         self.is_recording
     }

@@ -1,15 +1,16 @@
-//! Named accesses, and the barriers between them: one pure table.
+//! Named accesses, and the barriers between them: one table without state.
 
 use ash::vk;
 
-/// The access of a command to memory. Every barrier of the engine names two lists of these.
+/// The access of a command to memory. Every barrier of the engine is given by two lists of
+/// accesses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Access {
-    /// No access yet: fresh memory, or contents that are no longer wanted.
+    /// No access yet: new memory, or contents that are no longer needed.
     Nothing,
     /// Source of a copy.
     CopyRead,
-    /// Destination of a copy, of query results too.
+    /// Destination of a copy, including copies of query results.
     CopyWrite,
     /// Read by indirect draws: commands and counts.
     IndirectRead,
@@ -40,7 +41,7 @@ pub enum Access {
     Depth,
     /// Read by the CPU after the tick.
     HostRead,
-    /// Read by the presentation engine, which a semaphore orders and no barrier.
+    /// Read by the presentation engine; a semaphore orders it, not a barrier.
     Present,
     /// Any access, for data that is loaded once and used in many ways.
     Any,
@@ -70,13 +71,14 @@ impl Access {
         Access::Any,
     ];
 
-    /// Returns the row of the table: stages, reads, writes, and the layout an image must have.
+    /// Returns the row of the table: stages, reads, writes, and the layout that an image must have.
     fn row(self) -> Row {
         use vk::{AccessFlags2 as A, ImageLayout as L, PipelineStageFlags2 as S};
         let none = A::NONE;
         let (stages, reads, writes, layout) = match self {
             Access::Nothing => (S::NONE, none, none, L::UNDEFINED),
-            // ALL_TRANSFER and not COPY: the validation layer at 1.3.239 wants it for query copies.
+            // ALL_TRANSFER and not COPY, because the validation layer at 1.3.239 requires it for
+            // query copies.
             Access::CopyRead => (S::ALL_TRANSFER, A::TRANSFER_READ, none, L::TRANSFER_SRC_OPTIMAL),
             Access::CopyWrite => {
                 (S::ALL_TRANSFER, none, A::TRANSFER_WRITE, L::TRANSFER_DST_OPTIMAL)
@@ -133,7 +135,7 @@ impl Access {
         Row { stages, reads, writes, layout }
     }
 
-    /// Returns the layout an image has during this access.
+    /// Returns the layout of an image during this access.
     pub fn layout(self) -> vk::ImageLayout {
         self.row().layout
     }
@@ -146,16 +148,16 @@ struct Row {
     layout: vk::ImageLayout,
 }
 
-/// A barrier over memory: all of `from` is over and visible before any of `to` starts.
+/// A memory barrier: all of `from` is over and visible before any of `to` begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MemoryBarrier {
-    /// Stages that must be over.
+    /// The stages that must be over.
     pub from_stages: vk::PipelineStageFlags2,
-    /// Writes of theirs that are made available.
+    /// The writes of these stages that are made available.
     pub from_access: vk::AccessFlags2,
-    /// Stages that wait.
+    /// The stages that wait.
     pub to_stages: vk::PipelineStageFlags2,
-    /// The accesses to which those writes are visible.
+    /// The accesses to which these writes become visible.
     pub to_access: vk::AccessFlags2,
 }
 
@@ -181,7 +183,7 @@ impl MemoryBarrier {
     }
 }
 
-/// A barrier over an image that also moves it from one access's layout to another's.
+/// An image barrier that also changes the layout from one access to another.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LayoutChange {
     pub(crate) image: vk::Image,
@@ -217,7 +219,7 @@ impl LayoutChange {
         }
     }
 
-    /// Returns a change that discards the contents, after whichever of `from` used the image last.
+    /// Returns a change that discards the contents, ordered after all accesses in `from`.
     pub(crate) fn forgetting(
         image: vk::Image,
         aspect: vk::ImageAspectFlags,
@@ -228,7 +230,7 @@ impl LayoutChange {
         Self { barrier, ..Self::new(image, aspect, Access::Nothing, to) }
     }
 
-    /// Returns the same change of the first `layers` layers.
+    /// Returns the same change for the first `layers` layers.
     pub(crate) fn of_layers(mut self, layers: u32) -> Self {
         self.part.layer_count = layers;
         self

@@ -7,21 +7,22 @@ use ash::vk;
 use crate::core::device::Device;
 use crate::core::error::Error;
 
-/// Colour: eight bits per channel, sRGB-encoded by the hardware.
+/// The colour format: eight bits per channel, sRGB-encoded by the hardware.
 pub(crate) const COLOUR_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
-/// The format of the colour's memory: the same bytes without encoding, so that a window gets them
-/// unchanged in whichever order of channels it wants them.
+/// The format of the colour's memory: the same bytes without encoding, so that they can be copied
+/// unchanged to a window with any order of channels.
 pub(crate) const COLOUR_BYTES: vk::Format = vk::Format::R8G8B8A8_UNORM;
-/// Depth: 32-bit float, reversed, so that precision is even over all distances.
+/// The depth format: 32-bit float, reversed, so that the relative precision is the same at all
+/// distances.
 pub(crate) const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
 
-/// The same with eight bits of stencil beside it.
+/// The depth format with eight bits of stencil.
 pub(crate) const DEPTH_AND_STENCIL_FORMAT: vk::Format = vk::Format::D32_SFLOAT_S8_UINT;
 
-/// The depth of the near plane. The far side of the range has the other one.
+/// The depth value at the near plane. The far end of the range has the other value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum NearDepth {
-    /// 1 at the near plane (reversed depth): greater is nearer. The engine's own.
+    /// 1 at the near plane (reversed depth): greater is nearer. The engine uses this.
     #[default]
     One,
     /// 0 at the near plane: less is nearer.
@@ -29,7 +30,7 @@ pub enum NearDepth {
 }
 
 impl NearDepth {
-    /// Returns the depth of what is farthest, to clear to.
+    /// Returns the farthest depth, the value for clearing.
     pub fn far(self) -> f32 {
         match self {
             NearDepth::One => 0.0,
@@ -38,7 +39,7 @@ impl NearDepth {
     }
 }
 
-/// The most colour attachments of a pipeline. Vulkan promises four, most devices have eight.
+/// The most colour attachments of a pipeline. Vulkan guarantees four; most devices have eight.
 pub const COLOURS_MAX: usize = 8;
 
 /// The formats of the colour attachments, in the order of their locations.
@@ -49,7 +50,7 @@ pub struct ColourFormats {
 }
 
 impl ColourFormats {
-    /// Returns the first [`COLOURS_MAX`] of `formats`; none at all for depth alone.
+    /// Returns the first [`COLOURS_MAX`] of `formats`; an empty list for depth only.
     pub fn new(formats: &[vk::Format]) -> Self {
         let mut all = [vk::Format::UNDEFINED; COLOURS_MAX];
         let count = formats.len().min(COLOURS_MAX);
@@ -68,26 +69,27 @@ impl ColourFormats {
 pub struct HostPass {
     /// The render pass, or one that is compatible with it.
     pub render_pass: vk::RenderPass,
-    /// The subpass that is drawn in.
+    /// The subpass to draw in.
     pub subpass: u32,
 }
 
-/// The attachments that pipelines are compiled for: those of a [`Target`](crate::Target) of the
-/// engine unless a host says otherwise.
+/// The attachments that pipelines are compiled for. The default is the attachments of a
+/// [`Target`](crate::Target) of the engine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Attachments {
     /// The formats of the colours.
     pub colours: ColourFormats,
     /// The format of the depth, with or without stencil.
     pub depth: vk::Format,
-    /// Samples per pixel, of all attachments.
+    /// The number of samples per pixel of all attachments.
     pub samples: vk::SampleCountFlags,
-    /// The depth of the near plane.
+    /// The depth value at the near plane.
     pub near_depth: NearDepth,
-    /// The views that a rendering draws at once, each to the layer of its number (multiview): the
-    /// view mask has as many bits, from the lowest on. 1 for a plain rendering.
+    /// The number of views that a rendering draws at once (multiview). Each view is drawn to the
+    /// layer of its index, and the view mask has this number of lowest bits set. 1 for a plain
+    /// rendering.
     pub views: u32,
-    /// The render pass of a host that opens its renderings itself and has no dynamic rendering.
+    /// The render pass of a host that begins its renderings itself without dynamic rendering.
     pub pass: Option<HostPass>,
 }
 
@@ -113,7 +115,7 @@ impl fmt::Display for Attachments {
     }
 }
 
-/// Refuses formats that are no depth or no colour.
+/// Returns an error for a depth format without depth or a colour format without colours.
 pub(crate) fn check_formats(depth: vk::Format, colours: &[vk::Format]) -> Result<(), Error> {
     let refuse = |what: String, format, needed| Err(Error::TargetFormat { what, format, needed });
     if !has_depth(depth) {
@@ -137,12 +139,12 @@ fn has_depth(format: vk::Format) -> bool {
 }
 
 impl Attachments {
-    /// Returns the stencil format; [`vk::Format::UNDEFINED`] for depth alone.
+    /// Returns the stencil format; [`vk::Format::UNDEFINED`] without stencil.
     pub(crate) fn stencil(&self) -> vk::Format {
         if has_stencil(self.depth) { self.depth } else { vk::Format::UNDEFINED }
     }
 
-    /// Returns the view mask of Vulkan: 0 for a plain rendering.
+    /// Returns the view mask for Vulkan: 0 for a plain rendering.
     pub(crate) fn view_mask(&self) -> u32 {
         match self.views {
             0 | 1 => 0,
@@ -150,10 +152,7 @@ impl Attachments {
         }
     }
 
-    /// Refuses attachments that no pipeline of the device can draw to.
-    ///
-    /// # Errors
-    /// [`Error::TargetFormat`], [`Error::Samples`].
+    /// Returns an error for attachments that no pipeline of the device can draw to.
     pub(crate) fn check(&self, device: &Device) -> Result<(), Error> {
         check_formats(self.depth, self.colours.as_slice())?;
         if !device.has_format_feature(self.depth, vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT)
@@ -175,19 +174,20 @@ impl Attachments {
         }
     }
 
-    /// Returns true if pipelines for these attachments can draw to those of a target, in a
-    /// rendering of whichever kind.
+    /// Returns true if pipelines for these attachments can draw to the attachments of a target, in
+    /// any kind of rendering.
     pub fn fit(&self, target: &Self) -> bool {
         Self { pass: None, ..*self } == Self { pass: None, ..*target }
     }
 
-    /// Returns true if depth is stored as integers, whose steps do not shrink with the distance.
+    /// Returns true if depth is stored as integers, whose steps have the same size at all
+    /// distances.
     pub(crate) fn has_integer_depth(&self) -> bool {
         !matches!(self.depth, vk::Format::D32_SFLOAT | vk::Format::D32_SFLOAT_S8_UINT)
     }
 }
 
-/// Returns true if a depth format has a stencil beside it.
+/// Returns true if a depth format includes a stencil.
 pub(crate) fn has_stencil(format: vk::Format) -> bool {
     use vk::Format as F;
     matches!(format, F::D16_UNORM_S8_UINT | F::D24_UNORM_S8_UINT | F::D32_SFLOAT_S8_UINT)

@@ -1,4 +1,4 @@
-//! Pipelines that tessellate patches and draw nothing: their triangles are captured in a buffer.
+//! Pipelines that tessellate patches without drawing: their triangles are captured in a buffer.
 
 use ash::vk;
 
@@ -8,7 +8,7 @@ use crate::core::error::{Called, Error};
 use crate::record::pipeline::{PipelineKind, StorageLayout};
 use crate::record::shader::Spirv;
 
-/// The control points of a patch.
+/// The number of control points per patch.
 pub(crate) const PATCH_POINTS: u32 = 16;
 
 /// The description of a pipeline that captures tessellated triangles.
@@ -16,14 +16,14 @@ pub(crate) const PATCH_POINTS: u32 = 16;
 pub struct CapturePipelineInfo<'a> {
     /// The name in messages and debuggers.
     pub name: &'a str,
-    /// The vertex shader, which fetches the control points: 16 per patch, by their index.
+    /// The vertex shader, which reads the control points by their index, 16 per patch.
     pub vertex: &'a Spirv,
     /// The tessellation control shader, which sets the levels.
     pub control: &'a Spirv,
-    /// The tessellation evaluation shader. Its outputs say where in the buffer they are captured
-    /// (`xfb_offset`); triangles follow each other, three vertices each.
+    /// The tessellation evaluation shader. Its outputs declare their offsets in the captured vertex
+    /// (`xfb_offset`). Triangles are stored consecutively, with three vertices each.
     pub evaluation: &'a Spirv,
-    /// Buffers and constants.
+    /// The buffers and constants of the shaders.
     pub storage: StorageLayout,
 }
 
@@ -34,7 +34,7 @@ impl CapturePipeline {
     /// Compiles a pipeline.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] where the device lacks [`OptionalFeature::TessellationCapture`]; a
+    /// [`Error::Unsupported`] if the device lacks [`OptionalFeature::TessellationCapture`]; a
     /// failed call.
     pub fn new(device: &Device, info: &CapturePipelineInfo<'_>) -> Result<Self, Error> {
         let missing = OptionalFeature::TessellationCapture;

@@ -1,4 +1,4 @@
-//! Recording: the few commands the engine uses, each in one place.
+//! Recording: the commands that the engine uses, each in one place.
 
 use std::cell::{Cell, OnceCell, RefCell};
 use std::sync::Arc;
@@ -43,7 +43,7 @@ pub struct Commands {
     timer: Option<Arc<PassTimer>>,
     resubmission: Resubmission,
     failed: Cell<Option<Failure>>,
-    /// The ticket that takes the tick, for the images copied by these commands.
+    /// The ticket that gets the tick, for images that these commands copy.
     ticket: OnceCell<Arc<Ticket>>,
 }
 
@@ -66,10 +66,7 @@ impl Commands {
         }
     }
 
-    /// Starts another recording in `raw`; the tick of the one before is over.
-    ///
-    /// # Errors
-    /// A failed call.
+    /// Starts another recording in `raw`. The tick of the previous recording must be over.
     pub(crate) fn restart(
         &mut self,
         raw: vk::CommandBuffer,
@@ -85,28 +82,25 @@ impl Commands {
         Ok(())
     }
 
-    /// Goes on with the same recording in another command buffer, once this one is submitted.
+    /// Continues the same recording in another command buffer, after the present one was submitted.
     pub(crate) fn next_piece(&mut self, raw: vk::CommandBuffer) {
         self.raw = raw;
         self.failed = Cell::new(None);
         self.ticket = OnceCell::new();
     }
 
-    /// Returns the submits that the commands get beyond the first.
+    /// Returns the resubmission rule of the commands: if they are submitted once or several times.
     pub(crate) fn resubmission(&self) -> Resubmission {
         self.resubmission
     }
 
-    /// Returns the command buffer, for a host that records commands of its own: in
-    /// a callback between ours.
+    /// Returns the command buffer, for a host that records its own commands in a callback between
+    /// the engine's commands.
     pub fn raw(&self) -> vk::CommandBuffer {
         self.raw
     }
 
     /// Allocates a descriptor set for these commands.
-    ///
-    /// # Errors
-    /// A failed call.
     pub(crate) fn allocate_set(
         &self,
         layout: vk::DescriptorSetLayout,
@@ -114,7 +108,7 @@ impl Commands {
         self.descriptors.borrow_mut().allocate(layout)
     }
 
-    /// Returns the identity of the recording: that of a frame with all its pieces.
+    /// Returns the identity of the recording, which all pieces of a frame share.
     pub fn recording(&self) -> RecordingId {
         self.recording
     }
@@ -123,7 +117,7 @@ impl Commands {
         &self.device
     }
 
-    /// Returns the ticket that holds the tick of these commands once they are submitted.
+    /// Returns the ticket that gets the tick of these commands when they are submitted.
     pub(crate) fn ticket(&self) -> Arc<Ticket> {
         Arc::clone(self.ticket.get_or_init(Arc::default))
     }
@@ -135,7 +129,7 @@ impl Commands {
         }
     }
 
-    /// Returns the first failure while recording, which [`crate::Frame::submit`] reports.
+    /// Returns the first failure of the recording, which [`crate::Frame::submit`] reports.
     pub(crate) fn check(&self) -> Result<(), Error> {
         match self.failed.get() {
             None => Ok(()),
@@ -145,8 +139,8 @@ impl Commands {
         }
     }
 
-    /// Admits `thing` to the recording if it is of the same device. Else the recording fails, and
-    /// no command with the thing may be recorded. Every command that takes handles calls this.
+    /// Checks that `thing` is of the same device. Otherwise the recording fails, and no command
+    /// with this object may be recorded. Every command that takes handles calls this.
     pub(crate) fn check_owner<T: OfDevice>(&self, thing: &T) -> Result<(), Error> {
         if thing.device_id() == self.device.id() {
             return Ok(());
@@ -155,8 +149,8 @@ impl Commands {
         Err(foreign(T::KIND))
     }
 
-    /// Calls [`Commands::check_owner`] for several things of a kind, and returns true if all are
-    /// admitted.
+    /// Calls [`Commands::check_owner`] for several objects of one type, and returns true if all are
+    /// of the same device.
     pub(crate) fn check_owners<'a, T: OfDevice + 'a>(
         &self,
         things: impl IntoIterator<Item = &'a T>,
@@ -164,21 +158,23 @@ impl Commands {
         things.into_iter().all(|thing| self.check_owner(thing).is_ok())
     }
 
-    /// Makes [`Commands::check`] fail. Only the first failure is kept: others may follow from it.
+    /// Makes [`Commands::check`] fail. Only the first failure is kept, because others may follow
+    /// from it.
     pub(crate) fn fail(&self, failure: Failure) {
         if self.is_sound() {
             self.failed.set(Some(failure));
         }
     }
 
-    /// Returns true if nothing has failed. After a failed binding nothing may be drawn with it;
-    /// [`Commands::check`] makes sure that the recording is not submitted.
+    /// Returns true if nothing has failed. After a failed binding nothing may be drawn with it, and
+    /// [`Commands::check`] prevents the submit of the recording.
     pub(crate) fn is_sound(&self) -> bool {
         self.failed.get().is_none()
     }
 
-    /// Records a pass: one label for the debugger and the log, and one timestamp pair when timing
-    /// is on. Not inside [`Commands::rendering`]. A pass within another one is timed as part of it.
+    /// Records a pass, with a label for debuggers and logs and, if timing is on, with a pair of
+    /// timestamps. Must be called outside of [`Commands::rendering`]. A pass within another pass is
+    /// timed as part of it.
     pub fn pass(&self, label: &'static str, record: impl FnOnce(&Self)) {
         let timer = self.timer.as_ref().filter(|timer| timer.begin(self.raw, label));
         self.label(label, record);
@@ -187,7 +183,7 @@ impl Commands {
         }
     }
 
-    /// Records a part of a pass, with a label only.
+    /// Records a part of a pass with only a label.
     pub fn label(&self, label: &'static str, record: impl FnOnce(&Self)) {
         let debug = self.device.debug();
         if let Some(debug) = debug {
@@ -203,7 +199,7 @@ impl Commands {
         }
     }
 
-    /// Records a memory barrier, unless it orders nothing.
+    /// Records a memory barrier.
     pub fn barrier(&self, barrier: MemoryBarrier) {
         let memory = [vk::MemoryBarrier2::default()
             .src_stage_mask(barrier.from_stages)
@@ -211,11 +207,11 @@ impl Commands {
             .dst_stage_mask(barrier.to_stages)
             .dst_access_mask(barrier.to_access)];
         let info = vk::DependencyInfo::default().memory_barriers(&memory);
-        // SAFETY: recorded outside of rendering, as the method's callers are passes' edges.
+        // SAFETY: recorded outside of rendering, because callers record it at the edges of passes.
         unsafe { self.device.raw().cmd_pipeline_barrier2(self.raw, &info) };
     }
 
-    /// Records image barriers that change layouts: at most those of one target.
+    /// Records image barriers that change layouts, at most for the images of one target.
     pub(crate) fn change_layouts(&self, changes: impl IntoIterator<Item = LayoutChange>) {
         let mut images = [vk::ImageMemoryBarrier2::default(); COLOURS_MAX + 1];
         let mut count = 0;
@@ -241,8 +237,9 @@ impl Commands {
         unsafe { self.device.raw().cmd_pipeline_barrier2(self.raw, &info) };
     }
 
-    /// Draws to the images of a target; viewport and scissor cover all of its area. A target of
-    /// another device fails the recording, and `record` is not called.
+    /// Begins a rendering to the images of a target, calls `record` and ends the rendering.
+    /// Viewport and scissor cover the whole area. With a target of another device the recording
+    /// fails, and `record` is not called.
     pub fn rendering(&self, target: RenderTarget, record: impl FnOnce(&Self)) {
         if self.begin_rendering(target) {
             record(self);
@@ -250,8 +247,8 @@ impl Commands {
         }
     }
 
-    /// Begins to draw to the images of a target, until [`Commands::end_rendering`]. Returns false,
-    /// and the recording fails, for a target of another device.
+    /// Begins a rendering to the images of a target, until [`Commands::end_rendering`]. With a
+    /// target of another device it returns false, and the recording fails.
     pub fn begin_rendering(&self, target: RenderTarget) -> bool {
         if self.check_owner(&target).is_err() {
             return false;
@@ -300,7 +297,7 @@ impl Commands {
         true
     }
 
-    /// Ends what [`Commands::begin_rendering`] began.
+    /// Ends the rendering that [`Commands::begin_rendering`] began.
     pub fn end_rendering(&self) {
         // SAFETY: closes the rendering that the caller opened.
         unsafe { self.device.raw().cmd_end_rendering(self.raw) };
@@ -316,8 +313,8 @@ impl Commands {
         }
     }
 
-    /// Clips drawing to `size` pixels from `origin` on, within the target, until the rendering ends
-    /// or the next call.
+    /// Clips drawing to an area of `size` pixels at `origin` within the target, until the rendering
+    /// ends or until the next call.
     pub fn clip(&self, origin: [u32; 2], size: [u32; 2]) {
         let offset = vk::Offset2D { x: origin[0] as i32, y: origin[1] as i32 };
         let area = vk::Rect2D { offset, extent: vk::Extent2D { width: size[0], height: size[1] } };
@@ -332,8 +329,8 @@ impl Commands {
         unsafe { self.device.raw().cmd_set_scissor(self.raw, 0, &[area]) };
     }
 
-    /// Sets the depth of `size` pixels from `origin` on, within the target, inside of a rendering.
-    /// Obeys predicates, as draws do.
+    /// Clears the depth of an area of `size` pixels at `origin` within the target to `depth`,
+    /// inside of a rendering. Predicates apply to it as to draws.
     pub fn clear_depth(&self, origin: [u32; 2], size: [u32; 2], depth: f32) {
         let attachment = vk::ClearAttachment {
             aspect_mask: vk::ImageAspectFlags::DEPTH,
@@ -348,8 +345,8 @@ impl Commands {
         unsafe { self.device.raw().cmd_clear_attachments(self.raw, &[attachment], &[rect]) };
     }
 
-    /// Sets the stencil of `size` pixels from `origin` on, within the target, to 0, inside of a
-    /// rendering. Obeys predicates, as draws do.
+    /// Clears the stencil of an area of `size` pixels at `origin` within the target to 0, inside of
+    /// a rendering. Predicates apply to it as to draws.
     pub fn clear_stencil(&self, origin: [u32; 2], size: [u32; 2]) {
         let attachment = vk::ClearAttachment {
             aspect_mask: vk::ImageAspectFlags::STENCIL,
@@ -362,12 +359,12 @@ impl Commands {
         unsafe { self.device.raw().cmd_clear_attachments(self.raw, &[attachment], &[rect]) };
     }
 
-    /// Sets every 32-bit value of `slice` to `value`: an [`crate::Access::CopyWrite`].
+    /// Sets every 32-bit value of `slice` to `value`, with [`crate::Access::CopyWrite`].
     pub fn fill(&self, slice: BufferSlice, value: u32) {
         let size = slice.size_bytes & !3;
         if size > 0 && self.check_owner(&slice).is_ok() {
-            // SAFETY: the slice lies in its buffer, which is a destination of transfers; slices
-            // begin at multiples of 4.
+            // SAFETY: the slice lies in its buffer, which is a transfer destination; slices begin
+            // at multiples of 4.
             unsafe {
                 self.device.raw().cmd_fill_buffer(
                     self.raw,
@@ -380,13 +377,13 @@ impl Commands {
         }
     }
 
-    /// Writes a value into the beginning of `slice`: an [`crate::Access::CopyWrite`]. Nothing is
-    /// written to a slice that is too small.
+    /// Writes a value to the beginning of `slice`, with [`crate::Access::CopyWrite`]. Does nothing
+    /// if the slice is too small.
     pub(crate) fn write<T: Pod>(&self, slice: BufferSlice, value: &T) {
         let bytes = bytemuck::bytes_of(value);
         let fits = bytes.len() as u64 <= slice.size_bytes && bytes.len().is_multiple_of(4);
         if fits && self.check_owner(&slice).is_ok() {
-            // SAFETY: the bytes lie in the buffer, a destination of transfers; there are few, and
+            // SAFETY: the bytes lie in the buffer, a transfer destination; there are few, and
             // slices begin at multiples of 4.
             unsafe {
                 let raw = self.device.raw();
@@ -395,17 +392,17 @@ impl Commands {
         }
     }
 
-    /// Copies the first contents of a buffer.
+    /// Copies the first contents of a buffer from its staging buffer.
     pub(crate) fn copy_pending(&self, upload: &PendingUpload) {
         let region = vk::BufferCopy { size: upload.size_bytes, ..Default::default() };
-        // SAFETY: both buffers are of this device and hold so many bytes; the source is retired
-        // once this is done, and the destination lives, as its token does.
+        // SAFETY: both buffers are of this device and have this size; the source is retired only
+        // after the copy is executed, and the destination lives while its token does.
         unsafe {
             self.device.raw().cmd_copy_buffer(self.raw, upload.from, upload.to, &[region]);
         }
     }
 
-    /// Copies as many bytes as fit.
+    /// Copies the contents of `from` to `to`, cut to the shorter of the two.
     pub fn copy_buffer(&self, from: BufferSlice, to: BufferSlice) {
         let region = vk::BufferCopy {
             src_offset: from.offset_bytes,

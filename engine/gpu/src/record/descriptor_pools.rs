@@ -1,4 +1,4 @@
-//! The descriptor sets of a recording, from pools that grow with what is bound.
+//! The descriptor sets of a recording, from pools whose number grows as needed.
 
 use ash::vk;
 
@@ -6,39 +6,33 @@ use crate::core::deletion::Retired;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 
-/// The number of descriptor sets of a pool; most frames bind a few per pass.
+/// The number of descriptor sets in a pool; most frames bind a few per pass.
 const DESCRIPTOR_SETS: u32 = 256;
-/// The number of storage buffers over all those sets.
+/// The number of storage buffers in all sets of a pool.
 const DESCRIPTORS: u32 = 1024;
-/// The number of textures over all those sets.
+/// The number of textures in all sets of a pool.
 const TEXTURE_DESCRIPTORS: u32 = 1024;
 
-/// The descriptor pools of a recording. A frame that binds more than a pool holds gets another,
-/// which is kept for the next one.
+/// The descriptor pools of a recording. A frame that needs more sets than a pool has gets another
+/// pool, which is kept for later frames.
 pub(crate) struct DescriptorPools {
     device: Device,
     name: String,
     pools: Vec<vk::DescriptorPool>,
-    /// The pool that sets come from.
+    /// The index of the pool that sets are allocated from.
     current: usize,
-    /// The number of sets of that pool.
+    /// The number of sets allocated from this pool.
     sets: usize,
 }
 
 impl DescriptorPools {
     /// Creates the first pool.
-    ///
-    /// # Errors
-    /// A failed call.
     pub(crate) fn new(device: &Device, name: &str) -> Result<Self, Error> {
         let pools = vec![create_descriptor_pool(device, name)?];
         Ok(Self { device: device.clone(), name: name.to_owned(), pools, current: 0, sets: 0 })
     }
 
     /// Allocates a set that lives until the next [`DescriptorPools::reset`].
-    ///
-    /// # Errors
-    /// A failed call.
     pub(crate) fn allocate(
         &mut self,
         layout: vk::DescriptorSetLayout,
@@ -55,7 +49,7 @@ impl DescriptorPools {
                 code,
                 vk::Result::ERROR_OUT_OF_POOL_MEMORY | vk::Result::ERROR_FRAGMENTED_POOL
             );
-            // What an empty pool has no room for, no pool has.
+            // If an empty pool has too little room, so has every pool.
             if !is_full || self.sets == 0 {
                 return Err(code).called("vkAllocateDescriptorSets");
             }
@@ -78,18 +72,15 @@ impl DescriptorPools {
             vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
         let raw = self.device.raw();
         let mut set = vk::DescriptorSet::null();
-        // The function itself: ash would put the set on the heap.
+        // Calls the function directly, because ash would put the set on the heap.
         let allocate = raw.fp_v1_0().allocate_descriptor_sets;
-        // SAFETY: the pool is alive, and the layout that of a pipeline that is; there is room for
-        // the one set asked for.
+        // SAFETY: the pool is alive, and the layout belongs to a live pipeline; there is room for
+        // the one requested set.
         let code = unsafe { allocate(raw.handle(), &raw const info, &raw mut set) };
         if code == vk::Result::SUCCESS { Ok(set) } else { Err(code) }
     }
 
-    /// Frees all sets; the tick of the commands that bind them is over.
-    ///
-    /// # Errors
-    /// A failed call.
+    /// Frees all sets. The tick of the commands that bind them must be over.
     pub(crate) fn reset(&mut self) -> Result<(), Error> {
         for pool in self.pools.iter().take(self.current + 1) {
             // SAFETY: nothing uses the sets any more.

@@ -16,7 +16,7 @@ use crate::record::pools::{allocate_commands, begin_commands, create_command_poo
 use crate::record::resubmission::Resubmission;
 use crate::record::timing::{FrameTimer, PassTime, PassTimer};
 
-/// The timing of the passes of a frame: on or off.
+/// The timing of the passes of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SlotTiming {
     Timed,
@@ -27,20 +27,20 @@ pub(super) enum SlotTiming {
 pub(super) struct Slot {
     pub(super) device: Device,
     pub(super) name: String,
-    /// The command buffers; `None` where a host brings its own.
+    /// The command buffers; `None` if a host provides its own.
     pub(super) own: Option<OwnCommands>,
     pub(super) commands: Commands,
     pub(super) uploads: Uploads,
     pub(super) timer: Option<Arc<PassTimer>>,
     pub(super) pass_times: Vec<PassTime>,
-    /// True if the timer holds the times of a whole frame: one that was given up leaves none.
+    /// True if the timer has the times of a whole frame; an abandoned frame has none.
     pub(super) is_timed: bool,
     pub(super) timing: SlotTiming,
     pub(super) whole: FrameTimer,
     pub(super) tick: Tick,
 }
 
-/// The command buffers of a slot: one per piece of the frame; most frames are one piece.
+/// The command buffers of a slot, one per piece of the frame; most frames have one piece.
 pub(super) struct OwnCommands {
     pool: vk::CommandPool,
     pieces: Vec<vk::CommandBuffer>,
@@ -60,7 +60,7 @@ impl OwnCommands {
     }
 }
 
-/// The error of a frame in the command buffer of a host that is submitted or waited for.
+/// The error of a submit or a wait for a frame in the command buffer of a host.
 pub(super) const NO_QUEUE: Error = Error::NoQueue { what: "the submit of a frame" };
 
 impl Slot {
@@ -86,8 +86,8 @@ impl Slot {
         })
     }
 
-    /// Restarts the slot for a recording, in the command buffer of a host if there is one; the
-    /// slot's tick is over.
+    /// Restarts the slot for a recording, in the command buffer of a host if one is given. The
+    /// slot's tick must be over.
     pub(super) fn restart(
         &mut self,
         recording: RecordingId,
@@ -98,7 +98,7 @@ impl Slot {
         let raw = self.device.raw();
         if let Some(own) = &mut self.own {
             own.piece = 0;
-            // SAFETY: the slot's tick is over, so nothing of it is in use.
+            // SAFETY: the slot's tick is over, so its commands are not in use.
             unsafe { raw.reset_command_pool(own.pool, vk::CommandPoolResetFlags::empty()) }
                 .called("vkResetCommandPool")?;
         }
@@ -136,7 +136,7 @@ impl Slot {
         Ok(buffer)
     }
 
-    /// Goes on with the recording in another piece, after a submit.
+    /// Continues the recording in another piece after a submit.
     pub(super) fn next_piece(&mut self) -> Result<(), Error> {
         if let Some(own) = &mut self.own {
             own.piece += 1;

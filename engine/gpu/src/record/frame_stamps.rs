@@ -1,5 +1,5 @@
-//! The stamps of a host's frames: each frame writes its number where the CPU reads it later, and
-//! the number of the frame that ran before.
+//! The stamps of a host's frames: each frame writes its number and the number of the frame that ran
+//! before to memory that the CPU reads later.
 
 use std::sync::Arc;
 
@@ -13,14 +13,14 @@ use crate::memory::buffer::{Buffer, MemoryKind};
 use crate::record::access::{Access, MemoryBarrier};
 use crate::record::commands::Commands;
 
-/// The memory of the stamps of a ring.
+/// The memory for the stamps of a ring.
 pub(super) struct FrameStamps {
     /// The number of the frame that ran last.
     newest: Buffer,
     slots: Vec<Arc<SlotStamp>>,
 }
 
-/// The [`FrameStamp`] of a slot's last frame. The device reads it when that frame is over.
+/// The [`FrameStamp`] of a slot's last frame. The device reads it when this frame is over.
 struct SlotStamp(Buffer);
 
 impl StampMemory for SlotStamp {
@@ -30,13 +30,13 @@ impl StampMemory for SlotStamp {
 }
 
 impl FrameStamps {
-    /// Creates the stamps of so many slots.
+    /// Creates the stamps for `slots` slots.
     pub(super) fn new(device: &Device, slots: usize) -> Result<Self, Error> {
         let usage = vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST;
         let newest_bytes = size_of::<u64>() as u64;
         let mut newest =
             Buffer::new(device, "newest frame", newest_bytes, usage, MemoryKind::Upload)?;
-        // Before the first submit, which makes it visible to the GPU.
+        // Written before the first submit, which makes it visible to the GPU.
         newest.bytes_mut().fill(0);
         let slot = |slot| {
             let name = format!("frame stamp {slot}");
@@ -48,7 +48,7 @@ impl FrameStamps {
         Ok(Self { newest, slots: (0..slots).map(slot).collect::<Result<_, _>>()? })
     }
 
-    /// Writes the stamp of `frame`, the last commands of a frame, and tells the device where.
+    /// Writes the stamp of `frame`, as the last commands of the frame, and registers its memory.
     pub(super) fn record(&self, device: &Device, commands: &Commands, slot: usize, frame: Tick) {
         let Some(slot) = self.slots.get(slot) else { return };
         let memory: Arc<dyn StampMemory> = Arc::clone(slot) as _;
@@ -57,7 +57,7 @@ impl FrameStamps {
         let [number, predecessor] =
             [0, number_bytes].map(|offset| slot.0.whole().part(offset, number_bytes));
         let copies = [Access::CopyRead, Access::CopyWrite];
-        // The stamps of the frame that runs before this one.
+        // Waits for the stamps of the frame that ran before this one.
         commands.barrier(MemoryBarrier::between(&copies, &copies));
         commands.copy_buffer(self.newest.whole(), predecessor);
         commands.barrier(MemoryBarrier::between(&[Access::CopyRead], &[Access::CopyWrite]));

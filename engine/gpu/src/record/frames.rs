@@ -1,7 +1,7 @@
-//! The frame ring: N frames in flight, each with its slot; the waits of a frame loop are here.
+//! The frame ring: N frames in flight, each with its slot, and the waits of a frame loop.
 //!
-//! On a device that was adopted without a queue, frames are those of a host: they are recorded into
-//! its command buffers ([`FrameRing::begin_in`]), and nothing here waits.
+//! On a device that was adopted without a queue, the frames belong to a host: they are recorded
+//! into its command buffers ([`FrameRing::begin_in`]), and the ring never waits.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -33,7 +33,7 @@ pub struct FrameRing {
     device: Device,
     slots: Vec<Slot>,
     next: usize,
-    /// The interval of timing: the passes of one in so many frames are timed.
+    /// The interval of timing: the passes of one frame per interval are timed.
     timed_interval: u64,
     begun: u64,
     resubmission: Resubmission,
@@ -41,25 +41,27 @@ pub struct FrameRing {
     stamps: Option<FrameStamps>,
 }
 
-/// The numbers that a host gives a frame. They rise from frame to frame, not necessarily by one.
+/// The numbers that a host gives to a frame. They increase from frame to frame, not necessarily by
+/// one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FrameNumbers {
     /// The number of the frame, above 0.
     pub current: Tick,
-    /// The newest frame of which it is known that it is over on the GPU, with all before it. Frames
-    /// that will never be submitted count as over.
+    /// The newest frame that is known to be over on the GPU, together with all frames before it.
+    /// Frames that will never be submitted count as over.
     pub safe: Tick,
 }
 
-/// A frame being recorded. Dropped without [`Frame::submit`] or [`Frame::end`], it never happened.
+/// A frame being recorded. If it is dropped without [`Frame::submit`] or [`Frame::end`], it is
+/// abandoned.
 pub struct Frame<'ring> {
     ring: &'ring mut FrameRing,
     slot: SlotIndex,
-    /// The number of a host's frame.
+    /// The number of the frame, if it belongs to a host.
     current: Option<Tick>,
     waited: Duration,
     waits: u32,
-    /// The recording, open over all pieces of the frame.
+    /// The recording, which is open during all pieces of the frame.
     _recording: OpenRecording,
 }
 
@@ -67,8 +69,8 @@ impl FrameRing {
     /// Creates a ring of `frames_in_flight` slots (at least one), without timing.
     ///
     /// # Errors
-    /// [`Error::TooLarge`] for more than
-    /// [`MAX_FRAMES_IN_FLIGHT`](crate::MAX_FRAMES_IN_FLIGHT); a failed call.
+    /// [`Error::TooLarge`] for more than [`MAX_FRAMES_IN_FLIGHT`](crate::MAX_FRAMES_IN_FLIGHT); a
+    /// failed call.
     pub fn new(device: &Device, frames_in_flight: usize) -> Result<Self, Error> {
         check_frames_in_flight(frames_in_flight)?;
         let slots = (0..frames_in_flight.max(1)).map(|slot| Slot::new(device, slot));
@@ -82,8 +84,8 @@ impl FrameRing {
         Ok(Self { device, slots, next: 0, timed_interval: 1, begun: 0, resubmission, stamps })
     }
 
-    /// Sets the submits that frames get from now on. By default a host's frames may be submitted
-    /// again, and those of a device with a queue are submitted once.
+    /// Allows or forbids to submit frames again, from now on. By default a host's frames may be
+    /// submitted again, and frames of a device with a queue are submitted once.
     pub fn set_resubmission(&mut self, resubmission: Resubmission) {
         self.resubmission = resubmission;
     }
@@ -91,15 +93,16 @@ impl FrameRing {
     /// Measures the GPU time of every pass from now on.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] where the queue has no timestamps; a failed call.
+    /// [`Error::Unsupported`] if the queue has no timestamps; a failed call.
     pub fn time_passes(&mut self) -> Result<(), Error> {
         self.time_passes_of_one_in(1)
     }
 
-    /// Measures the GPU time of the passes of one in `frames` frames from now on, 0 counting as 1.
+    /// Measures the GPU time of the passes of one frame per `frames` frames from now on; 0 counts
+    /// as 1.
     ///
     /// # Errors
-    /// As [`FrameRing::time_passes`].
+    /// The errors of [`FrameRing::time_passes`].
     pub fn time_passes_of_one_in(&mut self, frames: u64) -> Result<(), Error> {
         self.check_timestamps("timing passes")?;
         (self.timed_interval, self.begun) = (frames.max(1), 0);
@@ -111,7 +114,7 @@ impl FrameRing {
         Ok(())
     }
 
-    /// Measures nothing from now on.
+    /// Stops measuring passes from now on.
     pub fn stop_timing_passes(&mut self) {
         for slot in &mut self.slots {
             slot.timer = None;
@@ -120,18 +123,18 @@ impl FrameRing {
         }
     }
 
-    /// Returns the interval of timing, where one in so many frames has its passes timed; `None`
-    /// without timing.
+    /// Returns the interval in frames at which the passes of a frame are timed; `None` without
+    /// timing.
     pub fn timed_interval(&self) -> Option<u64> {
         let is_timing = self.slots.iter().any(|slot| slot.timer.is_some());
         is_timing.then_some(self.timed_interval)
     }
 
-    /// Allows timing of whole frames from now on, by two timestamps each, for frames that call
-    /// [`Frame::begin_timing`].
+    /// Enables the timing of whole frames from now on, with two timestamps per frame, for frames
+    /// that call [`Frame::begin_timing`].
     ///
     /// # Errors
-    /// [`Error::Unsupported`] where the queue has no timestamps; a failed call.
+    /// [`Error::Unsupported`] if the queue has no timestamps; a failed call.
     pub fn time_frames(&mut self) -> Result<(), Error> {
         self.check_timestamps("timing frames")?;
         for (index, slot) in self.slots.iter_mut().enumerate() {
@@ -162,15 +165,15 @@ impl FrameRing {
         SlotIndex(self.next)
     }
 
-    /// Waits for the frame that used the next slot before, but no longer than `bound`; returns true
-    /// if it is over, so that [`FrameRing::begin`] would not wait.
+    /// Waits for the frame that used the next slot before, for at most `bound`. Returns true if it
+    /// is over, so that [`FrameRing::begin`] would not wait.
     pub(crate) fn is_ready_within(&self, bound: Duration) -> Result<bool, Error> {
         let tick = self.slots.get(self.next).map_or(Tick::ZERO, |slot| slot.tick);
         self.device.wait_within(tick, bound)
     }
 
-    /// Starts a frame: waits until this slot's frame of N frames ago is over, and frees what was
-    /// retired before it.
+    /// Begins a frame: waits until the frame that used this slot N frames ago is over, and frees
+    /// the objects that were retired before it.
     ///
     /// # Errors
     /// [`Error::Timeout`], a failed call.
@@ -186,24 +189,25 @@ impl FrameRing {
         self.restart(None, began.elapsed())
     }
 
-    /// Starts a frame in a command buffer of a host. Never waits. What was retired before the frame
-    /// `safe` is freed.
+    /// Begins a frame in a command buffer of a host. Never waits. Frees the objects that were
+    /// retired before the frame `safe`.
     ///
-    /// The host submits the command buffer in the order of the numbers; again only before it is
-    /// safe, behind its first run, and as [`FrameRing::set_resubmission`] says. Answers of frames
-    /// that never ran are ignored. A frame that ran behind a later one shows what changed in
-    /// between as the later frame left it, and everything that frames share is uploaded again.
+    /// The host must submit the command buffers in the order of the frame numbers. It may submit
+    /// one again only before the frame is safe, after its first run, and if
+    /// [`FrameRing::set_resubmission`] allows it. Answers of frames that never ran are ignored. If
+    /// a frame runs after a later one, it shows the changes in between in the state of the later
+    /// frame. Then all data that frames share is uploaded again.
     ///
     /// # Errors
-    /// [`Error::HasQueue`] for a device with submits of its own; [`Error::FrameNumbers`] for
-    /// numbers that do not rise; [`Error::TooManyFrames`] if the frame that used the next slot is
-    /// not safe; a failed call.
+    /// [`Error::HasQueue`] for a device with a queue; [`Error::FrameNumbers`] for numbers that do
+    /// not increase; [`Error::TooManyFrames`] if the frame that used the next slot is not safe; a
+    /// failed call.
     ///
     /// # Safety
-    /// `commands` is a primary command buffer of the device that was adopted, for a queue of the
-    /// family that was named. It is being recorded, outside of renderings, queries and conditions,
-    /// and stays so until the frame is dropped. All frames up to `safe` are over, or will never be
-    /// submitted; command buffers of such frames are not submitted again.
+    /// `commands` is a primary command buffer of the adopted device, for a queue of the given
+    /// family. It is being recorded, outside of renderings, queries and conditional rendering,
+    /// until the frame is dropped. All frames up to `safe` are over or will never be submitted;
+    /// command buffers of such frames are not submitted again.
     pub unsafe fn begin_in(
         &mut self,
         commands: vk::CommandBuffer,
@@ -248,18 +252,18 @@ impl FrameRing {
 }
 
 impl Frame<'_> {
-    /// Returns the slot of this frame. The slot's resources are free to use again.
+    /// Returns the slot of this frame, whose resources may be reused.
     pub fn slot(&self) -> SlotIndex {
         self.slot
     }
 
     /// Returns the time of waits: in [`FrameRing::begin`] for the frame that used this slot before,
-    /// and in [`Frame::wait`] for this one.
+    /// and in [`Frame::wait`] during this frame.
     pub fn waited(&self) -> Duration {
         self.waited
     }
 
-    /// Returns the number of times [`Frame::wait`] had to wait.
+    /// Returns the number of times that [`Frame::wait`] had to wait.
     pub fn waits(&self) -> u32 {
         self.waits
     }
@@ -274,27 +278,27 @@ impl Frame<'_> {
         &mut self.ring.slots[self.slot.0].uploads
     }
 
-    /// Returns the GPU times of the last whole frame that used this slot, N frames ago unless
-    /// frames were given up since. Empty without timing, and for a frame that was not timed.
+    /// Returns the GPU times of the last complete frame of this slot, which was N frames ago unless
+    /// frames were abandoned since. Empty without timing, and for a frame that was not timed.
     pub fn pass_times(&self) -> &[PassTime] {
         &self.ring.slots[self.slot.0].pass_times
     }
 
-    /// Measures the rest of this frame, if its ring [times frames](FrameRing::time_frames) and
-    /// timing has not begun; else does nothing. Not inside of a pass.
+    /// Measures the rest of this frame if its ring [times frames](FrameRing::time_frames) and the
+    /// timing has not begun yet. Must be called outside of passes.
     pub fn begin_timing(&mut self) {
         let slot = &mut self.ring.slots[self.slot.0];
         slot.whole.begin(&slot.commands);
     }
 
-    /// Returns the GPU time of the last frame that used this slot, if it was timed and not given
-    /// up.
+    /// Returns the GPU time of the last frame of this slot, if it was timed and not abandoned.
     pub fn last_time(&self) -> Option<FrameTime> {
         self.ring.slots[self.slot.0].whole.newest()
     }
 
-    /// Submits the commands recorded so far and goes on with the same frame in another command
-    /// buffer. Not inside of a pass. The first piece starts once `after`, if given, is reached.
+    /// Submits the commands recorded so far and continues the same frame in another command buffer.
+    /// Must be called outside of passes. The GPU starts the submitted commands once `after`,
+    /// if given, is reached.
     ///
     /// # Errors
     /// A failure while recording, or a failed call.
@@ -305,14 +309,14 @@ impl Frame<'_> {
         Ok(tick)
     }
 
-    /// Waits until `tick` of a piece that was flushed is over, within the device's bound. For
-    /// methods that cannot go on without a result: it counts as [`crate::WaitCounts::other`].
+    /// Waits until `tick` of a flushed piece is over, within the device's bound. For methods that
+    /// need a result to continue: the wait counts as [`crate::WaitCounts::other`].
     ///
     /// # Errors
     /// [`Error::Timeout`], a failed call.
     pub fn wait(&mut self, tick: Tick) -> Result<(), Error> {
         let device = &self.ring.device;
-        // A tick that was never submitted would be waited for in vain.
+        // A tick that was never submitted would never be over.
         let tick = tick.min(self.ring.slots[self.slot.0].tick);
         if device.completed()? >= tick {
             return Ok(());
@@ -324,7 +328,7 @@ impl Frame<'_> {
         over
     }
 
-    /// Submits the frame and returns its tick. It starts on the GPU once `after`, if given, is
+    /// Submits the frame and returns its tick. The GPU starts it once `after`, if given, is
     /// reached; the CPU does not wait.
     ///
     /// # Errors
@@ -340,12 +344,12 @@ impl Frame<'_> {
         Ok(tick)
     }
 
-    /// Ends the frame of a host, who then goes on with its command buffer, or submits it. Returns
-    /// the frame's number.
+    /// Ends the frame of a host, which then continues its command buffer or submits it. Returns the
+    /// frame's number.
     ///
     /// # Errors
-    /// [`Error::HasQueue`] for a frame of our own; a failure while recording: the command buffer
-    /// must not be submitted then.
+    /// [`Error::HasQueue`] for a frame of a device with a queue; a failure while recording, after
+    /// which the command buffer must not be submitted.
     pub fn end(mut self) -> Result<Tick, Error> {
         let Some(current) = self.current else { return Err(Error::HasQueue) };
         let is_timed = self.end_timing();
@@ -360,7 +364,7 @@ impl Frame<'_> {
         Ok(current)
     }
 
-    /// Records the uploads that no earlier frame is known to have done.
+    /// Records the uploads that no earlier frame is known to have executed.
     fn record_pending_uploads(&self, current: Tick) {
         let device = &self.ring.device;
         let commands = self.commands();
@@ -368,7 +372,7 @@ impl Frame<'_> {
         let mut copies = 0;
         let copy = |upload: &PendingUpload| {
             if copies == 0 {
-                // Frames before this one may have done the same, and read it.
+                // Earlier frames may have recorded the same copies and read the results.
                 commands.barrier(MemoryBarrier::between(&[Access::Any], &[Access::CopyWrite]));
             }
             copies += 1;
@@ -398,7 +402,7 @@ impl Frame<'_> {
         timer.is_some()
     }
 
-    /// Notes that the frame is on its way, and turns to the next slot.
+    /// Notes that the frame was submitted or ended, and switches to the next slot.
     fn note_sent(&mut self, is_timed: bool) {
         let slot = &mut self.ring.slots[self.slot.0];
         slot.is_timed = is_timed;

@@ -1,4 +1,4 @@
-//! The fixed states of a graphics pipeline, from its description.
+//! The fixed states of a graphics pipeline, derived from its description.
 
 use ash::vk;
 
@@ -76,14 +76,14 @@ pub(super) fn create_graphics(
     };
     let cache = device.pipeline_cache();
     let callbacks = device.callbacks();
-    // SAFETY: modules and layout are alive, all states are given.
+    // SAFETY: modules and layout are alive, and all states are given.
     unsafe { device.raw().create_graphics_pipelines(cache, &[create], callbacks) }
         .map_err(|(_, code)| code)
         .called("vkCreateGraphicsPipelines")
         .map(|pipelines| pipelines.first().copied().unwrap_or_default())
 }
 
-/// Returns the rasterisation of triangles.
+/// Returns the rasterisation state.
 fn rasterisation(
     info: &GraphicsPipelineInfo<'_>,
 ) -> vk::PipelineRasterizationStateCreateInfo<'static> {
@@ -103,7 +103,7 @@ fn rasterisation(
         .line_width(1.0)
 }
 
-/// Returns the tests of depth and stencil.
+/// Returns the state of the depth test and the stencil test.
 fn depth_stencil(
     info: &GraphicsPipelineInfo<'_>,
     near_depth: NearDepth,
@@ -119,7 +119,7 @@ fn depth_stencil(
         .depth_compare_op(compare)
 }
 
-/// Returns the write of the depth and its comparison.
+/// Returns true if depth is written, and the comparison of the depth test.
 fn depth_test(mode: DepthMode, near_depth: NearDepth) -> (bool, vk::CompareOp) {
     use vk::CompareOp as Op;
     let (nearer, as_near, farther) = match near_depth {
@@ -137,10 +137,10 @@ fn depth_test(mode: DepthMode, near_depth: NearDepth) -> (bool, vk::CompareOp) {
     }
 }
 
-/// The bit of a stencil that says if a number is odd.
+/// The stencil bit that is set for an odd number.
 const PARITY: u32 = 1;
 
-/// Returns the test for an odd number, with the operation on it where the depth test passes.
+/// Returns the test for an odd number, with the operation on it if the depth test passes.
 fn odd(pass_op: vk::StencilOp) -> vk::StencilOpState {
     vk::StencilOpState {
         compare_op: vk::CompareOp::NOT_EQUAL,
@@ -152,7 +152,7 @@ fn odd(pass_op: vk::StencilOp) -> vk::StencilOpState {
     }
 }
 
-/// Returns the use of the stencil by front and by back faces.
+/// Returns the stencil states of front and back faces.
 fn stencil_of_faces(mode: StencilMode) -> [vk::StencilOpState; 2] {
     use vk::StencilOp as Op;
     let ignored = vk::StencilOpState { compare_mask: 0xFF, ..Default::default() };
@@ -187,11 +187,11 @@ fn stencil_of_faces(mode: StencilMode) -> [vk::StencilOpState; 2] {
     }
 }
 
-/// Returns the steps by which a pipeline is drawn nearer, and how many more per slope: 0 for none.
+/// Returns the constant depth bias towards the eye and the bias per slope; 0 for none.
 ///
-/// Proxies are moved where depth is an integer: the margin of a proxy outweighs the rounding of a
-/// float, but far away it is less than a step of 16 bits. Two steps pay for the rounding of both
-/// depths, that of the proxy and that of the object in it.
+/// Proxies get a bias if depth is an integer: the margin of a proxy exceeds the rounding of a
+/// float, but far away it is less than a step of 16 bits. Two steps cover the rounding of both
+/// depths, of the proxy and of the object in it.
 fn depth_bias(info: &GraphicsPipelineInfo<'_>) -> (f32, f32) {
     let nearer = match info.attachments.near_depth {
         NearDepth::One => 1.0,
@@ -205,13 +205,13 @@ fn depth_bias(info: &GraphicsPipelineInfo<'_>) -> (f32, f32) {
     }
 }
 
-/// Returns the vertex bindings and their attributes, those of the numbers of instances last.
+/// Returns the vertex bindings and their attributes, with the instance index last.
 fn vertex_input(
     info: &GraphicsPipelineInfo<'_>,
 ) -> (Vec<vk::VertexInputBindingDescription>, Vec<vk::VertexInputAttributeDescription>) {
     let mut bindings = Vec::new();
     let mut attributes = Vec::new();
-    // A binding without attributes would have to be bound all the same.
+    // A binding without attributes would still have to be bound.
     let mut next: Option<&VertexLayout<'_>> =
         Some(&info.vertices).filter(|layout| !layout.attributes.is_empty());
     while let Some(layout) = next {
@@ -263,7 +263,7 @@ fn blend_state(blend: Blend) -> vk::PipelineColorBlendAttachmentState {
             .src_alpha_blend_factor(vk::BlendFactor::ZERO)
             .dst_alpha_blend_factor(vk::BlendFactor::ONE)
             .alpha_blend_op(vk::BlendOp::ADD),
-        // The factors have no part in it.
+        // The blend factors are not used.
         Blend::Max => state
             .color_write_mask(all)
             .blend_enable(true)

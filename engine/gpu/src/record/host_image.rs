@@ -1,14 +1,13 @@
-//! Images that a host owns, and the states in which we get them and give them back.
+//! Images of a host, and their states when the engine gets them and returns them.
 
 use ash::vk;
 
 use crate::record::access::{Access, MemoryBarrier};
 
-/// The state of an image between two users: the layout that it is in, and the accesses that come
-/// before or after.
+/// The state of an image between two users: its layout, and the accesses before or after.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ImageState {
-    /// The layout. [`vk::ImageLayout::UNDEFINED`] on entry drops the contents.
+    /// The layout. On entry, [`vk::ImageLayout::UNDEFINED`] discards the contents.
     pub layout: vk::ImageLayout,
     /// The stages of the other user that access the image.
     pub stages: vk::PipelineStageFlags2,
@@ -17,8 +16,8 @@ pub struct ImageState {
 }
 
 impl ImageState {
-    /// Returns the state of an image with contents that nobody wants, after accesses that are over
-    /// before the commands begin.
+    /// Returns the state of an image whose contents are not needed, with no accesses that the
+    /// commands must wait for.
     pub fn fresh() -> Self {
         Self::default()
     }
@@ -40,39 +39,39 @@ impl ImageState {
     }
 }
 
-/// An image of a host that is drawn to: its first level, its first layer or several, and a view of
-/// that.
+/// An image of a host to draw to: its first level with one or several layers, and a view of them.
 #[derive(Debug, Clone, Copy)]
 pub struct HostImage {
     /// The image.
     pub image: vk::Image,
-    /// A view of it with all aspects of the format: 2D, or where several views are drawn at once a
-    /// 2D array of as many layers.
+    /// A view of the image with all aspects of the format: a 2D view, or a 2D array view with one
+    /// layer per view if several views are drawn at once.
     pub view: vk::ImageView,
     /// The format of the view.
     pub format: vk::Format,
-    /// The usage that it was created with. The tests of boxes by compute shaders need
-    /// [`vk::ImageUsageFlags::TRANSFER_SRC`] of a depth image.
+    /// The usage that the image was created with. Box tests by compute shaders need
+    /// [`vk::ImageUsageFlags::TRANSFER_SRC`] on the depth image.
     pub usage: vk::ImageUsageFlags,
-    /// The state before our first command.
+    /// The state before the engine's first command.
     pub entry: ImageState,
-    /// The state after our last one; `None` leaves it as an attachment.
+    /// The state after the engine's last command; `None` leaves the image as an attachment.
     pub exit: Option<ImageState>,
 }
 
-/// The images of a host that a view is drawn to.
+/// The images of a host to draw a view to.
 #[derive(Debug, Clone, Copy)]
 pub struct HostImages<'a> {
-    /// The depth.
+    /// The depth image.
     pub depth: HostImage,
-    /// The colours, if renderings are opened by us and have any.
+    /// The colour images, if the engine begins the renderings and there are any.
     pub colours: &'a [HostImage],
-    /// Samples per pixel, of all of them.
+    /// The number of samples per pixel of all images.
     pub samples: vk::SampleCountFlags,
-    /// The depth of the near plane.
+    /// The depth value at the near plane.
     pub near_depth: crate::record::attachments::NearDepth,
-    /// The views that are drawn at once, each to the layer of its number; 1 without multiview.
+    /// The number of views that are drawn at once, each to the layer of its index; 1 without
+    /// multiview.
     pub views: u32,
-    /// Their size in pixels.
+    /// The size of the images in pixels.
     pub size: [u32; 2],
 }

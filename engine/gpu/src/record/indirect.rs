@@ -1,4 +1,4 @@
-//! Indirect draws as they lie in GPU memory, and ranges of them.
+//! Indirect draws in the layout of GPU memory, and ranges of them.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -14,7 +14,7 @@ pub struct IndirectDraw {
     pub first_index: u32,
     /// The number added to every index.
     pub vertex_offset: i32,
-    /// The first instance: the number that the shader has of it.
+    /// The first instance, which is the instance index in the shader.
     pub first_instance: u32,
 }
 
@@ -28,7 +28,7 @@ pub struct UnindexedDraw {
     pub instance_count: u32,
     /// The first vertex.
     pub first_vertex: u32,
-    /// The first instance: the number that the shader has of it.
+    /// The first instance, which is the instance index in the shader.
     pub first_instance: u32,
 }
 
@@ -44,22 +44,22 @@ pub struct DrawRange {
     pub count: u32,
 }
 
-/// The next draw of the same leaf as the GPU reads it, where leaves have any number of draws;
-/// mirrors `draw_link.glsl`.
+/// The link to the next draw of the same leaf, as the GPU reads it, if leaves have any number of
+/// draws. Mirrors `draw_link.glsl`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
 pub struct DrawLink {
-    /// One more than the number of the next draw, or [`DrawLink::NO_DRAW`].
+    /// The index of the next draw plus one, or [`DrawLink::NO_DRAW`].
     pub next: u32,
-    /// The instances of this one once it is enabled; 0 only where there is no draw.
+    /// The instance count of this draw when it is enabled; 0 only if there is no draw.
     pub instance_count: u32,
 }
 
 impl DrawLink {
-    /// The end of a list. It is 0 for lavapipe (Mesa 22.3), which follows a list also for fragments
-    /// that take no part, up to its limit of 65535 steps: what these load is 0.
+    /// The end of a list. It must be 0 for lavapipe (Mesa 22.3), which follows a list even for
+    /// inactive fragments, up to its limit of 65535 steps: inactive fragments load 0.
     pub const NO_DRAW: u32 = 0;
 
-    /// The link of a place without a draw.
+    /// The link of an entry without a draw.
     pub const EMPTY: Self = Self { next: Self::NO_DRAW, instance_count: 0 };
 }

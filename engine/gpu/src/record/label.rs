@@ -1,11 +1,11 @@
-//! Labels of passes as Vulkan wants them, without memory of their own: passes come every frame.
+//! Labels of passes as C strings without allocation, because passes are recorded in every frame.
 
 use std::ffi::CStr;
 
-/// The length beyond which labels are cut.
+/// The size that labels are cut to.
 const BYTES: usize = 64;
 
-/// A buffer for a label and the zero behind it.
+/// A buffer for a label and its terminating zero.
 pub(crate) struct LabelName([u8; BYTES]);
 
 impl Default for LabelName {
@@ -15,7 +15,7 @@ impl Default for LabelName {
 }
 
 impl LabelName {
-    /// Copies the label to a string that ends with a zero, or at the first zero in it.
+    /// Copies the label to a zero-terminated string, cut at the first zero in it.
     pub(crate) fn hold(&mut self, label: &str) -> &CStr {
         let length = label.len().min(BYTES - 1);
         self.0 = [0; BYTES];

@@ -1,5 +1,5 @@
-//! The parts of a target with several samples per pixel that others do not have: the image of their
-//! averages, and the pass that reads their depths.
+//! The parts that only a target with several samples per pixel has: the image of averages, and the
+//! pass that reads depths.
 
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
@@ -17,16 +17,16 @@ use crate::record::sample_count::SampleCount;
 use crate::record::shader::Spirv;
 use crate::record::target_image::TargetImage;
 
-/// Pixels along each side of a workgroup of `farthest_depths.comp`.
+/// The number of pixels along each side of a workgroup of `farthest_depths.comp`.
 const GROUP: u32 = 8;
 
 /// The averages of several samples per pixel, and the reader of their depths.
 pub(super) struct Multisampling {
     device: Device,
     samples: SampleCount,
-    /// One colour per pixel, as the last resolve left it.
+    /// The image with one colour per pixel, from the last resolve.
     pub(super) average: TargetImage,
-    /// True if the samples drawn last are in the averages, or will be when their rendering ends.
+    /// True if the averages include the last drawn samples, now or when their rendering ends.
     pub(super) is_resolved: bool,
     farthest_depths: ComputePipeline,
     sampler: vk::Sampler,
@@ -44,7 +44,7 @@ struct Constants {
 const _: () = assert!(size_of::<Constants>() == 20);
 
 impl Multisampling {
-    /// Creates both for a target of `size` pixels, within the device's limits.
+    /// Creates both parts for a target of `size` pixels, within the device's limits.
     pub(super) fn new(
         device: &Device,
         size: [u32; 2],
@@ -74,8 +74,9 @@ impl Multisampling {
         Ok(Self { device, samples, average, is_resolved: false, farthest_depths, sampler })
     }
 
-    /// Writes the farthest depth of each pixel of an area to a storage buffer that holds it, in the
-    /// place of an [`Access::CopyWrite`]. The depth image can be sampled.
+    /// Writes the farthest depth of each pixel of an area to a storage buffer, which must be large
+    /// enough. For barriers it counts as an [`Access::CopyWrite`]. The depth image must be ready to
+    /// be sampled.
     pub(super) fn copy_farthest(
         &self,
         commands: &Commands,

@@ -9,25 +9,25 @@ use crate::record::attachments::COLOURS_MAX;
 use crate::record::host_image::ImageState;
 use crate::record::render_target::{AttachmentStore, Load, RenderTarget};
 
-/// The finished colour image of a frame, one sample per pixel, for commands of a host's own behind
-/// all others that draw.
+/// The finished colour image of a frame, with one sample per pixel, for a host's own commands after
+/// all other draws.
 ///
-/// The commands find it in [`OverlayImage::state`], behind a barrier: they may begin a rendering
-/// that loads it at once. They leave it in the same layout, and what they wrote last they wrote in
-/// such a rendering, or a barrier of theirs orders it before [`OverlayImage::state`].
+/// Before these commands, the image is in [`OverlayImage::state`] after a barrier, so they may
+/// begin a rendering that loads it at once. They must leave it in the same layout. Their last
+/// writes must be in such a rendering, or a barrier must order them before [`OverlayImage::state`].
 #[derive(Debug, Clone, Copy)]
 pub struct OverlayImage {
-    /// The image: eight bits per channel, a colour attachment, which commands may also sample and
+    /// The image with eight bits per channel: a colour attachment that commands may also sample and
     /// copy from.
     pub image: vk::Image,
-    /// A view of it that encodes the colours.
+    /// A view of the image that encodes the colours.
     pub view: vk::ImageView,
-    /// The format of the view. The memory of the image has its twin without encoding,
-    /// [`vk::Format::R8G8B8A8_UNORM`], of which a host can make a view too.
+    /// The format of the view. The memory of the image has the format without encoding,
+    /// [`vk::Format::R8G8B8A8_UNORM`]; a host can also create a view with it.
     pub format: vk::Format,
-    /// Its size in pixels.
+    /// The size of the image in pixels.
     pub size: [u32; 2],
-    /// The layout, stages and accesses before the host's commands, and after them.
+    /// The layout, stages and accesses before and after the host's commands.
     pub state: ImageState,
     device: OwnerId,
 }
@@ -45,7 +45,7 @@ impl OverlayImage {
         Self { image, view, format, size, state, device }
     }
 
-    /// Returns the target of a rendering over what is there, without depth, for
+    /// Returns the target of a rendering over the contents of the image, without depth, for
     /// [`Commands::rendering`](crate::Commands::rendering).
     pub fn render_target(&self) -> RenderTarget {
         let mut colours = [vk::ImageView::null(); COLOURS_MAX];

@@ -1,4 +1,4 @@
-//! Pipelines: the few states that the engine varies, with all others fixed in one place.
+//! Pipelines: the few states that the engine varies; all others are fixed in one place.
 
 use ash::vk;
 
@@ -12,90 +12,90 @@ use crate::record::attachments::Attachments;
 use crate::record::graphics_state::create_graphics;
 use crate::record::shader::Spirv;
 
-/// The use of depth by a pipeline.
+/// The depth test of a pipeline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DepthMode {
-    /// A test for nearer, with the depth stored.
+    /// Passes nearer depths and stores them.
     TestAndWrite,
-    /// A test for as near or nearer, with the depth stored. The final depth is the same, but all
-    /// objects at that depth count as visible, in any order.
+    /// Passes equal or nearer depths and stores them. The final depth is the same as with
+    /// [`DepthMode::TestAndWrite`], but all objects at this depth count as visible, in any order.
     TestEqualAndWrite,
-    /// A test for as near or nearer, with nothing stored. Proxies use it: equal depth counts as
-    /// visible.
+    /// Passes equal or nearer depths and stores nothing. Proxies use it, because equal depth counts
+    /// as visible.
     TestOnly,
-    /// A test for nearer, with nothing stored.
+    /// Passes nearer depths and stores nothing.
     TestNearer,
-    /// A test for farther, with nothing stored: a fragment passes either this or
-    /// [`DepthMode::TestOnly`]. For what is drawn where it is hidden.
+    /// Passes farther depths and stores nothing: a fragment passes either this test or
+    /// [`DepthMode::TestOnly`]. For objects that are drawn where they are hidden.
     TestFarther,
-    /// A test for the same depth, with nothing stored, for objects that are drawn a second time.
+    /// Passes equal depths and stores nothing, for objects that are drawn a second time.
     Equal,
-    /// No test; nothing is stored.
+    /// Passes all depths and stores nothing.
     Ignored,
 }
 
-/// The use of colour by a pipeline.
+/// The colour output of a pipeline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Blend {
-    /// Replacement of the colour by the fragment's.
+    /// The fragment's colour replaces the old one.
     Opaque,
-    /// Blending by alpha.
+    /// The colour is blended by alpha.
     Alpha,
-    /// Blending by alpha, of colours multiplied by alpha already.
+    /// The colour, which is already multiplied by alpha, is blended by alpha.
     Premultiplied,
-    /// The larger value of each channel, in any order of draws.
+    /// The larger value of each channel is kept, in any order of draws.
     Max,
-    /// No colour output. Give no fragment shader then: a masked one would still run.
+    /// There is no colour output. Do not give a fragment shader then: a masked one would still run.
     NoColour,
 }
 
-/// The use of a stencil by a pipeline, where the attachments have one.
+/// The stencil operation of a pipeline, if the attachments have a stencil.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum StencilMode {
-    /// None.
+    /// No stencil test and no change.
     #[default]
     Ignored,
-    /// A count of front faces less back faces whose fragments pass the depth test, modulo 256.
+    /// Counts front faces minus back faces whose fragments pass the depth test, modulo 256.
     CountPassing,
-    /// A count of back faces less front faces whose fragments fail the depth test, modulo 256.
+    /// Counts back faces minus front faces whose fragments fail the depth test, modulo 256.
     CountFailing,
-    /// A test for a count other than 0, which stays as it is.
+    /// Passes if the count is not 0, and keeps it.
     Counted,
-    /// A mark, 1, where a fragment passes the depth test.
+    /// Writes the mark 1 where a fragment passes the depth test.
     Mark,
-    /// A test for 0, which stays as it is.
+    /// Passes if the stencil is 0, and keeps it.
     Unmarked,
-    /// A bit that each fragment turns over, so that it says if their number is odd.
+    /// Inverts a bit with each fragment, so that it is set if the number of fragments is odd.
     Parity,
-    /// A test for an odd number, which every fragment sets to 0, drawn or not.
+    /// Passes if the number is odd. Every fragment, drawn or not, resets it to 0.
     Odd,
-    /// A test for an odd number, which fragments set to 0 where they fail the depth test.
+    /// Passes if the number is odd. Fragments that fail the depth test reset it to 0.
     OddDrawn,
 }
 
 /// The depths that a pipeline draws.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum DepthRange {
-    /// Those between the near and the far plane; what is beyond is cut off.
+    /// Depths between the near and the far plane; the rest is clipped.
     #[default]
     Clipped,
-    /// All: what is beyond has the depth of the plane. For devices with
+    /// All depths; depths beyond a plane are clamped to it. For devices with
     /// [`OptionalFeature::DepthClamp`](crate::OptionalFeature::DepthClamp).
     Clamped,
 }
 
-/// The fragments of a triangle that are drawn of those that pass the depth test.
+/// The choice of fragments that are drawn, of the fragments of a triangle that pass the depth test.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum FragmentChoice {
-    /// All.
+    /// All fragments.
     #[default]
     All,
-    /// One at least, which is enough for a flag, on devices with
-    /// [`RepresentativeFragments`](crate::OptionalFeature::RepresentativeFragments);
-    /// else all. For early tests alone, and never within a query that counts.
+    /// At least one fragment, which is enough for a flag, on devices with
+    /// [`RepresentativeFragments`](crate::OptionalFeature::RepresentativeFragments); otherwise all.
+    /// Only for early tests, and never within a query that counts.
     Representative,
-    /// Those that cover the first sample of their pixel. Fragments of objects that meet in a pixel
-    /// cover different samples, and one sample has one owner.
+    /// The fragments that cover the first sample of their pixel. If fragments of several objects
+    /// share a pixel, they cover different samples, so the first sample selects one of them.
     FirstSample,
 }
 
@@ -104,12 +104,12 @@ pub enum FragmentChoice {
 pub enum Polygon {
     /// The whole triangle.
     Filled,
-    /// Its edges, a little nearer than the triangle. For devices with
+    /// The edges of the triangle, slightly nearer than the triangle. For devices with
     /// [`OptionalFeature::Wireframe`](crate::OptionalFeature::Wireframe).
     Wireframe,
 }
 
-/// The layout of vertices in their buffer. An empty layout is for shaders that make up their
+/// The layout of vertices in their buffer. An empty layout is for shaders that generate their
 /// vertices.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct VertexLayout<'a> {
@@ -117,21 +117,22 @@ pub struct VertexLayout<'a> {
     pub stride_bytes: u32,
     /// The format and offset of the attribute at each location.
     pub attributes: &'a [(vk::Format, u32)],
-    /// Another buffer with more of the same vertices; its locations follow those here.
+    /// A second buffer with further attributes of the same vertices; its locations follow the ones
+    /// here.
     pub beside: Option<&'a VertexLayout<'a>>,
 }
 
-/// The buffers and constants a pipeline's shaders see.
+/// The buffers and constants that the shaders of a pipeline can access.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct StorageLayout {
-    /// Storage buffers at bindings 0, 1, … of set 0.
+    /// The number of storage buffers, at bindings 0, 1, … of set 0.
     pub buffers: u32,
-    /// Sampled textures at the bindings after those.
+    /// The number of sampled textures, at the bindings after the storage buffers.
     pub textures: u32,
-    /// Sampled [`TextureArray`](crate::TextureArray)s: one array of so many, at the binding after
-    /// those.
+    /// The number of sampled [`TextureArray`](crate::TextureArray)s, in one descriptor array at the
+    /// binding after the textures.
     pub texture_arrays: u32,
-    /// Bytes of push constants.
+    /// The size of the push constants in bytes.
     pub push_bytes: u32,
 }
 
@@ -142,28 +143,29 @@ pub struct GraphicsPipelineInfo<'a> {
     pub name: &'a str,
     /// The SPIR-V of the vertex stage.
     pub vertex: &'a Spirv,
-    /// Geometry shader, if there is one. For devices with
+    /// The geometry shader, if there is one. For devices with
     /// [`OptionalFeature::GeometryShaders`](crate::OptionalFeature::GeometryShaders).
     pub geometry: Option<&'a Spirv>,
-    /// Fragment shader; `None` draws depth only.
+    /// The fragment shader; `None` draws depth only.
     pub fragment: Option<&'a Spirv>,
     /// The layout of the vertices in their buffers.
     pub vertices: VertexLayout<'a>,
-    /// Buffers and constants.
+    /// The buffers and constants of the shaders.
     pub storage: StorageLayout,
-    /// A table of textures like the ones that draws find textures in by number, at binding 0 of set
-    /// 1.
+    /// A table with the layout of the tables that draws bind; shaders access its textures by index,
+    /// at binding 0 of set 1.
     pub table: Option<&'a TextureTable>,
-    /// The bytes per instance in the first of the buffers, for vertex shaders that take the number
-    /// of the instance from `instance_number.glsl`; 0 for others.
+    /// The bytes per instance in the first storage buffer, for vertex shaders that take the
+    /// instance index from `instance_number.glsl`; 0 for others.
     pub instance_bytes: u32,
-    /// Points, lines or triangles, for geometry shaders with adjacency.
+    /// The primitive topology: points, lines or triangles, with adjacency for some geometry
+    /// shaders.
     pub topology: vk::PrimitiveTopology,
     /// The rasterisation of triangles.
     pub polygon: Polygon,
-    /// Faces that are not drawn; counter-clockwise is front.
+    /// The faces that are not drawn; counter-clockwise is front.
     pub cull: vk::CullModeFlags,
-    /// The test of the depth, and its storage.
+    /// The depth test, and the storage of the depth.
     pub depth: DepthMode,
     /// The depths that are drawn.
     pub range: DepthRange,
@@ -171,22 +173,22 @@ pub struct GraphicsPipelineInfo<'a> {
     pub fragments: FragmentChoice,
     /// The use of the stencil.
     pub stencil: StencilMode,
-    /// The combination of the colour with the one that is there.
+    /// The combination of the new colour with the old one.
     pub blend: Blend,
-    /// The attachments that it draws to.
+    /// The attachments that the pipeline draws to.
     pub attachments: Attachments,
 }
 
 impl StorageLayout {
-    /// Describes so many buffers, and push constants of type `C`.
+    /// Describes a number of storage buffers, and push constants of type `C`.
     pub fn new<C>(buffers: u32) -> Self {
         Self { buffers, push_bytes: size_of::<C>() as u32, ..Self::default() }
     }
 }
 
 impl<'a> GraphicsPipelineInfo<'a> {
-    /// Describes the plainest pipeline: both sides of triangles that the shader makes up, tested
-    /// for as near or nearer, with nothing stored.
+    /// Describes the simplest pipeline: both sides of triangles that the shader generates, tested
+    /// for equal or nearer depth, with nothing stored.
     pub fn of(name: &'a str, vertex: &'a Spirv) -> Self {
         Self {
             name,
@@ -209,8 +211,8 @@ impl<'a> GraphicsPipelineInfo<'a> {
         }
     }
 
-    /// Describes the same for a vertex shader that takes the number of the instance from
-    /// `instance_number.glsl` and finds a `T` by it in the first buffer.
+    /// Describes the same pipeline for a vertex shader that takes the instance index from
+    /// `instance_number.glsl` and reads a `T` at this index in the first storage buffer.
     #[must_use]
     pub fn numbered<T>(self) -> Self {
         Self { instance_bytes: size_of::<T>() as u32, ..self }
@@ -223,7 +225,7 @@ pub struct GraphicsPipeline(pub(crate) PipelineKind);
 /// A compute pipeline.
 pub struct ComputePipeline(pub(crate) PipelineKind);
 
-/// The objects that both kinds own.
+/// The objects that both kinds of pipelines own.
 pub(crate) struct PipelineKind {
     device: Device,
     pub(crate) raw: vk::Pipeline,
@@ -232,12 +234,12 @@ pub(crate) struct PipelineKind {
     pub(crate) buffers: u32,
     pub(crate) textures: u32,
     pub(crate) texture_arrays: u32,
-    /// True if there is a set 1, a table of textures.
+    /// True if set 1 is a table of textures.
     pub(crate) has_table: bool,
     pub(crate) push_bytes: u32,
-    /// As in [`GraphicsPipelineInfo::instance_bytes`].
+    /// The value of [`GraphicsPipelineInfo::instance_bytes`].
     pub(crate) instance_bytes: u32,
-    /// The stages that see buffers and constants.
+    /// The stages that can access buffers and constants.
     pub(crate) stages: vk::ShaderStageFlags,
 }
 
@@ -248,8 +250,8 @@ impl GraphicsPipeline {
     ///
     /// # Errors
     /// [`Error::Unsupported`] for a wireframe, several views, a geometry shader or clamped depths
-    /// where the device has no such thing; [`Error::Foreign`] for a table of another device; a
-    /// failed call.
+    /// that the device does not support; [`Error::Foreign`] for a table of another device; a failed
+    /// call.
     pub fn new(device: &Device, info: &GraphicsPipelineInfo<'_>) -> Result<Self, Error> {
         info.attachments.check(device)?;
         if let Some(table) = info.table {
@@ -321,7 +323,7 @@ impl ComputePipeline {
     }
 }
 
-/// Calls `make` with the module of a shader, if there is one.
+/// Calls `make` with the module of a shader, or with `None` without a shader.
 fn with_optional<R>(
     device: &Device,
     shader: Option<&Spirv>,
@@ -344,8 +346,8 @@ impl PipelineKind {
         make: impl FnOnce(vk::PipelineLayout) -> Result<vk::Pipeline, Error>,
     ) -> Result<Self, Error> {
         let storage = create_set_layout(device, layout, stages)?;
-        // Owned from here on: dropped incomplete, it retires what is there; destroying null is
-        // fine.
+        // Owned from here on: if it is dropped while incomplete, it retires its existing objects,
+        // and destroying null is allowed.
         let mut kind = Self {
             device: device.clone(),
             raw: vk::Pipeline::null(),

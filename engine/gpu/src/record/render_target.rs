@@ -12,45 +12,45 @@ pub struct RenderTarget {
     pub(crate) colours: [vk::ImageView; COLOURS_MAX],
     pub(crate) colour_count: usize,
     pub(crate) depth: vk::ImageView,
-    /// The image that the samples of the first colour are averaged into when the rendering ends;
-    /// null for none.
+    /// The image for the averaged samples of the first colour when the rendering ends; null for
+    /// none.
     pub(crate) average: vk::ImageView,
     pub(crate) has_stencil: bool,
     pub(crate) view_mask: u32,
     pub(crate) origin: [u32; 2],
     pub(crate) size: [u32; 2],
-    /// The colour to start from, the same for all colour images.
+    /// The initial colour, the same for all colour images.
     pub colour_load: Load<[f32; 4]>,
-    /// The depth to start from.
+    /// The initial depth.
     pub depth_load: Load<f32>,
-    /// The use of the colour images when the rendering is over.
+    /// The use of the colour images after the rendering.
     pub colour_store: AttachmentStore,
-    /// The use of the depth when the rendering is over.
+    /// The use of the depth image after the rendering.
     pub depth_store: AttachmentStore,
 }
 
 /// The contents of an image when a rendering to it begins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Load<T> {
-    /// The contents that are there.
+    /// The present contents.
     Keep,
     /// One value everywhere.
     Clear(T),
-    /// Undefined contents: nobody reads what was there before.
+    /// Undefined contents, if the present contents are not read.
     Forget,
 }
 
-/// The use of an image's contents after a rendering. A GPU that draws tile by tile writes them to
-/// memory for it, or does not.
+/// The use of an image's contents after a rendering. It determines if a tile-based GPU must write
+/// them to memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum AttachmentStore {
-    /// They are written to memory: a later command reads them.
+    /// The contents are written to memory, because a later command reads them.
     #[default]
     Keep,
-    /// They are undefined: nobody reads them.
+    /// The contents become undefined, because no command reads them.
     Forget,
-    /// They stay as they were, and nothing is written to memory. The rendering draws nothing to the
-    /// image, though it may test against it.
+    /// The contents stay unchanged, and nothing is written to memory. The rendering draws nothing
+    /// to the image, but may test against it.
     Unchanged,
 }
 
@@ -63,8 +63,8 @@ impl OfDevice for RenderTarget {
 }
 
 impl RenderTarget {
-    /// Restricts the rendering to `size` pixels from `origin` on (from the upper left), cut to what
-    /// is there: nothing outside is drawn to or cleared.
+    /// Restricts the rendering to an area of `size` pixels at `origin` (from the upper left),
+    /// clamped to the target: nothing outside is drawn to or cleared.
     #[must_use]
     pub fn within(mut self, origin: [u32; 2], size: [u32; 2]) -> Self {
         for side in 0..2 {
@@ -82,14 +82,14 @@ impl RenderTarget {
         Self { colour_load: Load::Forget, colour_store: AttachmentStore::Forget, ..self }
     }
 
-    /// Returns the target for a rendering whose images nobody reads afterwards.
+    /// Returns the target for a rendering whose images are not read afterwards.
     #[must_use]
     pub fn forgotten(self) -> Self {
         let forget = AttachmentStore::Forget;
         Self { colour_store: forget, depth_store: forget, ..self }
     }
 
-    /// Returns the target with a colour to start from, whatever the depth starts from.
+    /// Returns the target with an initial colour; the initial depth stays the same.
     #[must_use]
     pub fn cleared_to(self, colour: [f32; 4]) -> Self {
         Self { colour_load: Load::Clear(colour), ..self }

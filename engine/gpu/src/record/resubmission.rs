@@ -1,13 +1,13 @@
 //! The submits of a recorded frame beyond the first.
 
-/// Submits of a recorded frame beyond the first. They decide who resets the queries of a frame: the
-/// CPU can only for the next run.
+/// The submits of a recorded frame beyond the first. They determine how the frame's queries are
+/// reset, because a reset by the CPU only holds for the next run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Resubmission {
-    /// Each frame is submitted once at most. Its queries are reset by the CPU where the device
-    /// allows it ([`OptionalFeature::HostQueryReset`](crate::OptionalFeature::HostQueryReset)),
-    /// since some drivers wait once per query that a command resets.
+    /// A frame is submitted at most once. The CPU resets its queries if the device supports it
+    /// ([`OptionalFeature::HostQueryReset`](crate::OptionalFeature::HostQueryReset)), because some
+    /// drivers wait for each query that a command resets.
     Never,
-    /// A host may submit a frame again before it is safe. Each run resets its queries by commands.
+    /// A host may submit a frame again before it is safe. Commands reset the queries in each run.
     Allowed,
 }

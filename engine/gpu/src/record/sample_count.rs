@@ -4,18 +4,18 @@ use ash::vk;
 
 use crate::core::error::Error;
 
-/// The number of places in a pixel that have a depth and a colour of their own.
+/// The number of positions in a pixel with their own depth and colour.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub enum SampleCount {
-    /// Its middle.
+    /// One sample, in the middle of the pixel.
     #[default]
     One,
-    /// Four, whose colours are averaged in the finished image: smooth edges.
+    /// Four samples, whose colours are averaged in the finished image for smooth edges.
     Four,
 }
 
 impl SampleCount {
-    /// Returns the number.
+    /// Returns the number of samples.
     #[must_use]
     pub fn count(self) -> u32 {
         match self {
@@ -24,7 +24,7 @@ impl SampleCount {
         }
     }
 
-    /// Returns it as Vulkan has it.
+    /// Returns the Vulkan flag of this number of samples.
     #[must_use]
     pub fn flags(self) -> vk::SampleCountFlags {
         match self {
@@ -37,10 +37,10 @@ impl SampleCount {
 impl TryFrom<u32> for SampleCount {
     type Error = Error;
 
-    /// Returns the count with this number.
+    /// Returns the sample count with this number.
     ///
     /// # Errors
-    /// [`Error::SampleCount`] for any but 1 and 4.
+    /// [`Error::SampleCount`] for numbers other than 1 and 4.
     fn try_from(count: u32) -> Result<Self, Error> {
         match count {
             1 => Ok(Self::One),

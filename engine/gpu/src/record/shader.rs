@@ -1,4 +1,4 @@
-//! Shaders: embedded SPIR-V and, behind the feature `shader-compiler`, GLSL compiled at run time.
+//! Shaders: embedded SPIR-V and, with the feature `shader-compiler`, GLSL compiled at run time.
 
 use ash::vk;
 
@@ -8,10 +8,10 @@ use crate::core::error::{Called, Error};
 /// A compiled shader with entry point `main`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Spirv {
-    /// Its name, as the debugger shows it.
+    /// The name of the shader, which debuggers show.
     pub name: String,
     code: Vec<u32>,
-    /// Values of its specialisation constants, by id; the others keep the defaults of the source.
+    /// The values of specialisation constants, by id; other constants keep their defaults.
     constants: Vec<(u32, u32)>,
 }
 
@@ -21,7 +21,7 @@ impl Spirv {
     /// Creates a shader from SPIR-V bytes, in the machine's byte order.
     ///
     /// # Errors
-    /// [`Error::NotSpirv`] for anything that does not look like it.
+    /// [`Error::NotSpirv`] for bytes that are not SPIR-V.
     pub fn from_bytes(name: &str, bytes: &[u8]) -> Result<Self, Error> {
         let code: Vec<u32> = bytes
             .chunks_exact(4)
@@ -34,21 +34,21 @@ impl Spirv {
         Ok(Self { name: name.to_owned(), code, constants: Vec::new() })
     }
 
-    /// Returns its bytes, little-endian, as they are stored beside the GLSL.
+    /// Returns the bytes of the shader, little-endian, as they are stored next to the GLSL.
     pub fn to_bytes(&self) -> Vec<u8> {
         self.code.iter().flat_map(|value| value.to_le_bytes()).collect()
     }
 
-    /// Returns the shader with these additional values for specialisation constants of 32 bits,
-    /// each id once. Pipelines are compiled for them: code that they switch off costs nothing. An
-    /// id that the shader lacks has no effect.
+    /// Returns the shader with additional values for specialisation constants of 32 bits, each id
+    /// once. Pipelines are compiled with these values, so code that they disable costs nothing. An
+    /// id that the shader does not have is ignored.
     #[must_use]
     pub fn specialised(&self, constants: &[(u32, u32)]) -> Self {
         Self { constants: [&self.constants, constants].concat(), ..self.clone() }
     }
 
-    /// Calls `make` with the module and its constants, and destroys the module after: pipelines do
-    /// not need it once made.
+    /// Calls `make` with the module and its constants, and then destroys the module, because
+    /// pipelines do not need it after their creation.
     pub(crate) fn with_stage<R>(
         &self,
         device: &Device,
@@ -82,11 +82,11 @@ impl Spirv {
     }
 }
 
-/// Compiles the GLSL file `path`; its extension (`.vert`, `.tesc`, `.tese`, `.geom`, `.frag`,
-/// `.comp`) names its stage, and `#include "name"` is looked for beside it.
+/// Compiles the GLSL file `path`. Its extension (`.vert`, `.tesc`, `.tese`, `.geom`, `.frag`,
+/// `.comp`) determines the stage, and `#include "name"` refers to a file in the same folder.
 ///
 /// # Errors
-/// [`Error::ShaderCompile`] with file and line of every mistake.
+/// [`Error::ShaderCompile`] with the file and line of every mistake.
 #[cfg(feature = "shader-compiler")]
 pub fn compile(path: &std::path::Path) -> Result<Spirv, Error> {
     let name = path.display().to_string();

@@ -1,5 +1,5 @@
-//! A depth image with a stencil beside it: a copy of depths that are drawn elsewhere, against which
-//! shadow volumes are counted, or no depths at all, for marks beside the colours of a target.
+//! A depth image with a stencil. It holds either a copy of depths that are drawn elsewhere, for
+//! counting shadow volumes, or no depths, for marks next to the colours of a target.
 
 use ash::vk;
 
@@ -15,7 +15,7 @@ use crate::record::commands::Commands;
 use crate::record::render_target::{AttachmentStore, Load, RenderTarget};
 use crate::record::target::{Target, check_size};
 
-/// The depth of a [`Target`](crate::Target), to the bit, and eight bits of stencil.
+/// The format: depth bit-identical to a [`Target`](crate::Target), and eight bits of stencil.
 const FORMAT: vk::Format = vk::Format::D32_SFLOAT_S8_UINT;
 
 /// Depths and a stencil, for pipelines with a [`StencilMode`](crate::StencilMode).
@@ -31,10 +31,10 @@ impl StencilTarget {
     /// Creates a target of `size` pixels.
     ///
     /// # Errors
-    /// [`Error::TooLarge`] for sizes of 0 or beyond the device's limits; [`Error::Unsupported`] on
-    /// a device without [`OptionalFeature::DepthClamp`], which volumes need;
-    /// [`Error::TargetFormat`] where it cannot draw to 32-bit float depth with a stencil; no
-    /// memory.
+    /// [`Error::TooLarge`] for a side that is 0 or beyond the device's limits;
+    /// [`Error::Unsupported`] on a device without [`OptionalFeature::DepthClamp`], which volumes
+    /// need; [`Error::TargetFormat`] if the device cannot draw to 32-bit float depth with a
+    /// stencil; no memory.
     pub fn new(device: &Device, size: [u32; 2], name: &str) -> Result<Self, Error> {
         check_size(device, size)?;
         if !device.capabilities().has(OptionalFeature::DepthClamp) {
@@ -49,11 +49,11 @@ impl StencilTarget {
         Ok(Self { device: device.clone(), image, size })
     }
 
-    /// Creates a stencil of the size and the samples of `target`, for renderings of its
+    /// Creates a stencil with the size and the samples of `target`, for renderings of its
     /// [colours](StencilTarget::with_colours).
     ///
     /// # Errors
-    /// [`Error::TargetFormat`] and [`Error::Samples`] where the device cannot draw to 32-bit float
+    /// [`Error::TargetFormat`] or [`Error::Samples`] if the device cannot draw to 32-bit float
     /// depth with a stencil; no memory.
     pub fn beside(device: &Device, target: &Target, name: &str) -> Result<Self, Error> {
         let attachments = Self::attachments_beside(&target.attachments());
@@ -66,14 +66,13 @@ impl StencilTarget {
         Ok(Self { device: device.clone(), image, size })
     }
 
-    /// Returns the attachments that pipelines are compiled for which draw to the colours of a
-    /// target with this stencil.
+    /// Returns the attachments of pipelines that draw to the colours of a target with this stencil.
     pub fn attachments_beside(target: &Attachments) -> Attachments {
         Attachments { depth: FORMAT, ..*target }
     }
 
-    /// Forgets the contents, after any earlier rendering, so that the stencil can be drawn to:
-    /// clear it.
+    /// Discards the contents, after any earlier rendering, so that the stencil can be drawn to.
+    /// Clear it first.
     pub fn forget(&self, commands: &Commands) {
         if commands.check_owner(self).is_ok() {
             let uses = [Access::Depth];
@@ -82,8 +81,9 @@ impl StencilTarget {
         }
     }
 
-    /// Returns the rendering to the colours of `target`, with the forgotten stencil in place of its
-    /// depth. Nobody reads it afterwards. The target must be the one that it was made for.
+    /// Returns the rendering to the colours of `target`, with this stencil in place of the target's
+    /// depth. The stencil has undefined contents before and after it. `target` must be the target
+    /// that the stencil was created for.
     #[must_use]
     pub fn with_colours(&self, target: RenderTarget) -> RenderTarget {
         RenderTarget {
@@ -95,20 +95,20 @@ impl StencilTarget {
         }
     }
 
-    /// Returns the attachments that pipelines which draw to it are compiled for.
+    /// Returns the attachments of pipelines that draw to a stencil target.
     pub fn attachments() -> Attachments {
         Attachments { colours: ColourFormats::new(&[]), depth: FORMAT, ..Attachments::default() }
     }
 
-    /// Returns its size in pixels.
+    /// Returns the size in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size
     }
 
-    /// Copies the depth of `size` pixels, to the upper left corner, from 32-bit floats in rows from
-    /// the top without gaps, an [`Access::CopyRead`]; then the target can be drawn to. All else is
-    /// undefined: clear the stencil. Copies nothing from a slice that is too small, nor an area
-    /// larger than the image.
+    /// Copies the depth of an area of `size` pixels to the upper left corner, from 32-bit floats in
+    /// rows from the top without gaps, with [`Access::CopyRead`]. After that the target can be
+    /// drawn to. All other contents are undefined, so clear the stencil. Copies nothing if the
+    /// slice is too small or the area is larger than the image.
     pub fn load_depth(&mut self, commands: &Commands, from: BufferSlice, size: [u32; 2]) {
         if commands.check_owner(self).is_err() || commands.check_owner(&from).is_err() {
             return;
@@ -128,7 +128,7 @@ impl StencilTarget {
                     ..Default::default()
                 })
                 .image_extent(vk::Extent3D { width, height, depth: 1 });
-            // SAFETY: the slice holds the area, which lies within the image, in the layout named.
+            // SAFETY: the slice contains the area, which lies within the image in the given layout.
             unsafe {
                 commands.device().raw().cmd_copy_buffer_to_image(
                     commands.raw(),
@@ -149,7 +149,7 @@ impl StencilTarget {
         }
     }
 
-    /// Returns the upper left `size` pixels to draw to, with the contents that are there.
+    /// Returns the upper left `size` pixels as a render target that keeps its contents.
     pub fn render_target(&self, size: [u32; 2]) -> RenderTarget {
         RenderTarget {
             device: self.device_id(),

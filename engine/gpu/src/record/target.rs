@@ -1,4 +1,4 @@
-//! A target: the depth and the colours to draw to, ours or a host's.
+//! A target: the depth and the colours to draw to, created by the engine or by a host.
 
 use ash::vk;
 
@@ -20,26 +20,26 @@ use crate::record::render_target::{AttachmentStore, Load, RenderTarget};
 use crate::record::sample_count::SampleCount;
 use crate::record::target_image::TargetImage;
 
-/// The usage of the image that is shown and read: a host samples what was drawn.
+/// The usage of the finished image: it is shown and read, and a host may sample it.
 const FINISHED_USAGE: vk::ImageUsageFlags = vk::ImageUsageFlags::from_raw(
     vk::ImageUsageFlags::COLOR_ATTACHMENT.as_raw()
         | vk::ImageUsageFlags::TRANSFER_SRC.as_raw()
         | vk::ImageUsageFlags::SAMPLED.as_raw(),
 );
 
-/// A depth image and colour images of one size: one colour of ours, or what a host has.
+/// A depth image and colour images of one size: one colour of the engine, or the colours of a host.
 pub struct Target {
     pub(super) device: Device,
     pub(super) colours: Vec<TargetImage>,
     pub(super) depth: TargetImage,
     pub(super) size: [u32; 2],
     pub(super) attachments: Attachments,
-    /// The averages of the samples, where a pixel of ours has several.
+    /// The averages of the samples, if the engine's images have several samples per pixel.
     pub(super) multisampling: Option<Multisampling>,
     /// True if the depth can be copied to a buffer of floats.
     pub(super) can_copy_depth: bool,
-    // The recording that uses the images, and what it last used them for. What it recorded may
-    // never be submitted, so the next one must not build on it.
+    // The recording that uses the images. It may never be submitted, so the next recording must not
+    // depend on the contents and layouts that it leaves.
     pub(super) recording: Option<RecordingId>,
     submitted: Option<Tick>,
 }
@@ -47,10 +47,10 @@ pub struct Target {
 of_device!(Target: "a target (`Target`)");
 
 impl Target {
-    /// Refuses a size or a number of samples that a device has no targets of.
+    /// Checks that a device supports targets with this size and number of samples.
     ///
     /// # Errors
-    /// Those of [`Target::multisampled`] but for missing memory.
+    /// The errors of [`Target::multisampled`], except for missing memory.
     pub fn check(device: &Device, size: [u32; 2], samples: SampleCount) -> Result<(), Error> {
         check_size(device, size)?;
         if samples == SampleCount::One {
@@ -68,7 +68,7 @@ impl Target {
     /// Creates a target of `size` pixels.
     ///
     /// # Errors
-    /// [`Error::TooLarge`] for sizes of 0 or beyond the device's limits; no memory.
+    /// [`Error::TooLarge`] for a side that is 0 or beyond the device's limits; no memory.
     pub fn new(device: &Device, size: [u32; 2], name: &str) -> Result<Self, Error> {
         Self::layered(device, size, 1, name)
     }
@@ -76,8 +76,8 @@ impl Target {
     /// Creates a target of `size` pixels for views that are drawn at once, each to its layer.
     ///
     /// # Errors
-    /// [`Error::TooLarge`] for sizes of 0 or beyond the device's limits, and for more views than
-    /// [`VIEWS_MAX`]; no memory.
+    /// [`Error::TooLarge`] for a side that is 0 or beyond the device's limits, and for more views
+    /// than [`VIEWS_MAX`]; no memory.
     pub fn layered(device: &Device, size: [u32; 2], views: u32, name: &str) -> Result<Self, Error> {
         check_size(device, size)?;
         check_views(views)?;
@@ -102,12 +102,12 @@ impl Target {
         })
     }
 
-    /// Creates a target of `size` pixels with so many samples per pixel. What is drawn shows in the
+    /// Creates a target of `size` pixels with a number of samples per pixel. Draws show in the
     /// finished image once the samples were [resolved](Target::resolve).
     ///
     /// # Errors
-    /// [`Error::TooLarge`] for sizes of 0 or beyond the device's limits; [`Error::Samples`] where
-    /// the device cannot draw so many samples, or not read their depths; no memory.
+    /// [`Error::TooLarge`] for a side that is 0 or beyond the device's limits; [`Error::Samples`]
+    /// if the device cannot draw this number of samples or cannot read their depths; no memory.
     pub fn multisampled(
         device: &Device,
         size: [u32; 2],
@@ -124,7 +124,8 @@ impl Target {
 
             TargetImage::multisampled(device, &name, size, samples, format, usage, aspect)
         };
-        // Averaged where they are drawn, unless something is drawn over the finished image.
+        // Samples are averaged at the end of a rendering, unless something is drawn over the
+        // finished image.
         let colour_usage =
             vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSIENT_ATTACHMENT;
         let depth_usage =
@@ -145,11 +146,11 @@ impl Target {
         })
     }
 
-    /// Creates a target like [`Target::multisampled`], of any number of samples, with a stencil
-    /// beside the depth, whose values are the same.
+    /// Creates a target like [`Target::multisampled`], with any number of samples, and with a
+    /// stencil. The depth values are the same as without a stencil.
     ///
     /// # Errors
-    /// Those of [`Target::multisampled`]; [`Error::TargetFormat`] where the device cannot draw to
+    /// The errors of [`Target::multisampled`]; [`Error::TargetFormat`] if the device cannot draw to
     /// 32-bit float depth with a stencil.
     pub fn with_stencil(
         device: &Device,
@@ -179,23 +180,23 @@ impl Target {
         Ok(Self { depth, attachments, ..target })
     }
 
-    /// Returns true if there is a stencil beside the depth.
+    /// Returns true if the target has a stencil.
     pub fn has_stencil(&self) -> bool {
         self.attachments.stencil() != vk::Format::UNDEFINED
     }
 
-    /// Takes images of a host. Nothing is created on the device: make one target for each set of
-    /// images that the host goes through, or a new one per frame.
+    /// Creates a target from images of a host. No Vulkan object is created: make one target for
+    /// each set of images that the host uses in turn, or a new one per frame.
     ///
     /// # Errors
-    /// [`Error::TooLarge`] for sizes of 0 or beyond the device's limits, for more colours than
-    /// [`COLOURS_MAX`] or more views than [`VIEWS_MAX`]; [`Error::TargetFormat`] for a depth image
-    /// without depth, or a colour image that has depth or no format.
+    /// [`Error::TooLarge`] for a side that is 0 or beyond the device's limits, for more colours
+    /// than [`COLOURS_MAX`] or more views than [`VIEWS_MAX`]; [`Error::TargetFormat`] for a depth
+    /// image without depth, or a colour image that has depth or no format.
     ///
     /// # Safety
-    /// The images and views are of `device`, as described, and live until the last frame that
-    /// uses the target is over. When the commands of a frame execute, each image is in its entry
-    /// state; nothing else uses it until they are over.
+    /// The images and views are of `device`, as described, and live until the last frame that uses
+    /// the target is over. When the commands of a frame execute, each image is in its entry state,
+    /// and no other commands use it until they are over.
     pub unsafe fn of_host(device: &Device, images: &HostImages<'_>) -> Result<Self, Error> {
         check_size(device, images.size)?;
         check_views(images.views)?;
@@ -237,7 +238,7 @@ impl Target {
         })
     }
 
-    /// Returns its size in pixels.
+    /// Returns the size in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size
     }
@@ -247,14 +248,14 @@ impl Target {
         self.attachments
     }
 
-    /// Returns true if [`Target::copy_depth_to`] copies: the depth is
-    /// [`vk::Format::D32_SFLOAT`], of one view, and of ours, or of one sample and a source of
-    /// transfers.
+    /// Returns true if [`Target::copy_depth_to`] can copy. The depth of the engine's own targets
+    /// can be copied with one view; the depth of a host must also be [`vk::Format::D32_SFLOAT`]
+    /// with one sample and a transfer source.
     pub fn can_copy_depth(&self) -> bool {
         self.can_copy_depth
     }
 
-    /// Returns the image that is shown and read: of several samples their averages.
+    /// Returns the image that is shown and read: with several samples, the image of averages.
     fn finished_colour(&self) -> Option<&TargetImage> {
         match &self.multisampling {
             Some(multisampling) => Some(&multisampling.average),
@@ -272,9 +273,10 @@ impl Target {
         self.multisampling.as_ref().is_some_and(|multisampling| !multisampling.is_resolved)
     }
 
-    /// Prepares all images to be drawn to, after any earlier access. This is needed between two
-    /// renderings too: dynamic rendering orders nothing by itself. The contents of our own images
-    /// last for one frame: the first rendering of each must clear. Commands of another device fail.
+    /// Prepares all images to be drawn to, after any earlier access. This is also needed between
+    /// two renderings, because dynamic rendering does not order them. The contents of the engine's
+    /// own images are only valid within one frame: the first rendering must clear them. Commands of
+    /// another device fail.
     pub fn prepare(&mut self, commands: &Commands) {
         if let Some(multisampling) = &mut self.multisampling {
             multisampling.is_resolved = false;
@@ -282,8 +284,8 @@ impl Target {
         self.prepare_tests(commands);
     }
 
-    /// Prepares all images like [`Target::prepare`], for a rendering that draws no colours: samples
-    /// that are averaged stay so, and are not read again.
+    /// Prepares all images like [`Target::prepare`], for a rendering that draws no colours.
+    /// Averaged samples stay averaged and are not read again.
     pub fn prepare_tests(&mut self, commands: &Commands) {
         if commands.check_owner(self).is_err() {
             return;
@@ -302,8 +304,8 @@ impl Target {
         commands.change_layouts(std::iter::once(depth).chain(colours));
     }
 
-    /// Gives the images of a host back in the states that it wants. The last use of the target in a
-    /// frame.
+    /// Changes the images of a host to the states that it expects. Must be the last use of the
+    /// target in a frame.
     pub fn restore(&mut self, commands: &Commands) {
         if self.recording != Some(commands.recording()) || commands.check_owner(self).is_err() {
             return;
@@ -313,8 +315,8 @@ impl Target {
         self.recording = None;
     }
 
-    /// Returns the images to draw to, starting from a colour and the far depth, or from their
-    /// contents.
+    /// Returns the images to draw to. With `clear` they start with this colour and the farthest
+    /// depth, otherwise with their contents.
     pub fn render_target(&self, clear: Option<[f32; 4]>) -> RenderTarget {
         let far = self.attachments.near_depth.far();
         let mut colours = [vk::ImageView::null(); COLOURS_MAX];
@@ -340,22 +342,21 @@ impl Target {
 }
 
 impl Target {
-    /// Notes that the frame that drew last was submitted: only then is there an image to show.
+    /// Notes that the last frame that drew was submitted, so that its image can be shown.
     pub fn submitted(&mut self) {
         self.submitted = self.recording.map(|_| self.device.submitted());
     }
 
-    /// Returns true if the GPU has, or will have, an image here.
+    /// Returns true if a submitted frame draws an image.
     pub(crate) fn has_frame(&self) -> bool {
         self.submitted.is_some()
     }
 
-    /// Returns the colour image of the newest frame, for a host that reads it by commands of its
-    /// own.
+    /// Returns the colour image of the newest frame, for a host that uses it in its own commands.
     ///
     /// # Errors
-    /// [`Error::NoImage`] if there is none, or none since a frame failed; [`Error::NoQueue`] on a
-    /// device that submits nothing.
+    /// [`Error::NoImage`] if there is no image, or none since a frame failed; [`Error::NoQueue`] on
+    /// a device without a queue.
     pub fn finished(&self) -> Result<FinishedImage, Error> {
         let timeline = self.device.timeline_semaphore()?;
         let formats = self.attachments.colours.as_slice();
@@ -376,11 +377,11 @@ impl Target {
     }
 }
 
-/// The most views that are drawn at once: every device with multiview has as many (the least
-/// `maxMultiviewViewCount`).
+/// The most views that are drawn at once. Every device with multiview supports this number (the
+/// least `maxMultiviewViewCount`).
 pub const VIEWS_MAX: u32 = 6;
 
-/// Refuses no view, and more than any device promises.
+/// Returns an error for no views, or for more than every device with multiview supports.
 fn check_views(views: u32) -> Result<(), Error> {
     if (1..=VIEWS_MAX).contains(&views) {
         Ok(())
@@ -393,7 +394,7 @@ fn check_views(views: u32) -> Result<(), Error> {
     }
 }
 
-/// Refuses sizes of 0 and beyond the limits of the device.
+/// Returns an error for a side that is 0 or beyond the limits of the device.
 pub(super) fn check_size(device: &Device, size: [u32; 2]) -> Result<(), Error> {
     let limits = &device.adapter().limits;
     let largest = limits

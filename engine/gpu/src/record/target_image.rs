@@ -1,4 +1,4 @@
-//! One image of a target: ours or a host's, and its last access in the recording.
+//! An image of a target, created by the engine or by a host, and its last access in the recording.
 
 use ash::vk;
 
@@ -10,14 +10,14 @@ use crate::record::attachments::has_stencil;
 use crate::record::host_image::{HostImage, ImageState};
 use crate::record::sample_count::SampleCount;
 
-/// An image that is drawn to.
+/// An image to draw to.
 pub(super) struct TargetImage {
     pub(super) raw: vk::Image,
     pub(super) view: vk::ImageView,
-    /// The view by which shaders read the depths; [`TargetImage::view`] where there is none.
+    /// The view with which shaders read depths; if there is none, they use [`TargetImage::view`].
     depth_view: Option<DepthView>,
     aspect: vk::ImageAspectFlags,
-    /// The layers that are drawn to, from the first on.
+    /// The number of layers to draw to, from the first on.
     layers: u32,
     origin: Origin,
     /// The last access in the recording that uses the image.
@@ -26,9 +26,9 @@ pub(super) struct TargetImage {
 
 /// The owner of an image.
 enum Origin {
-    /// The target. The image goes with it.
+    /// The target, which also destroys the image.
     Ours { _image: Image },
-    /// A host, with the states in which we get it and give it back.
+    /// A host, with the states before and after the engine uses the image.
     Host { entry: ImageState, exit: Option<ImageState> },
 }
 
@@ -47,7 +47,7 @@ impl TargetImage {
         Ok(Self::of_ours(image, layers, aspect))
     }
 
-    /// Creates an image of one layer with so many samples per pixel.
+    /// Creates an image of one layer with a number of samples per pixel.
     pub(super) fn multisampled(
         device: &Device,
         name: &str,
@@ -70,10 +70,7 @@ impl TargetImage {
         Self { raw, view, depth_view: None, aspect, layers, origin, access }
     }
 
-    /// Adds a view of the depths alone: one that shaders read by has one aspect.
-    ///
-    /// # Errors
-    /// A failed call.
+    /// Adds a view of the depths only, because a view that shaders read must have a single aspect.
     pub(super) fn with_depth_view(
         self,
         device: &Device,
@@ -82,12 +79,12 @@ impl TargetImage {
         Ok(Self { depth_view: Some(DepthView::new(device, self.raw, format)?), ..self })
     }
 
-    /// Returns the view by which shaders read the depths.
+    /// Returns the view with which shaders read depths.
     pub(super) fn depth_view(&self) -> vk::ImageView {
         self.depth_view.as_ref().map_or(self.view, |depths| depths.raw)
     }
 
-    /// Takes so many layers of a host's image as an attachment for `attachment`.
+    /// Creates an attachment for `attachment` from `layers` layers of a host's image.
     pub(super) fn of_host(image: &HostImage, layers: u32, attachment: Access) -> Self {
         let aspect = match attachment {
             Access::Depth if has_stencil(image.format) => {
@@ -103,8 +100,8 @@ impl TargetImage {
         Self { raw, view, depth_view: None, aspect, layers, origin, access }
     }
 
-    /// Returns the change to `to` by the first command of a recording that uses the image. Ours
-    /// loses its contents, after whichever of `uses` came last.
+    /// Returns the change to `to` for the first command of a recording that uses the image. An
+    /// image of the engine loses its contents; the change is ordered after all accesses in `uses`.
     pub(super) fn first_change(&mut self, uses: &[Access], to: Access) -> LayoutChange {
         self.access = to;
         let change = match &self.origin {
@@ -129,7 +126,7 @@ impl TargetImage {
         LayoutChange::new(self.raw, self.aspect, from, to).of_layers(self.layers)
     }
 
-    /// Returns the change to the state in which the host wants the image back, if it named one.
+    /// Returns the change to the state that the host expects, if it named one.
     pub(super) fn last_change(&mut self) -> Option<LayoutChange> {
         let Origin::Host { exit: Some(exit), .. } = self.origin else { return None };
         let change = self.change(Access::Nothing);

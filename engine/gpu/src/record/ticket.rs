@@ -1,12 +1,12 @@
-//! Tickets: the tick of commands, for users that need it before it is known.
+//! Tickets: the tick of commands, for users that need it later but must refer to it before the
+//! submit.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::core::tick::Tick;
 
-/// The tick of commands, known once they are submitted; 0 until then, and for ever if they never
-/// are.
+/// The tick of commands. It is set when they are submitted, and stays 0 if they never are.
 #[derive(Debug, Default)]
 pub(crate) struct Ticket(AtomicU64);
 
@@ -16,12 +16,12 @@ impl Ticket {
         self.0.store(tick.0, Ordering::Release);
     }
 
-    /// Returns true while the commands may still be submitted: they hold a ticket of their own.
+    /// Returns true while the commands may still be submitted: until then they hold a reference.
     pub(crate) fn is_pending(self: &Arc<Self>) -> bool {
         self.tick().is_none() && Arc::strong_count(self) > 1
     }
 
-    /// Returns the tick, once there is one.
+    /// Returns the tick; `None` before the submit.
     pub(crate) fn tick(&self) -> Option<Tick> {
         Some(Tick(self.0.load(Ordering::Acquire))).filter(|tick| *tick > Tick::ZERO)
     }

@@ -17,11 +17,11 @@ use crate::record::commands::Commands;
 /// The time of a pass on the GPU.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PassTime {
-    /// The pass's label, the same in the debugger.
+    /// The label of the pass, which debuggers also show.
     pub label: &'static str,
-    /// Its time in milliseconds.
+    /// The duration in milliseconds.
     pub gpu_ms: f64,
-    /// The time at which it began, in nanoseconds of the GPU's clock ([`crate::Clocks`]).
+    /// The begin of the pass, in nanoseconds of the GPU's clock ([`crate::Clocks`]).
     pub began_ns: u64,
 }
 
@@ -31,7 +31,7 @@ pub struct PassTime {
 pub struct FrameTime {
     /// The tick of the frame.
     pub tick: Tick,
-    /// Its time in milliseconds.
+    /// The duration in milliseconds.
     pub gpu_ms: f64,
 }
 
@@ -40,7 +40,7 @@ pub(crate) struct PassTimer {
     device: Device,
     pool: vk::QueryPool,
     results: Buffer,
-    // Shared by a slot and its commands, which go from thread to thread together.
+    // Shared by a slot and its commands, which move between threads together.
     labels: Mutex<Vec<&'static str>>,
     is_inside: AtomicBool,
     ns_per_step: f64,
@@ -54,7 +54,7 @@ pub(crate) struct PassTimer {
 pub(crate) const PASSES: u32 = 512;
 
 impl PassTimer {
-    /// Creates a timer with room for so many passes.
+    /// Creates a timer with room for `passes` passes.
     pub(crate) fn new(device: &Device, name: &str, passes: u32) -> Result<Self, Error> {
         let size_bytes = u64::from(2 * passes) * 8;
         let usage = vk::BufferUsageFlags::TRANSFER_DST;
@@ -90,7 +90,7 @@ impl PassTimer {
         }
     }
 
-    /// Returns the time from the first stamp to the last of one pass of a frame that is over.
+    /// Returns the time between the stamps of the first pass of a frame that is over.
     pub(crate) fn span_ms(&self) -> Option<f64> {
         let stamps = self.results.read::<u64>(0..2);
         let pair = stamps.first_chunk::<2>().filter(|_| !lock(&self.labels).is_empty())?;
@@ -103,14 +103,14 @@ impl PassTimer {
         steps as f64 * self.ns_per_step * 1e-6
     }
 
-    /// Resets the timestamps. The tick of the slot's last frame is over.
+    /// Resets the timestamps. The tick of the slot's last frame must be over.
     pub(crate) fn reset(&self, commands: &Commands) {
         lock(&self.labels).clear();
         self.is_inside.store(false, Ordering::Relaxed);
         reset_queries(&self.device, commands, self.pool, 2 * self.passes);
     }
 
-    /// Begins a pass, unless it lies within another one.
+    /// Begins a pass, unless it lies within another pass.
     pub(crate) fn begin(&self, commands: vk::CommandBuffer, label: &'static str) -> bool {
         if self.is_inside.swap(true, Ordering::Relaxed) {
             return false;
@@ -123,7 +123,7 @@ impl PassTimer {
         true
     }
 
-    /// Ends the pass that was begun.
+    /// Ends the pass that was begun last.
     pub(crate) fn end(&self, commands: vk::CommandBuffer) {
         self.is_inside.store(false, Ordering::Relaxed);
         let passes = lock(&self.labels).len() as u32;
@@ -132,7 +132,7 @@ impl PassTimer {
         }
     }
 
-    /// Copies the stamps to mapped memory. The last command of a frame.
+    /// Copies the stamps to mapped memory. Must be the last command of a frame.
     pub(crate) fn read_back(&self, commands: vk::CommandBuffer) {
         let stamps = 2 * (lock(&self.labels).len() as u32).min(self.passes);
         if stamps == 0 {
@@ -140,7 +140,7 @@ impl PassTimer {
         }
         let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
         let to = self.results.whole();
-        // SAFETY: these queries were written in this frame; the buffer holds all of them.
+        // SAFETY: these queries were written in this frame; the buffer is large enough.
         unsafe {
             self.device.raw().cmd_copy_query_pool_results(
                 commands,
@@ -169,18 +169,18 @@ impl PassTimer {
         }
     }
 
-    /// Records a full barrier: lavapipe shifts a timestamp by one pass unless everything is flushed
-    /// before and after it.
+    /// Records a full barrier, because lavapipe shifts a timestamp by one pass unless everything is
+    /// flushed before and after it.
     fn full_barrier(&self, commands: vk::CommandBuffer) {
         let all = vk::PipelineStageFlags2::ALL_COMMANDS;
         let barriers = [vk::MemoryBarrier2::default().src_stage_mask(all).dst_stage_mask(all)];
         let info = vk::DependencyInfo::default().memory_barriers(&barriers);
-        // SAFETY: outside of rendering, as passes are.
+        // SAFETY: recorded outside of rendering, like passes.
         unsafe { self.device.raw().cmd_pipeline_barrier2(commands, &info) };
     }
 }
 
-/// A timer of whole frames of one slot, where asked for.
+/// A timer of whole frames of one slot, if requested.
 #[derive(Default)]
 pub(crate) struct FrameTimer {
     timer: Option<PassTimer>,
@@ -200,7 +200,7 @@ enum Stage {
 }
 
 impl FrameTimer {
-    /// Creates one that measures by `timer`, with room for one pass.
+    /// Creates a frame timer that measures with `timer`, which needs room for one pass.
     pub(crate) fn new(timer: PassTimer) -> Self {
         Self { timer: Some(timer), ..Self::default() }
     }
@@ -210,7 +210,7 @@ impl FrameTimer {
         self.newest
     }
 
-    /// Reads the time of the slot's frame of this tick, which is over.
+    /// Reads the time of the slot's frame with this tick, which must be over.
     pub(crate) fn read(&mut self, tick: Tick) {
         let stage = std::mem::take(&mut self.stage);
         self.newest = match &self.timer {
@@ -221,7 +221,7 @@ impl FrameTimer {
         };
     }
 
-    /// Forgets the slot's frame, which never ran.
+    /// Discards the slot's frame, which never ran.
     pub(crate) fn forget(&mut self) {
         self.stage = Stage::Idle;
     }
@@ -234,7 +234,7 @@ impl FrameTimer {
         }
     }
 
-    /// Ends the timing that was begun. Returns true if stamps are copied for the host.
+    /// Ends the timing, if it was begun. Returns true if stamps are copied for the host.
     pub(crate) fn end(&mut self, commands: vk::CommandBuffer) -> bool {
         let Some(timer) = self.timer.as_ref().filter(|_| self.stage == Stage::Begun) else {
             return false;

@@ -1,25 +1,25 @@
-//! The part of the images that is drawn to.
+//! The area of images to draw to.
 
 use ash::vk;
 
-/// A viewport, and the scissor that cuts to the same pixels.
+/// A viewport, with a scissor for the same pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Viewport {
     /// The left edge (pixels).
     pub x: f32,
-    /// The upper edge (pixels); the lower one where the height is negative.
+    /// The upper edge (pixels), or the lower edge if the height is negative.
     pub y: f32,
     /// The width (pixels).
     pub width: f32,
-    /// The height (pixels). A negative one turns the image upside down, as for matrices whose y
+    /// The height (pixels). A negative height flips the image vertically, as for matrices whose y
     /// points up.
     pub height: f32,
-    /// The depths that 0 and 1 of clip space become.
+    /// The depth values for the depths 0 and 1 of clip space.
     pub depths: [f32; 2],
 }
 
 impl Viewport {
-    /// Returns the viewport that covers `size` pixels from `origin` on.
+    /// Returns the viewport that covers an area of `size` pixels at `origin`.
     pub fn covering(origin: [u32; 2], size: [u32; 2]) -> Self {
         let [[x, y], [width, height]] = [origin, size].map(|pair| pair.map(|side| side as f32));
         Self { x, y, width, height, depths: [0.0, 1.0] }
@@ -30,7 +30,7 @@ impl Viewport {
         vk::Viewport { x, y, width, height, min_depth, max_depth }
     }
 
-    /// Returns the pixels that it covers.
+    /// Returns the pixels that the viewport covers.
     pub(crate) fn scissor(&self) -> vk::Rect2D {
         let top = self.y.min(self.y + self.height);
         let offset = vk::Offset2D { x: self.x as i32, y: top as i32 };

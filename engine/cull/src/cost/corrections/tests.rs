@@ -1,4 +1,4 @@
-//! Tests of the corrections that are learned from clear, noisy and nonsensical times.
+//! Tests of the corrections with exact, noisy and nonsensical times.
 
 use super::*;
 use crate::rng::SplitMix64;
@@ -7,11 +7,11 @@ use crate::rng::SplitMix64;
 struct Frames {
     rng: SplitMix64,
     learner: Learner,
-    /// The factors by which draws and tests are dearer than the table says.
+    /// The factors by which draws and tests are more expensive than the table says.
     truth: [f64; 2],
-    /// The share by which times may be off.
+    /// The relative error of the times.
     noise: f64,
-    /// The interval of frames that take ten times as long; 0 for none.
+    /// The average interval between frames that take ten times as long; 0 for none.
     odd_one_in: u32,
     rest_ns: f64,
 }

@@ -1,5 +1,5 @@
-//! Changes of a hierarchy: objects move, go and come, and worn parts are rebuilt. The work grows
-//! with the changes, not with the scene.
+//! Changes of a hierarchy: moves, removals and insertions of objects, and rebuilds of worn parts.
+//! The work grows with the changes, not with the scene.
 
 use super::super::box_log::BoxChange;
 use super::super::journal::{Change, FREE_LEAF, Journal, NEW_LEAF, Restructured};
@@ -12,28 +12,29 @@ use super::super::{
 use crate::geom::bounds::Aabb;
 use crate::ids::{Generation, LeafRange, NodeId, ObjectId};
 
-/// Memory that a hierarchy holds for each leaf and its two nodes (bytes).
+/// The memory that a hierarchy holds per leaf and its two nodes (bytes).
 const BYTES_PER_LEAF: usize = Topology::BYTES_PER_LEAF
     + 2 * (Nodes::BYTES + size_of::<Generation>())
     + size_of::<Generation>();
 
-/// The work that changes took, counted since the hierarchy was built.
+/// The work of all changes since the hierarchy was built.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct HierarchyWork {
-    /// Leaves whose box was set.
+    /// The number of leaves whose box was set.
     pub placed_leaves: u64,
-    /// Inner nodes computed again because something below them moved, came or went.
+    /// The number of inner nodes updated because an object below them was moved, inserted or
+    /// removed.
     pub refitted_nodes: u64,
-    /// Leaves in subtrees that were rebuilt.
+    /// The number of leaves in subtrees that were rebuilt.
     pub rebuilt_leaves: u64,
 }
 
 impl Hierarchy {
-    /// Moves objects: sets their boxes and updates the boxes of their ancestors and no others.
+    /// Moves objects: sets their boxes and updates only the boxes of their ancestors.
     ///
     /// # Errors
     /// [`HierarchyError::BadBox`] or [`HierarchyError::UnknownObject`] for the first object that
-    /// cannot be moved; those before it have been, and the hierarchy is consistent.
+    /// cannot be moved. The objects before it are moved, and the hierarchy is consistent.
     pub fn refit(
         &mut self,
         moved: impl IntoIterator<Item = (ObjectId, Aabb)>,
@@ -49,11 +50,11 @@ impl Hierarchy {
         outcome
     }
 
-    /// Takes an object out. Its leaf stays, with an [empty](Aabb::EMPTY) box, and so does its id,
-    /// until [`Hierarchy::insert`] gives both to another.
+    /// Removes an object. Its leaf stays, with an [empty](Aabb::EMPTY) box, until
+    /// [`Hierarchy::insert`] gives the leaf and the id to another object.
     ///
     /// # Errors
-    /// [`HierarchyError::UnknownObject`] if it is not there.
+    /// [`HierarchyError::UnknownObject`] if the object is not in the hierarchy.
     pub fn remove(&mut self, object: ObjectId) -> Result<(), HierarchyError> {
         let before = self.node_of(object).map_or(Aabb::EMPTY, |node| self.bounds(node));
         let node = occupancy::vacate(&self.topology, &mut self.nodes, object)?;
@@ -63,17 +64,17 @@ impl Hierarchy {
         Ok(())
     }
 
-    /// Puts objects in, and adds their ids, in the same order, to `added`. Where there are as many
-    /// as there were before, the hierarchy is built again. Else they get the free leaves; where
-    /// those are too few, the rest gets leaves behind all others, together with free ones: a
-    /// sixteenth of all. Adds the ranges of leaves that are new, or in another order now, to
+    /// Inserts objects and adds their ids to `added`, in the same order. If `boxes` has at least as
+    /// many objects as the hierarchy, the hierarchy is rebuilt. Otherwise the objects get the free
+    /// leaves; if there are too few, the rest get new leaves after all others, together with spare
+    /// leaves: a sixteenth of all. Adds the ranges of leaves that are new or in another order to
     /// `reordered`.
     ///
     /// Objects keep their ids, and cullers keep their history.
     ///
     /// # Errors
-    /// [`HierarchyError::BadBox`] for the first bad one, by its place in `boxes`;
-    /// [`HierarchyError::TooMany`]; [`HierarchyError::NoMemory`]. Nothing is changed then.
+    /// [`HierarchyError::BadBox`] for the first unusable box, by its index in `boxes`;
+    /// [`HierarchyError::TooMany`]; [`HierarchyError::NoMemory`]. The hierarchy is then unchanged.
     pub fn insert_all(
         &mut self,
         boxes: &[Aabb],
@@ -82,7 +83,7 @@ impl Hierarchy {
     ) -> Result<(), HierarchyError> {
         boxes.iter().enumerate().try_for_each(|(place, bounds)| error::check(place, bounds))?;
         let leaves = self.topology.leaf_objects.len();
-        // Most of a scene at once makes a better hierarchy than one part after the other.
+        // Building most of a scene at once gives a better hierarchy than inserting its parts.
         let is_most = boxes.len() >= (leaves - self.free_leaves()).max(leaves / 16);
         if is_most && !boxes.is_empty() {
             self.rebuild_with(boxes, added)?;
@@ -91,7 +92,7 @@ impl Hierarchy {
         }
         let most = boxes.len().min(self.free_leaves());
         let (fitting, rest) = boxes.split_at(most);
-        // First what can be refused.
+        // The append comes first because it can fail.
         let mut appended = self.append(rest, reordered)?;
         for bounds in fitting {
             added.push(self.insert(*bounds)?);
@@ -100,7 +101,7 @@ impl Hierarchy {
         Ok(())
     }
 
-    /// Builds the hierarchy again with more objects.
+    /// Rebuilds the hierarchy with more objects.
     fn rebuild_with(
         &mut self,
         boxes: &[Aabb],
@@ -122,8 +123,8 @@ impl Hierarchy {
         Ok(())
     }
 
-    /// Gives objects leaves behind all others, makes room for some more, and returns their ids.
-    /// Nothing is changed where there is nothing to append, or no memory for it.
+    /// Appends leaves for objects after all others, with spare leaves, and returns the ids. Changes
+    /// nothing if `boxes` is empty or memory is missing.
     fn append(
         &mut self,
         boxes: &[Aabb],
@@ -139,7 +140,7 @@ impl Hierarchy {
         let spare = (before / 16).max(SPARE_MIN).min(MAX_OBJECTS - wanted);
         let new = boxes.len() + spare;
         let root = rebuild_subtrees::last_subtree(&self.topology, LEAVES_PER_UPDATE);
-        // What grows is reserved beside the memory that building the subtree takes.
+        // This memory is needed in addition to the memory for building the subtree.
         self.reserve_leaves(new)?;
         build::check_memory(self.leaves(NodeId(root)).count as usize + new)?;
         let mut more = boxes.to_vec();
@@ -152,8 +153,8 @@ impl Hierarchy {
         Ok(ids)
     }
 
-    /// Reserves the memory of more leaves and their nodes, and no more than that: spare leaves
-    /// already make growth rare.
+    /// Reserves exactly the memory for more leaves and their nodes: spare leaves already make
+    /// growth rare.
     fn reserve_leaves(&mut self, new: usize) -> Result<(), HierarchyError> {
         let reserved = self
             .topology
@@ -167,9 +168,9 @@ impl Hierarchy {
         })
     }
 
-    /// Puts an object in, in the free leaf where it fits best: one whose object was removed or had
-    /// an empty box from the beginning. No view remembers the leaf's former object as the new one,
-    /// and results of tests of the former are ignored.
+    /// Inserts an object into the free leaf where it fits best. A leaf is free if its object was
+    /// removed or had an empty box from the beginning. The new object does not inherit the history
+    /// of the former object, and results of tests of the former object are ignored.
     ///
     /// # Errors
     /// [`HierarchyError::BadBox`]; [`HierarchyError::NoFreeLeaf`].
@@ -192,22 +193,22 @@ impl Hierarchy {
         self.nodes.free.first().map_or(0, |free| *free as usize)
     }
 
-    /// Rebuilds subtrees that moving has worn, a bounded number of leaves at a time, the most
-    /// rewarding first; the whole only if it is worn as a whole and not large. To be called once
-    /// per frame, after the frame's other changes. Adds the ranges whose leaves are in another
-    /// order now to `reordered`.
+    /// Rebuilds subtrees that are worn by moves, a bounded number of leaves per call, the most
+    /// worthwhile first. Rebuilds the whole hierarchy only if it is worn as a whole and small. Call
+    /// this once per frame, after the other changes of the frame. Adds the ranges of leaves that
+    /// are in another order to `reordered`.
     ///
     /// Objects keep their ids, and cullers keep their history.
     pub fn rebuild_subtrees(&mut self, reordered: &mut Vec<LeafRange>) {
         if self.is_degraded() && self.topology.leaf_objects.len() <= LEAVES_OF_WHOLE as usize {
-            // Without memory for it everything stays as it is, here and below.
+            // Without memory for a rebuild the hierarchy stays unchanged, here and below.
             let _ = self.rebuild_below(0, &[], reordered);
             return;
         }
         let mut chosen = std::mem::take(&mut self.chosen);
         self.worn.choose(&self.topology, &self.nodes, LEAVES_PER_UPDATE, &mut chosen);
         for node in chosen.drain(..) {
-            // A rebuild above or below may have mended it.
+            // A rebuild above or below may have repaired it.
             if self.nodes.wear.excess(node, &self.nodes.bounds[node as usize]).is_some() {
                 let _ = self.rebuild_below(node, &[], reordered);
             }
@@ -216,28 +217,27 @@ impl Hierarchy {
     }
 
     /// Returns true if the hierarchy as a whole is worn, so that a [rebuild](Hierarchy::rebuild) is
-    /// worth its time. Up to some ten thousand objects [`Hierarchy::rebuild_subtrees`] does that by
-    /// itself.
+    /// worth its time. [`Hierarchy::rebuild_subtrees`] includes this rebuild up to some ten
+    /// thousand objects.
     #[must_use]
     pub fn is_degraded(&self) -> bool {
         let root = self.nodes.bounds.first();
         root.is_some_and(|bounds| self.nodes.wear.excess(0, bounds).is_some())
     }
 
-    /// Returns the box of each object, by its id; [empty](Aabb::EMPTY) for a free one.
+    /// Returns the box of each object, by its id; [empty](Aabb::EMPTY) for a free id.
     #[must_use]
     pub fn boxes_of_objects(&self) -> Vec<Aabb> {
         let nodes = self.topology.object_nodes.iter();
         nodes.map(|node| self.bounds(NodeId(*node))).collect()
     }
 
-    /// Builds the hierarchy again, for instance after objects were moved so far that the old shape
-    /// is a bad one, or to make room for more. Cullers notice by themselves and carry their history
-    /// over by object: an object keeps its id, or else inherits the history of the object that had
-    /// the id before.
+    /// Rebuilds the hierarchy, for instance after objects moved so far that its shape is bad, or to
+    /// make room for more objects. Cullers notice the rebuild and carry their history over by
+    /// object: an object with an id that was in use before inherits the history of this id.
     ///
     /// # Errors
-    /// Those of [`Hierarchy::build`]; the hierarchy is then unchanged.
+    /// The errors of [`Hierarchy::build`]; the hierarchy is then unchanged.
     pub fn rebuild(&mut self, boxes: &[Aabb]) -> Result<Generation, HierarchyError> {
         let topology = build::topology(boxes)?;
         let moved_from = topology.leaf_objects.iter().map(|object| {
@@ -274,22 +274,22 @@ impl Hierarchy {
         Ok(generation)
     }
 
-    /// Returns the work that changes took so far.
+    /// Returns the work of all changes so far.
     #[must_use]
     pub fn work(&self) -> HierarchyWork {
         self.work
     }
 
-    /// Returns true if a node stood for the same in `generation` as now, so that results from then
-    /// still hold.
+    /// Returns true if a node has had the same meaning since `generation`, so that results from
+    /// then are still valid.
     #[must_use]
     pub fn is_same_since(&self, node: NodeId, generation: Generation) -> bool {
         let born = self.births.get(node.0 as usize);
         generation <= self.generation && born.is_some_and(|born| *born <= generation)
     }
 
-    /// Returns true if an object is there and was there in `generation`, so that results from then
-    /// are not about an earlier object with the same id.
+    /// Returns true if an object is in the hierarchy and has been since `generation`, so that
+    /// results from then are not about an earlier object with the same id.
     #[must_use]
     pub fn is_same_object_since(&self, object: ObjectId, generation: Generation) -> bool {
         let arrived = self.arrivals.get(object.0 as usize);
@@ -304,9 +304,9 @@ impl Hierarchy {
         self.boxes.count()
     }
 
-    /// Returns the changes of objects' boxes after the first `count`, the oldest first: moves, also
-    /// to the same box, removals and insertions. `None` if they are not known any more: after a
-    /// [rebuild](Hierarchy::rebuild), or more changes than are held.
+    /// Returns the changes of objects' boxes after the first `count`, the oldest first: moves (also
+    /// to the same box), removals and insertions. `None` if some of them are no longer held, after
+    /// a [rebuild](Hierarchy::rebuild) or after too many changes.
     #[must_use]
     pub fn box_changes_since(&self, count: u64) -> Option<impl Iterator<Item = &BoxChange>> {
         self.boxes.since(count)
@@ -325,7 +325,7 @@ impl Hierarchy {
         });
     }
 
-    /// Rebuilds a subtree, with `more` leaves if it is the last one.
+    /// Rebuilds a subtree. `more` adds leaves to it, which only the last subtree allows.
     fn rebuild_below(
         &mut self,
         root: u32,
@@ -348,8 +348,8 @@ impl Hierarchy {
         Ok(())
     }
 
-    /// Numbers a change. After 2^32 of them the numbers start again: no history and no result is
-    /// older than that.
+    /// Returns the number of a new change. After 2^32 changes the numbers start again: no history
+    /// and no result is older than that.
     fn begin_generation(&mut self) -> Generation {
         match self.generation.0.checked_add(1) {
             Some(next) => self.generation = Generation(next),
@@ -364,7 +364,7 @@ impl Hierarchy {
     }
 
     fn note(&mut self, generation: Generation, change: Change) {
-        // As much as a few full rebuilds are: enough for views that pause for a while.
+        // The size of a few full rebuilds: enough for views that pause for a while.
         const ENTRIES_MIN: usize = 1 << 14;
         let most_entries = ENTRIES_MIN.max(8 * self.topology.nodes.len());
         self.journal.push(generation, change, most_entries);

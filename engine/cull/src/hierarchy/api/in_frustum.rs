@@ -1,5 +1,5 @@
-//! The objects of a hierarchy that a view sees by their boxes, by its frustum and by what section
-//! planes leave: their number, for statistics, and their leaves.
+//! The objects of a hierarchy whose boxes are in a view's frustum and not removed by section
+//! planes: their number, for statistics, and their leaves.
 
 use super::super::Hierarchy;
 use crate::geom::frustum::{Containment, Frustum, PlaneMask};
@@ -7,24 +7,24 @@ use crate::geom::view::CullView;
 use crate::ids::{LeafIndex, LeafRange, NodeId};
 
 impl Hierarchy {
-    /// Returns the number of objects; free leaves are none.
+    /// Returns the number of objects, without free leaves.
     #[must_use]
     pub fn object_count(&self) -> u32 {
         self.topology.nodes.first().map_or(0, |root| root.leaf_count) - self.free_below(0)
     }
 
-    /// Returns true if the section planes of a view leave nothing of what is under a node.
+    /// Returns true if the section planes of a view remove everything under a node.
     #[must_use]
     pub fn is_cut_away(&self, node: NodeId, view: &CullView) -> bool {
         view.cuts_away(&self.bounds(node)) && !self.has_whole(node)
     }
 
-    /// Counts the objects whose box meets the view's frustum and what section planes keep: exactly
-    /// those that [`Strategy::FRUSTUM`](crate::Strategy::FRUSTUM) draws.
+    /// Counts the objects whose box meets the view's frustum and is not removed by section planes:
+    /// exactly the objects that [`Strategy::FRUSTUM`](crate::Strategy::FRUSTUM) draws.
     ///
     /// Descends only into nodes that cross a plane of the frustum, so the cost grows with the
-    /// frustum's surface and not with its contents or its surroundings; with section planes it
-    /// grows with the contents. Allocates nothing.
+    /// frustum's surface and not with its contents or its surroundings. With section planes the
+    /// cost grows with the contents. Does not allocate.
     #[must_use]
     pub fn objects_in_frustum(&self, view: &CullView) -> u32 {
         let mut count = 0;
@@ -34,9 +34,9 @@ impl Hierarchy {
         count
     }
 
-    /// Adds the leaves whose box meets a frustum and what the section planes of a view keep to
-    /// `found`, in ascending ranges that do not touch; free leaves may be among them. The cost
-    /// grows as in [`Hierarchy::objects_in_frustum`].
+    /// Adds the leaves to `found` whose box meets a frustum and is not removed by the section
+    /// planes of a view. Ranges are ascending and do not touch; they may include free leaves. The
+    /// cost grows as in [`Hierarchy::objects_in_frustum`].
     pub fn leaves_in(&self, frustum: &Frustum, view: &CullView, found: &mut Vec<LeafRange>) {
         let first = found.len();
         self.visit_in(frustum, view, |_, leaves| {
@@ -49,12 +49,12 @@ impl Hierarchy {
         });
     }
 
-    /// Calls `visit` with the topmost nodes that meet a frustum wholly and are not cut, or are
-    /// leaves.
+    /// Calls `visit` with the topmost nodes that are inside of a frustum and not cut, and with
+    /// leaves that meet it.
     fn visit_in(&self, frustum: &Frustum, view: &CullView, mut visit: impl FnMut(u32, LeafRange)) {
         let is_cut = !view.section.is_empty();
         let mut node = 0;
-        // In pre-order the node after a subtree is the next that is not below it.
+        // In pre-order, the node after a subtree is the next node that is not below it.
         while let Some((links, bounds)) =
             self.topology.nodes.get(node as usize).zip(self.nodes.bounds.get(node as usize))
         {

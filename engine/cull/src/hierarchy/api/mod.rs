@@ -1,4 +1,4 @@
-//! The changes and the queries of a hierarchy.
+//! Changes and queries of a hierarchy.
 
 pub(crate) mod changes;
 mod in_frustum;

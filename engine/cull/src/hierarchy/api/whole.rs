@@ -1,4 +1,4 @@
-//! The objects that section planes leave whole: nodes above them are not cut away.
+//! The objects that section planes leave whole. Nodes above them are not cut away.
 
 use std::collections::BTreeSet;
 
@@ -6,7 +6,7 @@ use super::super::Hierarchy;
 use crate::geom::section::SectionMember;
 use crate::ids::{LeafIndex, NodeId, ObjectId};
 
-/// Objects, and their leaves in order: a subtree has one if that is in its range.
+/// Objects, and their leaves in order: a subtree contains such an object if a leaf is in its range.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct WholeObjects {
     objects: BTreeSet<ObjectId>,
@@ -14,8 +14,8 @@ pub(crate) struct WholeObjects {
 }
 
 impl Hierarchy {
-    /// Applies section planes to an object from now on, or leaves it whole. Without effect for an
-    /// object that is not there. An object that comes under an id that is free again is cut.
+    /// Sets whether section planes cut an object or leave it whole from now on. Has no effect on an
+    /// object that is not in the hierarchy. An object that reuses a free id is cut.
     pub fn set_section_member(&mut self, object: ObjectId, member: SectionMember) {
         let is_changed = match member {
             SectionMember::Whole => self.contains(object) && self.whole.objects.insert(object),
@@ -26,7 +26,7 @@ impl Hierarchy {
         }
     }
 
-    /// Returns what section planes do to an object.
+    /// Returns the effect of section planes on an object.
     #[must_use]
     pub fn section_member(&self, object: ObjectId) -> SectionMember {
         if self.whole.objects.contains(&object) { SectionMember::Whole } else { SectionMember::Cut }
@@ -38,7 +38,7 @@ impl Hierarchy {
         &self.whole.leaves
     }
 
-    /// Returns true if section planes leave something under a node whole, wherever it lies.
+    /// Returns true if section planes leave some object under a node whole, wherever it lies.
     #[must_use]
     pub fn has_whole(&self, node: NodeId) -> bool {
         if self.whole.leaves.is_empty() {
@@ -49,7 +49,7 @@ impl Hierarchy {
         self.whole.leaves.get(place).is_some_and(|leaf| range.contains(*leaf))
     }
 
-    /// Lists the leaves again where they are now.
+    /// Updates the list of leaves after their positions changed.
     pub(crate) fn list_whole(&mut self) {
         if self.whole.objects.is_empty() && self.whole.leaves.is_empty() {
             return;

@@ -1,4 +1,4 @@
-//! One Vulkan swapchain with its images, and the semaphores and fences of their presents.
+//! A Vulkan swapchain with its images, and the semaphores and fences of their presents.
 
 use std::time::Duration;
 
@@ -13,7 +13,7 @@ use crate::core::error::{Called, Error};
 use crate::present::present_mode::PresentMode;
 use crate::present::surface::Surface;
 
-/// The number of a chain, which no other chain of its window has.
+/// The number of a chain, unique among the chains of its window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct ChainNumber(pub(super) u64);
 
@@ -22,8 +22,8 @@ pub(super) struct ChainNumber(pub(super) u64);
 pub(super) struct ImageIndex(u32);
 
 /// An image of the window. Its semaphore is signalled when it is drawn, and the present waits for
-/// it. There is one per image, not per frame: only an image that is acquired again proves that the
-/// present before has waited for its semaphore.
+/// it. There is one semaphore per image, not per frame: only when the image is acquired again is it
+/// certain that the present before has waited for the semaphore.
 pub(super) struct ChainImage {
     pub(super) raw: vk::Image,
     pub(super) drawn: vk::Semaphore,
@@ -35,7 +35,7 @@ pub(super) struct ChainImage {
 
 pub(super) struct SwapchainImages {
     pub(super) raw: vk::SwapchainKHR,
-    // The window is there as long as its chains are.
+    // Keeps the window alive as long as its chains.
     _surface: Surface,
     functions: khr::swapchain::Device,
     pub(super) size: [u32; 2],
@@ -44,8 +44,8 @@ pub(super) struct SwapchainImages {
     pub(super) images: Vec<ChainImage>,
 }
 
-/// A chain that shows nothing any more, to be destroyed when the GPU and the presentation engine no
-/// longer use it.
+/// A chain that shows no frames any more. It is destroyed when neither the GPU nor the presentation
+/// engine uses it.
 pub(super) struct RetiredImages {
     chain: SwapchainImages,
 }
@@ -56,7 +56,7 @@ pub(super) struct Wanted<'a> {
     pub(super) state: &'a vk::SurfaceCapabilitiesKHR,
     pub(super) size: [u32; 2],
     pub(super) mode: PresentMode,
-    /// The chain before, which shows nothing more from now on.
+    /// The previous chain, which shows no further frames.
     pub(super) before: vk::SwapchainKHR,
 }
 
@@ -84,12 +84,12 @@ impl SwapchainImages {
             .present_mode(wanted.mode.raw())
             .clipped(true)
             .old_swapchain(wanted.before);
-        // SAFETY: all of it is what the surface offers; the chain before is of this window, and all
-        // calls with it are made through its one owner.
+        // SAFETY: all parameters are offered by the surface; the previous chain is of this window,
+        // and all calls with it are made through its one owner.
         let raw = unsafe { functions.create_swapchain(&info, None) };
         let raw = raw.called("vkCreateSwapchainKHR")?;
         device.name(raw, &format!("swapchain {}", wanted.number.0));
-        // From here on the chain owns what is made, and drops it if the rest fails.
+        // From here on the chain owns the objects, and drops them if the rest fails.
         let surface = surface.clone();
         let functions = functions.clone();
         let size = wanted.size;
@@ -140,24 +140,24 @@ impl SwapchainImages {
         self.images.get_mut(index.0 as usize).ok_or(none)
     }
 
-    /// Asks for an image, for no longer than `bound`; `semaphore` is signalled when it may be
-    /// written. Also returns true if the chain is suboptimal for the window.
+    /// Acquires an image, waiting for at most `bound`. `semaphore` is signalled when the image may
+    /// be written. Also returns true if the chain is suboptimal for the window.
     pub(super) fn acquire(
         &self,
         semaphore: vk::Semaphore,
         bound: Duration,
     ) -> Result<(ImageIndex, bool), vk::Result> {
         let bound_ns = u64::try_from(bound.as_nanos()).unwrap_or(MOST_NS).min(MOST_NS);
-        // SAFETY: the semaphore is unsignalled and nothing waits for it: the frame that used it
-        // before is over.
+        // SAFETY: the semaphore is unsignalled and nothing waits for it, because the frame that
+        // used it before is over.
         unsafe {
             self.functions.acquire_next_image(self.raw, bound_ns, semaphore, vk::Fence::null())
         }
         .map(|(index, is_suboptimal)| (ImageIndex(index), is_suboptimal))
     }
 
-    /// Returns true if the last present of the image signals its fence within `bound`; the image is
-    /// then ready for the next one.
+    /// Returns true if the last present of the image signals its fence within `bound`. The image is
+    /// then ready for the next present.
     pub(super) fn is_ready_within(
         &mut self,
         device: &Device,
@@ -169,13 +169,13 @@ impl SwapchainImages {
         if !wait_for(device.raw(), fence, bound)? {
             return Ok(false);
         }
-        // SAFETY: signalled, and nothing pending signals it again.
+        // SAFETY: the fence is signalled, and no pending work signals it again.
         unsafe { device.raw().reset_fences(&[fence]) }.called("vkResetFences")?;
         image.is_fence_pending = false;
         Ok(true)
     }
 
-    /// Returns the call that hands an image being drawn to the presentation engine. From now on the
+    /// Returns the call that passes a drawn image to the presentation engine. From now on the
     /// present counts as made.
     pub(super) fn present(
         &mut self,
@@ -189,9 +189,8 @@ impl SwapchainImages {
         Ok(PresentCall { functions, chain, index, drawn: image.drawn, fence: image.fence, id })
     }
 
-    /// Takes the result of that call. After some errors nothing was done; after others the present
-    /// is carried out as far as its semaphore and fence go (Vulkan specification,
-    /// vkQueuePresentKHR).
+    /// Handles the result of a [`PresentCall`]. After some errors nothing was done; after others
+    /// the present still uses its semaphore and fence (Vulkan specification, vkQueuePresentKHR).
     pub(super) fn presented(&mut self, index: ImageIndex, result: Result<bool, vk::Result>) {
         const IS_DONE_ALL_THE_SAME: [vk::Result; 3] = [
             vk::Result::ERROR_OUT_OF_DATE_KHR,
@@ -212,7 +211,7 @@ impl SwapchainImages {
 
 const MOST_NS: u64 = 60_000_000_000;
 
-/// A present, to be made on the thread of the frame loop or on another.
+/// A present, to be made on the thread of the frame loop or on another thread.
 pub(super) struct PresentCall {
     functions: khr::swapchain::Device,
     chain: vk::SwapchainKHR,
@@ -223,7 +222,7 @@ pub(super) struct PresentCall {
 }
 
 impl PresentCall {
-    /// Makes the call, and returns true if the chain is suboptimal for the window.
+    /// Makes the call. Returns true if the chain is suboptimal for the window.
     pub(super) fn make(&self, device: &Device) -> Result<bool, vk::Result> {
         let chains = [self.chain];
         let indices = [self.index.0];
@@ -249,7 +248,7 @@ impl PresentCall {
             info = info.push_next(&mut time_info);
         }
         // SAFETY: the image was acquired, its semaphore is signalled by a submit made before, its
-        // fence is unsignalled; nobody calls with the chain meanwhile, and the queue is ours.
+        // fence is unsignalled; the chain is not used concurrently, and the queue is locked.
         let made = device.with_queue(|queue| unsafe { self.functions.queue_present(queue, &info) });
         made.unwrap_or(Err(vk::Result::NOT_READY))
     }
@@ -275,7 +274,7 @@ impl RetiredImages {
 
 impl RetiredObject for RetiredImages {
     /// Destroys the chain once the GPU no longer uses it. Waits, within a bound, for presents that
-    /// still hold it. They do so only if a swapchain is dropped in the middle of a frame.
+    /// still use it, which only happens if a swapchain is dropped in the middle of a frame.
     fn destroy(self: Box<Self>, device: &ash::Device) {
         const BOUND: Duration = Duration::from_secs(1);
         let chain = self.chain;
@@ -289,7 +288,7 @@ impl RetiredObject for RetiredImages {
             return;
         }
         // SAFETY: the tick of the last submit that used the images is over, presents are done with
-        // the semaphores, and nobody else holds the chain.
+        // the semaphores, and this is the only owner of the chain.
         unsafe {
             for image in &chain.images {
                 device.destroy_semaphore(image.drawn, None);
@@ -312,7 +311,7 @@ fn wait_for(device: &ash::Device, fence: vk::Fence, bound: Duration) -> Result<b
     }
 }
 
-/// Refuses a surface whose images cannot be copied to.
+/// Returns an error for a surface whose images cannot be copied to.
 fn check_copies(
     device: &Device,
     state: &vk::SurfaceCapabilitiesKHR,

@@ -1,24 +1,24 @@
-//! Frames in a window, in every state of the window. Nothing here decides when.
+//! Frames in a window, in every state of the window. The caller decides when to show a frame.
 //!
 //! The waits in [`Swapchain::acquire`] and [`WindowImage::show`]:
 //!
 //! - The CPU waits for the tick of the present that used this slot N frames ago, then for an image.
 //!   Both waits have the bound [`SwapchainOptions::acquire_bound`] and end as
 //!   [`PresentSkipped::Hidden`].
-//! - The GPU's copy to the image waits for the *acquire semaphore*: the screen no longer reads the
-//!   image. There is one per frame in flight: when its slot is used again, the submit that waited
-//!   for it is over, and it may be given to an acquire again.
+//! - The GPU's copy to the image waits for the *acquire semaphore*, which means that the screen no
+//!   longer reads the image. There is one per frame in flight: when its slot is used again, the
+//!   submit that waited for the semaphore is over, and it may be used by another acquire.
 //! - The presentation engine waits for the image's *drawn semaphore*. There is one per image: when
-//!   the image is acquired again, the present that waited for it is over.
-//! - If a driver waits inside the present itself, as for a hidden window, another thread makes that
+//!   the image is acquired again, the present that waited for the semaphore is over.
+//! - If a driver waits inside the present itself, as for a hidden window, another thread makes this
 //!   call ([`presenter`]).
 //!
-//! A frame is rendered and submitted before its image is asked for, so the GPU draws while the CPU
-//! waits for the screen, and a frame without a window is the same frame.
+//! A frame is rendered and submitted before its image is acquired, so the GPU draws while the CPU
+//! waits for the screen. So a frame in a window is recorded in the same way as a frame without one.
 //!
-//! A swapchain that no longer fits is replaced with `oldSwapchain`; the old one goes to
-//! [`retired::RetiredSwapchains`], which never waits. `SUBOPTIMAL` alone replaces nothing: some
-//! drivers return it for ever. It only makes the engine compare sizes.
+//! A swapchain that no longer fits is replaced with `oldSwapchain`. The old one is passed to
+//! [`retired::RetiredSwapchains`], which never waits. `SUBOPTIMAL` alone does not replace a
+//! swapchain, because some drivers return it forever. It only makes the engine compare sizes.
 
 mod api;
 mod images;
@@ -50,15 +50,15 @@ pub struct Swapchain {
     screen: SwapchainState,
 }
 
-/// The outcome of asking for an image of the window.
+/// The outcome of acquiring an image of the window.
 pub enum Acquired<'a> {
     /// An image, to be shown. If it is dropped, the next call returns it.
     Image(WindowImage<'a>),
-    /// No image, for the reason given.
+    /// No image, with the reason.
     Not(PresentSkipped),
 }
 
-/// An image of the window that waits for a frame.
+/// An acquired image of the window that waits for a frame.
 pub struct WindowImage<'a> {
     frame: Frame<'a>,
     screen: &'a mut SwapchainState,
@@ -67,8 +67,8 @@ pub struct WindowImage<'a> {
 }
 
 impl Swapchain {
-    /// Shows frames of `device` in the window of `surface`. The first image is acquired later, so
-    /// a window without a pixel is no error.
+    /// Creates a swapchain that shows frames of `device` in the window of `surface`. The first
+    /// image is acquired later, so a window without a pixel is not an error.
     ///
     /// # Errors
     /// [`Error::Foreign`] for a surface of another instance; [`Error::CannotPresent`] for a device
@@ -83,12 +83,12 @@ impl Swapchain {
         Ok(Self { ring, screen })
     }
 
-    /// Returns true if a frame may begin. Ask before each: a hidden window may hold the frame
-    /// before back, and with it the queue, so that nothing can be submitted. Waits for no longer
-    /// than [`SwapchainOptions::acquire_bound`].
+    /// Returns true if a frame may begin. Call this before each frame: a hidden window may hold
+    /// back the present of the last frame and with it the queue, so that nothing can be submitted.
+    /// Waits for at most [`SwapchainOptions::acquire_bound`].
     ///
     /// # Errors
-    /// Those without a name in [`PresentSkipped`]; those with one come with the next frame.
+    /// Errors that are not a [`PresentSkipped`]; the others are returned by the next frame.
     pub fn is_ready(&mut self) -> Result<bool, Error> {
         match self.screen.is_ready() {
             Ok(is_ready) => Ok(is_ready),
@@ -96,11 +96,11 @@ impl Swapchain {
         }
     }
 
-    /// Asks for an image of the window, which is `window_size` pixels large as far as the caller
-    /// knows. Call it when the frame is submitted, not before: the wait for the screen is here.
+    /// Acquires an image of the window. `window_size` is the size of the window in pixels as the
+    /// caller knows it. Call this after the frame is submitted, because it waits for the screen.
     ///
     /// # Errors
-    /// Those without a name in [`PresentSkipped`]: out of memory, a failed call.
+    /// Errors that are not a [`PresentSkipped`]: out of memory, a failed call.
     pub fn acquire(&mut self, window_size: [u32; 2]) -> Result<Acquired<'_>, Error> {
         let began = Instant::now();
         match self.is_slot_ready() {
@@ -124,14 +124,14 @@ impl Swapchain {
         }
     }
 
-    /// Shows the frame of `target` in a window of `window_size` pixels. It is scaled if its size
-    /// differs, and between black borders if its shape differs. Combines [`Swapchain::acquire`] and
-    /// [`WindowImage::show`].
+    /// Shows the frame of `target` in a window of `window_size` pixels, with [`Swapchain::acquire`]
+    /// and [`WindowImage::show`]. The frame is scaled if its size differs, and gets black borders
+    /// if its shape differs.
     ///
     /// # Errors
-    /// Those of the two.
+    /// The errors of [`Swapchain::acquire`] and [`WindowImage::show`].
     pub fn show(&mut self, target: &Target, window_size: [u32; 2]) -> Result<PresentResult, Error> {
-        // Before the wait for an image.
+        // Checked before the wait for an image.
         self.screen.device.check(target, "a window (`Swapchain`)")?;
         match self.acquire(window_size)? {
             Acquired::Image(image) => image.show(target),
@@ -139,22 +139,22 @@ impl Swapchain {
         }
     }
 
-    /// Returns true if the last present has come back, and the frame that used the slot before is
-    /// over.
+    /// Returns true if the call of the last present returned, and the frame that used the slot
+    /// before is over.
     fn is_slot_ready(&mut self) -> Result<bool, Error> {
         let bound = self.screen.options.acquire_bound;
         Ok(self.screen.is_ready()? && self.ring.is_ready_within(bound)?)
     }
 
-    /// Changes the present mode, from the next frame on.
+    /// Changes the present mode from the next frame on.
     pub fn set_mode(&mut self, mode: PresentMode) {
         self.screen.set_mode(mode);
     }
 
-    /// Changes the number of frames that may be on their way to the window.
+    /// Changes the number of frames in flight to the window.
     ///
     /// # Errors
-    /// A failed call; nothing has changed then.
+    /// A failed call; nothing is changed then.
     pub fn set_frames_in_flight(&mut self, frames_in_flight: usize) -> Result<(), Error> {
         if frames_in_flight.max(1) != self.ring.frames_in_flight() {
             let ring = FrameRing::new(&self.screen.device, frames_in_flight)?;
@@ -164,29 +164,29 @@ impl Swapchain {
         Ok(())
     }
 
-    /// Returns the number of frames on their way to the window at once.
+    /// Returns the number of frames in flight to the window.
     pub fn frames_in_flight(&self) -> usize {
         self.ring.frames_in_flight()
     }
 
-    /// Returns the present mode in use; until the window has its first image, the one asked for.
+    /// Returns the present mode in use; before the first image, the requested mode.
     pub fn mode(&self) -> PresentMode {
         self.screen.chain.as_ref().map_or(self.screen.options.mode, |chain| chain.mode)
     }
 
-    /// Returns the present mode wanted and the one taken for it, if the window lacks the one
-    /// wanted.
+    /// Returns the requested present mode and its replacement, if the window does not support the
+    /// requested mode.
     pub fn fallback(&self) -> Option<Fallback> {
         self.screen.fallback
     }
 
-    /// Returns the size of the window's images in pixels; none before the first.
+    /// Returns the size of the window's images in pixels; `None` before the first image.
     pub fn size(&self) -> Option<[u32; 2]> {
         self.screen.chain.as_ref().map(|chain| chain.size)
     }
 
-    /// Returns the format of the window's images and their colour space, as text; none before the
-    /// first.
+    /// Returns the format and the colour space of the window's images as text; `None` before the
+    /// first image.
     pub fn format(&self) -> Option<String> {
         let chain = self.screen.chain.as_ref()?;
         Some(format!("{:?} in {:?}", chain.format, plan::COLOUR_SPACE))
@@ -197,37 +197,38 @@ impl Swapchain {
         self.screen.chain.as_ref().map_or(0, |chain| chain.images.len())
     }
 
-    /// Returns the number of times the window's images were replaced.
+    /// Returns the number of times that the window's images were replaced.
     pub fn replaced(&self) -> u64 {
         self.screen.number.0.saturating_sub(1)
     }
 
-    /// Returns the number of replaced swapchains that the presentation engine may still use. It has
-    /// a small bound.
+    /// Returns the number of replaced swapchains that the presentation engine may still use. The
+    /// number is bounded.
     pub fn retiring(&self) -> usize {
         self.screen.old.len()
     }
 
-    /// Returns the newest frame given to the presentation engine.
+    /// Returns the newest frame passed to the presentation engine.
     pub fn newest_presented(&self) -> Option<PresentId> {
         Some(self.screen.newest).filter(|id| *id > PresentId::default())
     }
 }
 
 impl WindowImage<'_> {
-    /// Returns its size in pixels.
+    /// Returns the size of the image in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.screen.chain.as_ref().map_or([0, 0], |chain| chain.size)
     }
 
-    /// Copies the frame of `target` to the image, byte for byte where their sizes are equal, and
-    /// presents it. A frame of another shape keeps its proportions, between black borders. A
-    /// frame that waits for a [`crate::Timeline`] is presented after its signal, not before
+    /// Copies the frame of `target` to the image, byte for byte if their sizes are equal, and
+    /// presents it. A frame of another shape keeps its proportions and gets black borders. A frame
+    /// that waits for a [`crate::Timeline`] must be presented after the signal
     /// (VUID-vkQueuePresentKHR-pWaitSemaphores-03268).
     ///
     /// # Errors
-    /// [`Error::Foreign`] for a target of another device; [`Error::WrongCommands`] for one whose
-    /// frame was not [submitted](Target::submitted); those without a name in [`PresentSkipped`].
+    /// [`Error::Foreign`] for a target of another device; [`Error::WrongCommands`] for a target
+    /// whose frame was not [submitted](Target::submitted); errors that are not a
+    /// [`PresentSkipped`].
     pub fn show(self, target: &Target) -> Result<PresentResult, Error> {
         let Self { frame, screen, slot_wait, acquire_wait } = self;
         match screen.show(frame, target, slot_wait, acquire_wait) {

@@ -7,19 +7,19 @@ use crate::present::present_mode::PresentMode;
 /// The options of a [`Swapchain`](crate::Swapchain).
 #[derive(Debug, Clone)]
 pub struct SwapchainOptions {
-    /// The present mode wanted. If the window lacks it, it falls back to the nearest
+    /// The requested present mode. If the window does not support it, the nearest mode is used
     /// ([`PresentMode::nearest`]), which is logged and [reported](crate::Swapchain::fallback).
     pub mode: PresentMode,
-    /// The number of frames on their way to the window at once; 0 counts as 1.
+    /// The number of frames in flight to the window; 0 counts as 1.
     pub frames_in_flight: usize,
-    /// The longest wait for an image of the window, a minute at most. A hidden window may have none
-    /// for hours.
+    /// The longest wait for an image of the window, at most a minute. A hidden window may have no
+    /// image for hours.
     pub acquire_bound: Duration,
 }
 
 impl Default for SwapchainOptions {
     fn default() -> Self {
-        // Longer than any refresh, short enough for a loop that has keys to answer.
+        // Longer than any refresh, but short enough for a loop that must react to keys.
         let acquire_bound = Duration::from_millis(100);
         Self { mode: PresentMode::Fifo, frames_in_flight: 2, acquire_bound }
     }

@@ -1,55 +1,54 @@
-//! The outcomes of presenting a frame, each with a name.
+//! The named outcomes of presenting a frame.
 
 use std::time::Duration;
 
 use crate::core::tick::Tick;
 
-/// The number of a frame given to the presentation engine: from 1 in the order of presents, for
-/// the whole life of a swapchain.
+/// The number of a frame passed to the presentation engine, counted from 1 in the order of presents
+/// over the lifetime of a swapchain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct PresentId(pub u64);
 
-/// A frame that is on its way to the screen.
+/// A frame in flight to the screen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Presented {
-    /// The number of the frame, with which its timing is reported.
+    /// The number of the frame, which is also in its timing.
     pub id: PresentId,
-    /// The tick at whose end it is drawn; it is on the screen later.
+    /// The tick after which the frame is drawn; it is on the screen later.
     pub tick: Tick,
     /// The size of the window's image in pixels; a frame of another size was scaled to fit in it.
     pub size: [u32; 2],
-    /// The time that the CPU first waited for the GPU: for the frame that used the same slot
-    /// before.
+    /// The time that the CPU waited for the frame that used the same slot before.
     pub slot_wait: Duration,
-    /// The time that it then waited for an image of the window.
+    /// The time that the CPU then waited for an image of the window.
     pub acquire_wait: Duration,
-    /// The time that the CPU was in the call that presents; some drivers wait for the screen there.
+    /// The time that the CPU spent in the present call, in which some drivers wait for the screen.
     pub present_wait: Duration,
 }
 
-/// The reason why a frame is not shown. Nothing is lost: go on with the next frame, as each
+/// The reason why a frame is not shown. No state is lost: continue with the next frame as each
 /// variant says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum PresentSkipped {
-    /// A window without a pixel: it is minimised, or was made as small. Show nothing until its size
+    /// The window has no pixels: it is minimised or has a size of 0. Show nothing until its size
     /// changes.
     NoArea,
     /// No image was free within [`crate::SwapchainOptions::acquire_bound`], or the frame before
-    /// this one is still held back: the window is hidden, or the screen slow. Try again, not at
-    /// once.
+    /// this one is still held back: the window is hidden, or the screen is slow. Try again after a
+    /// while.
     Hidden,
-    /// The window changed under the frame. The next one is made for what it is then.
+    /// The window changed during the frame. The next frame fits the changed window.
     OutOfDate,
-    /// The surface was lost, the window is still there and has a new one. Go on.
+    /// The surface was lost, but the window still exists and has a new surface. Continue.
     SurfaceLost,
-    /// The window is gone, or the connection to it. Open another one, or end.
+    /// The window or its connection is closed. Open another window, or end the program.
     WindowGone,
-    /// The device was lost. Create all of it again, or end.
+    /// The device is lost. Create all objects again, or end the program.
     DeviceLost,
 }
 
 impl PresentSkipped {
-    /// Returns a sentence for the person in front of the machine.
+    /// Returns a sentence for the user of the machine.
     pub fn reason(self) -> &'static str {
         match self {
             PresentSkipped::NoArea => "the window has no pixel to show a frame in",
@@ -77,14 +76,14 @@ impl std::fmt::Display for PresentSkipped {
 /// The outcome of showing a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PresentResult {
-    /// A frame on its way to the screen.
+    /// The frame is in flight to the screen.
     Presented(Presented),
-    /// A frame that is not shown.
+    /// The frame is not shown.
     Not(PresentSkipped),
 }
 
 impl PresentResult {
-    /// Returns the present, if the frame is on its way.
+    /// Returns the presented frame; `None` if it is not shown.
     pub fn presented(self) -> Option<Presented> {
         match self {
             PresentResult::Presented(presented) => Some(presented),

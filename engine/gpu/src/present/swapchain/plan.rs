@@ -4,19 +4,18 @@ use ash::vk;
 
 use crate::core::error::Error;
 
-/// Formats that take the bytes of a frame as they are, best first. The renderer's bytes are
-/// sRGB-encoded already, as the colour space declares; formats whose hardware encodes would encode
-/// a second time.
+/// Formats that store the bytes of a frame unchanged, best first. The renderer's bytes are already
+/// sRGB-encoded, as the colour space declares; sRGB formats would encode them a second time.
 const FORMATS: [vk::Format; 3] =
     [vk::Format::B8G8R8A8_UNORM, vk::Format::R8G8B8A8_UNORM, vk::Format::A8B8G8R8_UNORM_PACK32];
 
 /// The colour space of every frame.
 pub(super) const COLOUR_SPACE: vk::ColorSpaceKHR = vk::ColorSpaceKHR::SRGB_NONLINEAR;
 
-/// Returns the format to show frames in, of those `offered`.
+/// Returns the format for frames from those `offered`.
 pub(super) fn format(offered: &[vk::SurfaceFormatKHR]) -> Result<vk::Format, Error> {
     let has = |format: vk::Format| {
-        // A lone UNDEFINED once meant that anything goes.
+        // A single UNDEFINED once meant that every format is supported.
         offered.iter().any(|f| {
             f.color_space == COLOUR_SPACE && [format, vk::Format::UNDEFINED].contains(&f.format)
         })
@@ -33,8 +32,8 @@ pub(super) fn format(offered: &[vk::SurfaceFormatKHR]) -> Result<vk::Format, Err
 
 /// Returns the size of the images, or `None` if the window has no pixel.
 ///
-/// That is the surface's own size where it has one. Where the images make the window's size
-/// (Wayland), it is the caller's `window_size`.
+/// The size is the surface's own size if it has one. On Wayland, where the images determine the
+/// size of the window, it is `window_size`.
 pub(super) fn extent(
     state: &vk::SurfaceCapabilitiesKHR,
     window_size: [u32; 2],
@@ -57,14 +56,14 @@ pub(super) fn extent(
     Some([within(wanted[0], least.width, most.width), within(wanted[1], least.height, most.height)])
 }
 
-/// Returns one image more than the least: with the least alone, the CPU would wait for the screen
-/// before each frame even where there is time.
+/// Returns one image more than the minimum: with the minimum, the CPU would wait for the screen
+/// before each frame even if there is time.
 pub(super) fn image_count(state: &vk::SurfaceCapabilitiesKHR) -> u32 {
     let most = if state.max_image_count == 0 { u32::MAX } else { state.max_image_count };
     (state.min_image_count + 1).max(3).min(most)
 }
 
-/// Returns opaque if the surface offers it: the frame's alpha means nothing.
+/// Returns opaque if the surface supports it, because the frame's alpha has no meaning.
 pub(super) fn alpha(state: &vk::SurfaceCapabilitiesKHR) -> vk::CompositeAlphaFlagsKHR {
     let offered = state.supported_composite_alpha;
     [
@@ -78,7 +77,7 @@ pub(super) fn alpha(state: &vk::SurfaceCapabilitiesKHR) -> vk::CompositeAlphaFla
     .unwrap_or(vk::CompositeAlphaFlagsKHR::OPAQUE)
 }
 
-/// Returns the identity, or the current transform of a screen that does not turn frames itself.
+/// Returns the identity, or the current transform of a screen that does not rotate frames itself.
 pub(super) fn transform(state: &vk::SurfaceCapabilitiesKHR) -> vk::SurfaceTransformFlagsKHR {
     if state.supported_transforms.contains(vk::SurfaceTransformFlagsKHR::IDENTITY) {
         vk::SurfaceTransformFlagsKHR::IDENTITY

@@ -1,9 +1,9 @@
-//! A thread for windows whose presents may block while they are hidden.
+//! A thread for windows whose presents may block while the windows are hidden.
 //!
-//! On Wayland, drivers wait inside `vkQueuePresentKHR` until the compositor asks for another
-//! frame. It does not ask for a hidden window, and the call has no bound. So the call is made
-//! here, and the frame loop waits for its end with a bound. Meanwhile the queue is taken: until the
-//! call is over nothing can be submitted, and [`super::Swapchain::is_ready`] returns false.
+//! On Wayland, drivers wait inside `vkQueuePresentKHR` until the compositor requests another frame.
+//! It requests none for a hidden window, and the call has no bound. So this thread makes the call,
+//! and the frame loop waits for its end with a bound. Meanwhile the queue is locked: until the call
+//! returns nothing can be submitted, and [`super::Swapchain::is_ready`] returns false.
 
 use std::sync::{Arc, Condvar, Mutex};
 use std::thread::JoinHandle;
@@ -17,7 +17,7 @@ use crate::core::device::Device;
 use crate::core::error::Error;
 use crate::core::queue_lock::lock;
 
-/// The thread and its pending call.
+/// The thread and its state.
 pub(super) struct Presenter {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
@@ -50,14 +50,14 @@ impl Presenter {
         Ok(Self { shared, thread: Some(thread) })
     }
 
-    /// Starts a call. The one before is over and its result is taken.
+    /// Starts a call. The last call must have returned, and its result must have been taken.
     pub(super) fn start(&self, call: PresentCall) {
         let mut state = lock(&self.shared.state);
         (state.call, state.result, state.is_busy) = (Some(call), None, true);
         self.shared.changed.notify_all();
     }
 
-    /// Returns the result of the call, once, if it ends within `bound`.
+    /// Returns the result of the call once, if the call returns within `bound`.
     pub(super) fn result_within(&self, bound: Duration) -> Option<Result<bool, vk::Result>> {
         let waited =
             self.shared
@@ -70,7 +70,8 @@ impl Presenter {
         lock(&self.shared.state).is_busy
     }
 
-    /// Ends the thread and drops what the window leaves: at once, or when its call is over.
+    /// Ends the thread and drops the objects of the window: at once, or when the present call
+    /// returns.
     pub(super) fn end(mut self, remains: Teardown) {
         let mut state = lock(&self.shared.state);
         state.is_over = true;

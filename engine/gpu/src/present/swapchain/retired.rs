@@ -1,15 +1,15 @@
 //! Replaced swapchains, until the presentation engine no longer uses them.
 //!
-//! Their last presents wait for semaphores that go with them. No tick proves the end of such a
-//! wait. These do:
+//! Their last presents wait for semaphores that are destroyed with them. No tick proves the end of
+//! such a wait. These events do:
 //!
 //! - *Present fences* (`VK_EXT_swapchain_maintenance1`): polled, never waited for.
-//! - Without them, *an image of a younger chain that was presented and is acquired again*: presents
-//!   to one window are carried out in order. Those of older chains are over with the frame that
-//!   waits for the acquire.
-//! - Where chains are replaced faster than their images come back, no more than [`MOST`] are kept:
-//!   the oldest goes when a submit made behind its last present is over. `vkQueueWaitIdle`, which
-//!   programs use for this, proves no more, and waits.
+//! - Without them, *an image of a newer chain that was presented and is acquired again*: presents
+//!   to one window are executed in order. So the presents of older chains are over with the frame
+//!   that waits for this acquire.
+//! - If chains are replaced faster than their images come back, at most [`MOST`] are kept: the
+//!   oldest is destroyed when a submit made after its last present is over. `vkQueueWaitIdle`,
+//!   which programs use for this, proves no more, and it waits.
 
 use std::collections::VecDeque;
 
@@ -19,8 +19,8 @@ use crate::core::device::Device;
 use crate::core::error::Error;
 use crate::core::order::Order;
 
-/// The number of chains kept for proof of their end. A window dragged by its corner makes one per
-/// frame.
+/// The number of chains that are kept until their end is proven. A window that is resized with the
+/// mouse creates one per frame.
 pub(super) const MOST: usize = 8;
 
 /// The replaced chains, oldest first.
@@ -35,7 +35,7 @@ impl RetiredSwapchains {
         if self.chains.len() > MOST { self.retire_behind_a_submit(device, 1) } else { Ok(()) }
     }
 
-    /// Retires those whose presents are over, as their fences prove.
+    /// Retires the chains whose present fences prove that they are over.
     pub(super) fn retire_presented(&mut self, device: &Device) -> Result<(), Error> {
         while let Some(oldest) = self.chains.front() {
             if oldest.is_presented(device)? != Some(true) {
@@ -46,14 +46,15 @@ impl RetiredSwapchains {
         Ok(())
     }
 
-    /// Retires all: the frame just submitted waits for an image that proves them presented.
+    /// Retires all chains: the frame just submitted waits for an image that proves their presents
+    /// over.
     pub(super) fn retire_proven(&mut self, device: &Device) {
         while !self.chains.is_empty() {
             self.retire_oldest(device);
         }
     }
 
-    /// Retires the `count` oldest once a submit made now is over.
+    /// Retires the `count` oldest chains once a submit made now is over.
     pub(super) fn retire_behind_a_submit(
         &mut self,
         device: &Device,
@@ -64,7 +65,7 @@ impl RetiredSwapchains {
             return Ok(());
         }
         let submitted = device.submit(None, &Order::default());
-        // Even if that failed: all work of the GPU is before the ticks that there are.
+        // Even if the submit failed: the existing ticks cover all work of the GPU.
         for _ in 0..count {
             self.retire_oldest(device);
         }

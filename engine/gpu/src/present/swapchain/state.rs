@@ -1,4 +1,4 @@
-//! The window's side of a swapchain: its chain, the fit of the chain, and the acquired image.
+//! The window's part of a swapchain: its chain, the fit of the chain, and the acquired image.
 
 use ash::{khr, vk};
 
@@ -29,23 +29,23 @@ pub(super) struct SwapchainState {
     pub(super) old: RetiredSwapchains,
     pub(super) fallback: Option<Fallback>,
     pub(super) fit: Fit,
-    /// The mode wanted when the chain was made or last compared.
+    /// The requested mode when the chain was created or last compared.
     pub(super) mode: PresentMode,
-    /// The size of the window when the chain was made or last compared.
+    /// The size of the window when the chain was created or last compared.
     pub(super) window_size: [u32; 2],
-    /// Acquire semaphores, by slot.
+    /// The acquire semaphores, one per slot.
     pub(super) acquire: Vec<vk::Semaphore>,
     pub(super) held: Option<AcquiredImage>,
-    /// The thread that presents, if a present may block for ever.
+    /// The thread that presents, if a present may block forever.
     pub(super) presenter: Option<Presenter>,
-    /// The present whose call has not come back.
+    /// The image of the present whose call has not returned.
     pub(super) calling: Option<ImageIndex>,
     pub(super) is_gone: bool,
-    /// True if the surface is a new one that has shown nothing yet.
+    /// True if the surface is a renewed one that has not shown a frame yet.
     pub(super) is_renewed: bool,
     /// The newest present.
     pub(super) newest: PresentId,
-    /// The newest present before the chain was made.
+    /// The newest present before the chain was created.
     pub(super) before_chain: PresentId,
     /// The newest frame known to have been on the screen.
     pub(super) shown_until: PresentId,
@@ -55,9 +55,9 @@ pub(super) struct SwapchainState {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Fit {
     Fits,
-    /// A suboptimal fit: compare sizes.
+    /// A suboptimal fit: sizes must be compared.
     Doubtful,
-    /// A chain that shows nothing any more.
+    /// The chain cannot show frames any more.
     Unusable,
 }
 
@@ -102,13 +102,14 @@ impl SwapchainState {
         Ok(screen)
     }
 
-    /// Acquires an image unless one is held, or returns the reason why there is none.
+    /// Acquires an image unless one is already acquired. Returns the reason if there is none.
     pub(super) fn acquire(
         &mut self,
         slot: SlotIndex,
         window_size: [u32; 2],
     ) -> Result<Option<PresentSkipped>, Error> {
-        // A chain that is out of date is replaced and asked once more; then the next frame has to.
+        // A chain that is out of date is replaced and tried once more; after that the next frame
+        // must try.
         const ATTEMPTS: usize = 2;
         if self.is_gone {
             return Ok(Some(PresentSkipped::WindowGone));
@@ -149,7 +150,7 @@ impl SwapchainState {
         Ok(Some(PresentSkipped::OutOfDate))
     }
 
-    /// Makes the chain fit the window; returns false if the window has no pixel.
+    /// Makes the chain fit the window. Returns false if the window has no pixel.
     fn keep_up(&mut self, window_size: [u32; 2]) -> Result<bool, Error> {
         let is_known = self.fit == Fit::Fits
             && self.window_size == window_size
@@ -188,14 +189,15 @@ impl SwapchainState {
             before: before.as_ref().map_or(vk::SwapchainKHR::null(), |chain| chain.raw),
         };
         let made = SwapchainImages::new(&self.device, &self.functions, &self.surface, &wanted);
-        // Retired by the call, even if it failed.
+        // The call retires the old chain even if it fails.
         if let Some(before) = before {
             self.old.push(&self.device, before.retired())?;
         }
         let chain = match made {
             Ok(chain) => chain,
             Err(error) => {
-                // No younger chain will prove the old ones over, and one may hold the window.
+                // No newer chain will prove that the old ones are over, and one of them may hold
+                // the window.
                 self.old.retire_behind_a_submit(&self.device, self.old.len())?;
                 return Err(error);
             }
@@ -229,7 +231,7 @@ impl SwapchainState {
         self.options.mode = mode;
     }
 
-    /// Replaces the acquire semaphores by one for each of `count` slots, all of them new.
+    /// Replaces the acquire semaphores by `count` new ones, one per slot.
     pub(super) fn set_slots(&mut self, count: usize) -> Result<(), Error> {
         self.let_go()?;
         let mut semaphores = Vec::with_capacity(count);
@@ -261,9 +263,9 @@ impl SwapchainState {
         self.device.retire(Retired::Semaphore(semaphore));
     }
 
-    /// Releases an image that will not be presented; the chain keeps it for good. Its semaphore
-    /// will be signalled, so a submit waits for it. Until that is over the semaphore may not be
-    /// given to another acquire (VUID-vkAcquireNextImageKHR-semaphore-01779), so its slot gets a
+    /// Releases an image that will not be presented; the chain never gets it back. A submit waits
+    /// for its semaphore, which will be signalled. Until this submit is over the semaphore must not
+    /// be used by another acquire (VUID-vkAcquireNextImageKHR-semaphore-01779), so its slot gets a
     /// new one.
     pub(super) fn let_go(&mut self) -> Result<(), Error> {
         let Some(held) = self.held else { return Ok(()) };
@@ -299,8 +301,8 @@ impl SwapchainState {
         }
     }
 
-    /// Gives an error its name in [`PresentSkipped`], if it has one, and does what can be done
-    /// about it.
+    /// Converts an error to a [`PresentSkipped`] if there is one for it, and repairs the state as
+    /// far as possible.
     pub(super) fn settle(&mut self, error: Error) -> Result<PresentSkipped, Error> {
         match error {
             Error::Vulkan { code: vk::Result::ERROR_DEVICE_LOST, .. } => {
@@ -318,10 +320,10 @@ impl SwapchainState {
         }
     }
 
-    /// Replaces the surface by a new one for the same window, or returns that the window is gone.
+    /// Replaces the surface by a new one for the same window, or returns that the window is closed.
     fn renew_surface(&mut self) -> Result<PresentSkipped, Error> {
-        // Asked first: where the connection is gone, some drivers crash over a new surface. Others
-        // make one, and lose it as soon as it is used.
+        // Checked first: if the connection is closed, some drivers crash when they create a
+        // surface, and others create one that is lost at its first use.
         if !self.is_renewed && self.surface.is_there(&self.device)? {
             match self.surface.renewed() {
                 Ok(surface) => match surface.state(&self.device) {
@@ -354,8 +356,8 @@ impl Drop for SwapchainState {
     }
 }
 
-/// Returns true if the window changed; something else of it holds the screen until the old chain is
-/// gone.
+/// Returns true if the window changed, or if another swapchain keeps the window until it is
+/// destroyed.
 pub(super) fn is_outdated(code: vk::Result) -> bool {
     [
         vk::Result::ERROR_OUT_OF_DATE_KHR,

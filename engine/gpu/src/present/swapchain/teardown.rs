@@ -1,4 +1,4 @@
-//! The objects that a window leaves when it is closed, in every state.
+//! The objects that are left when a window is closed, in any state.
 
 use ash::vk;
 
@@ -9,16 +9,17 @@ use crate::core::device::Device;
 use crate::core::error::Error;
 use crate::core::order::Order;
 
-/// An image that was acquired and is not yet presented, and the semaphore of its acquire.
+/// An acquired image that is not presented yet, and the semaphore of its acquire.
 #[derive(Clone, Copy)]
 pub(super) struct AcquiredImage {
     pub(super) index: ImageIndex,
     pub(super) acquired: vk::Semaphore,
-    /// True if it was presented before, so that its present is over, and those of all older chains.
+    /// True if it was presented before, which proves that its present and all presents of older
+    /// chains are over.
     pub(super) proves: bool,
 }
 
-/// The objects that a window leaves when it is closed. They are retired when this is dropped.
+/// The objects that are left when a window is closed. They are retired when this value is dropped.
 pub(super) struct Teardown {
     pub(super) device: Device,
     pub(super) chain: Option<SwapchainImages>,

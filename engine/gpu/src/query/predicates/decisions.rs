@@ -1,5 +1,5 @@
-//! Predicated ranges: the source of a result, the draws that it decides, and the executors that
-//! skip them.
+//! Predicated ranges: the source of a result, the draws that depend on it, and the executors that
+//! skip these draws.
 
 use crate::core::capabilities::{Capabilities, OptionalFeature};
 use crate::core::device::Device;
@@ -8,10 +8,10 @@ use crate::memory::buffer::BufferSlice;
 use crate::record::access::Access;
 use crate::record::indirect::DrawRange;
 
-/// The writer of the results that decide.
+/// The writer of the results on which draws depend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ResultSource {
-    /// Copies of query results.
+    /// The copies of query results.
     Queries,
     /// Fragment shaders of proxies.
     Fragments,
@@ -20,7 +20,7 @@ pub enum ResultSource {
 }
 
 impl ResultSource {
-    /// All sources; their lists of predicates have this order.
+    /// All sources, in the order of their lists of predicates.
     pub const ALL: [ResultSource; 3] =
         [ResultSource::Queries, ResultSource::Fragments, ResultSource::Compute];
 
@@ -34,7 +34,7 @@ impl ResultSource {
     }
 }
 
-/// The effect of a result that is not zero on its range. The order mirrors `predicate.glsl`.
+/// The effect of a non-zero result on its range. The order mirrors `predicate.glsl`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u32)]
 pub enum Reveal {
@@ -45,49 +45,48 @@ pub enum Reveal {
     /// ([`Predicates::draw_boxes`](crate::Predicates::draw_boxes)). Its fragments enable the draws
     /// of the leaf.
     Boxes,
-    /// Those draws of the range are drawn that fragments of boxes enabled
+    /// The draws of the range that fragments of boxes enabled are drawn
     /// ([`Predicates::draw_enabled`](crate::Predicates::draw_enabled)).
     EnabledDraws,
 }
 
-/// A decision: a range of draws or boxes that depends on a result. Several may depend on one
-/// result.
+/// A range of draws or boxes that depends on a result. Several ranges may depend on one result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct PredicatedRange {
-    /// The number of the result among those of its source.
+    /// The index of the result among the results of its source.
     pub result: u32,
-    /// The draws that depend on the result, or the leaves whose boxes do.
+    /// The draws that depend on the result, or the leaves whose boxes depend on it.
     pub range: DrawRange,
-    /// The way in which they are revealed.
+    /// The effect of a non-zero result.
     pub reveal: Reveal,
 }
 
-/// The result that decides about a range of leaves, for a compute shader that works for these
-/// alone: they may be drawn if the result is above the threshold.
+/// The result on which a range of leaves depends, for a compute shader that processes only these
+/// leaves: they may be drawn if the result is above the threshold.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Predicate {
     /// The results of the source.
     pub results: BufferSlice,
-    /// The number of the result among them.
+    /// The index of the result in `results`.
     pub result: u32,
     /// The number of samples that a result must exceed.
     pub threshold_samples: u32,
-    /// The leaves that depend on it.
+    /// The leaves that depend on the result.
     pub leaves: DrawRange,
 }
 
 /// The executor that keeps the GPU from drawing hidden objects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PredicationMode {
-    /// `VK_EXT_conditional_rendering`: the device skips the draws by itself, without a compute
-    /// pass.
+    /// `VK_EXT_conditional_rendering`: the GPU skips the draws without a compute pass.
     Conditional,
     /// Draw counts written by a compute pass; needs `drawIndirectCount`.
     Counts,
-    /// Instance counts written by a compute pass; every device.
+    /// Instance counts written by a compute pass; works on every device.
     Instances,
-    /// As [`PredicationMode::Counts`]; besides, the executor of plans copies what a round reveals
-    /// into a list per pipeline, in its order, which one call draws. Needs `drawIndirectCount`.
+    /// [`PredicationMode::Counts`], and in addition the executor of plans copies the draws that a
+    /// round reveals into one list per pipeline, in order. One call draws a list. Needs
+    /// `drawIndirectCount`.
     Compacted,
 }
 
@@ -111,7 +110,7 @@ impl PredicationMode {
         }
     }
 
-    /// Returns its name on the command line and in reports.
+    /// Returns the name of the executor on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
             PredicationMode::Conditional => "conditional",
@@ -121,20 +120,20 @@ impl PredicationMode {
         }
     }
 
-    /// Returns true if draws take a count that a compute pass wrote.
+    /// Returns true if draws use a count that a compute pass wrote.
     pub(super) fn is_counted(self) -> bool {
         matches!(self, PredicationMode::Counts | PredicationMode::Compacted)
     }
 
-    /// Returns the executor for `draws` draws: the one wanted, else the best of the device for so
-    /// many. Any range may become one draw call, and a draw count is limited as a whole. With a
-    /// threshold, an executor that can compare: results of queries up to `threshold_samples` count
-    /// as zero ([`Predicates::resolve`](crate::Predicates::resolve)).
+    /// Returns the executor for `draws` draws: `wanted`, or otherwise the best of the device for
+    /// this number. The number is limited as a whole, because any range may become one call with a
+    /// draw count. With a threshold above 0 the executor must be able to compare: query results up
+    /// to `threshold_samples` count as zero ([`Predicates::resolve`](crate::Predicates::resolve)).
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when the device lacks what is wanted, or queries that count for a
-    /// threshold above 0; [`Error::TooLarge`] for more draws than it counts;
-    /// [`Error::CannotCompare`].
+    /// [`Error::Unsupported`] if the device lacks a feature of `wanted`, or precise queries for a
+    /// threshold above 0; [`Error::TooLarge`] for more draws than a draw count can hold;
+    /// [`Error::CannotCompare`] for conditional rendering with a threshold above 0.
     pub fn choose(
         device: &Device,
         wanted: Option<PredicationMode>,
@@ -179,7 +178,7 @@ impl PredicationMode {
         Ok(wanted)
     }
 
-    /// Returns true if the device has what it needs, for some number of draws.
+    /// Returns true if the device supports the executor, for some number of draws.
     pub fn is_supported(self, device: &Device) -> bool {
         self.needs().is_none_or(|optional| device.capabilities().has(optional))
     }

@@ -1,15 +1,15 @@
-//! Predicates: ranges of draws that the GPU skips by itself when a test found nothing visible.
+//! Predicates: ranges of draws that the GPU skips if a test found nothing visible.
 //!
-//! A test leaves a result that is zero or not, from one of several writers ([`ResultSource`]). The
-//! same plan runs on every device, by one of four executors; they differ in their use of the
+//! A test writes a result that is zero or not zero; there are several writers ([`ResultSource`]).
+//! The same plan runs on every device, with one of four executors. They differ in how they use the
 //! result:
 //!
 //! - [`PredicationMode::Conditional`]: the result is the predicate of conditional rendering.
-//! - [`PredicationMode::Counts`]: a compute pass turns it into a draw count, 0 or all. So does
-//!   [`PredicationMode::Compacted`], whose user draws lists of the ranges in place of each.
-//! - [`PredicationMode::Instances`]: a compute pass writes it into the instance count of every draw
-//!   of the range. For devices that have neither (SwiftShader); its cost on the GPU grows with the
-//!   range, not only with the number of ranges.
+//! - [`PredicationMode::Counts`]: a compute pass converts it to a draw count, 0 or all.
+//!   [`PredicationMode::Compacted`] does the same, and its user draws lists of ranges.
+//! - [`PredicationMode::Instances`]: a compute pass writes it to the instance count of every draw
+//!   of the range. For devices with neither extension nor draw counts (SwiftShader). Its cost on
+//!   the GPU grows with the size of the ranges, not only with their number.
 
 mod decisions;
 mod predicate_list;
@@ -34,7 +34,7 @@ pub use decisions::{Predicate, PredicatedRange, PredicationMode, ResultSource, R
 pub use predicate_list::BOX_VERTICES;
 use predicate_list::PredicateList;
 
-/// The usage of the buffer of all draws. Tests read back what was decided.
+/// The usage of the buffer of all draws. Tests read the decisions back.
 const DRAW_USAGE: vk::BufferUsageFlags = vk::BufferUsageFlags::from_raw(
     vk::BufferUsageFlags::INDIRECT_BUFFER.as_raw()
         | vk::BufferUsageFlags::STORAGE_BUFFER.as_raw()
@@ -42,19 +42,19 @@ const DRAW_USAGE: vk::BufferUsageFlags = vk::BufferUsageFlags::from_raw(
         | vk::BufferUsageFlags::TRANSFER_DST.as_raw(),
 );
 
-/// The specialisation constant of shaders whose draws are linked; mirrors `draw_link.glsl`.
+/// The specialisation constant of shaders for linked draws; mirrors `draw_link.glsl`.
 pub const LINKED: u32 = 14;
 
 /// All draws of a scene, in GPU memory, drawn range by range under predicates.
 pub struct Predicates {
     device: Device,
     predication: PredicationMode,
-    /// True if no other predicates have drawn by counts before, in the same commands.
+    /// True if no other predicates draw by counts before these in the same commands.
     is_alone: bool,
     draws: Buffer,
     links: Option<Buffer>,
     writer: Option<ComputePipeline>,
-    // A result that enables all draws: as a predicate, and for `Commands::draw_all_indirect`.
+    // A result that enables all draws, as a predicate and for `Commands::draw_all_indirect`.
     all: Buffer,
     lists: [PredicateList; ResultSource::ALL.len()],
 }
@@ -70,12 +70,12 @@ struct Decisions {
 of_device!(Predicates: "predicates (`Predicates`)");
 
 impl Predicates {
-    /// Uploads `draws`, one per leaf and of one instance, and prepares `predication` (if `None`,
-    /// the device's best for so many).
+    /// Uploads `draws`, one per leaf with one instance each, and prepares `predication` (if `None`,
+    /// the device's best for this number of draws).
     ///
     /// # Errors
-    /// [`Error::Unsupported`] when the device lacks what `predication` needs; [`Error::TooLarge`]
-    /// for more draws than it counts; no memory; a failed call.
+    /// [`Error::Unsupported`] if the device lacks a feature of `predication`; [`Error::TooLarge`]
+    /// for more draws than a draw count can hold; no memory; a failed call.
     pub fn new(
         device: &Device,
         predication: Option<PredicationMode>,
@@ -87,12 +87,12 @@ impl Predicates {
         Self::over(device, predication, draws, None, frames_in_flight)
     }
 
-    /// Prepares `predication` (if `None`, the device's best for so many) for `count` draws that are
-    /// linked: any number per leaf, of any number of instances. Their commands and their
+    /// Prepares `predication` (if `None`, the device's best for this number of draws) for `count`
+    /// linked draws: any number per leaf, with any number of instances. The draws and their
     /// [links](Predicates::links) are undefined until they are written.
     ///
     /// # Errors
-    /// As for [`Predicates::new`].
+    /// The errors of [`Predicates::new`].
     pub fn linked(
         device: &Device,
         predication: Option<PredicationMode>,
@@ -104,11 +104,11 @@ impl Predicates {
         Self::over(device, predication, draws, Some(links), frames_in_flight)
     }
 
-    /// Prepares `predication` (if `None`, the device's best for so many) for `count` draws of one
-    /// instance each, undefined until they are written. Other predicates may draw before these.
+    /// Prepares `predication` (if `None`, the device's best) for `count` draws of one instance,
+    /// which are undefined until they are written. Other predicates may draw before these.
     ///
     /// # Errors
-    /// As for [`Predicates::new`].
+    /// The errors of [`Predicates::new`].
     pub fn unlinked(
         device: &Device,
         predication: Option<PredicationMode>,
@@ -164,11 +164,11 @@ impl Predicates {
         })
     }
 
-    /// Makes room for `count` draws, linked or not as before. All of them are undefined then. Waits
-    /// for nothing.
+    /// Makes room for `count` draws, which stay linked or unlinked. All of them are then undefined.
+    /// Does not wait.
     ///
     /// # Errors
-    /// [`Error::TooLarge`] for more draws than `predication` counts; no memory; a failed call.
+    /// [`Error::TooLarge`] for more draws than a draw count can hold; no memory; a failed call.
     pub fn grow(&mut self, count: u32) -> Result<(), Error> {
         PredicationMode::choose(&self.device, Some(self.predication), count.into(), 0)?;
         if self.links.is_some() {
@@ -185,14 +185,14 @@ impl Predicates {
         self.lists = std::array::from_fn(|_| PredicateList::new(frames_in_flight));
     }
 
-    /// Returns all draws in GPU memory, to be changed between frames.
+    /// Returns all draws in GPU memory, which may be changed between frames.
     /// [`PredicationMode::Instances`] changes their instance counts.
     pub fn draws(&self) -> BufferSlice {
         self.draws.whole()
     }
 
-    /// Returns the [`DrawLink`] of each draw in GPU memory, if draws are linked; to be changed
-    /// between frames.
+    /// Returns the [`DrawLink`] of each draw in GPU memory, if draws are linked. The links may be
+    /// changed between frames.
     pub fn links(&self) -> Option<BufferSlice> {
         self.links.as_ref().map(Buffer::whole)
     }
@@ -202,11 +202,11 @@ impl Predicates {
         self.predication
     }
 
-    /// Starts a frame: the decisions that depend on the results of `source`. Each source is begun
-    /// once per frame, without results if it writes none: unknown ranges are drawn.
+    /// Begins a frame with the decisions that depend on the results of `source`. Must be called
+    /// once per frame and source. Without `results` all ranges are drawn.
     ///
     /// # Errors
-    /// [`Error::Foreign`] for a frame or results of another device, and the frame fails; no memory.
+    /// [`Error::Foreign`] for a frame or results of another device, which then fails; no memory.
     pub fn begin(
         &mut self,
         frame: &mut Frame<'_>,
@@ -231,12 +231,12 @@ impl Predicates {
         if counts { list.make_counts(device) } else { Ok(()) }
     }
 
-    /// Resolves the results just written into predicates: for each source, a range of its
-    /// decisions. Outside of rendering; after writing the results and before anything is drawn by
-    /// them.
+    /// Converts results to predicates; `written` gives a range of the decisions of each source.
+    /// Must be called outside of rendering, after the results are written and before the draws that
+    /// depend on them.
     ///
-    /// Results of queries up to `threshold_samples` count as zero. Above 0 the queries must
-    /// [count](crate::Counting::Samples); the recording fails under
+    /// Query results up to `threshold_samples` count as zero. Above 0 the queries must
+    /// [count](crate::Counting::Samples). The recording fails with
     /// [`PredicationMode::Conditional`], which cannot compare.
     pub fn resolve(
         &self,
@@ -248,8 +248,8 @@ impl Predicates {
             return;
         }
         let between = MemoryBarrier::between;
-        // Accesses of sources that wrote nothing order nothing. No list on the heap: this is
-        // recorded in every frame.
+        // Sources that wrote nothing get an access without effect. An array, because a list on the
+        // heap would be allocated in every frame.
         let is_written =
             |source| written.iter().any(|(own, list)| *own == source && !list.is_empty());
         let writes = ResultSource::ALL
@@ -277,7 +277,7 @@ impl Predicates {
             else {
                 continue;
             };
-            // Nothing reads links unless draws have them.
+            // The links are only read if draws have them.
             let links = self.links().unwrap_or(on_gpu.decided);
             let lists = [results, on_gpu.decided, output, on_gpu.box_draws, links];
             commands.bind_compute(
@@ -298,7 +298,7 @@ impl Predicates {
                 commands.dispatch([count.div_ceil(per_group), 1, 1]);
             }
         }
-        // The next round writes other results of the buffers just read.
+        // The next round writes other results to the buffers just read.
         commands.barrier(between(
             &[Access::ComputeWrite, Access::ComputeRead],
             &[Access::IndirectRead, Access::CopyWrite, Access::CopyRead, Access::FragmentWrite],
@@ -306,8 +306,8 @@ impl Predicates {
     }
 
     /// Returns the result of a decision about `leaves`, with the threshold that it was resolved
-    /// with. Shaders may read it between [`resolve`](Predicates::resolve) and the next writes of
-    /// results, with a barrier before those.
+    /// with. Shaders may read it after [`resolve`](Predicates::resolve) and before results are
+    /// written again, with a barrier before these writes.
     pub fn predicate(
         &self,
         source: ResultSource,
@@ -322,8 +322,8 @@ impl Predicates {
         Some(Predicate { results, result, threshold_samples, leaves })
     }
 
-    /// Returns the threshold of results: flags do not count samples, and ranges without a result
-    /// are drawn.
+    /// Returns the threshold for results: 0 for flags, which do not count samples, and for ranges
+    /// without a result, which are drawn.
     fn threshold_of(
         &self,
         source: ResultSource,
@@ -334,9 +334,9 @@ impl Predicates {
         if is_counted { threshold_samples } else { 0 }
     }
 
-    /// Draws all of `draws` unconditionally. Where some draws take a count, these do, too: lavapipe
-    /// (Mesa 22.3) lets a plain indirect draw take the count of the counted one before it in the
-    /// command buffer.
+    /// Draws all of `draws` unconditionally. If the executor uses draw counts, these draws also get
+    /// a count, because lavapipe (Mesa 22.3) reuses the count of the counted draw before a plain
+    /// indirect draw in the command buffer.
     pub fn draw_always(&self, commands: &Commands, draws: BufferSlice) {
         if commands.check_owner(self).is_err() {
             return;
@@ -356,8 +356,8 @@ impl Predicates {
         }
     }
 
-    /// Draws all of `draws` unconditionally where earlier draws may have taken a count, whatever
-    /// the executor.
+    /// Draws all of `draws` unconditionally if earlier draws may have had a count, with any
+    /// executor.
     pub fn draw_after_counted(&self, commands: &Commands, draws: BufferSlice) {
         if commands.check_owner(self).is_err() {
             return;
@@ -370,8 +370,8 @@ impl Predicates {
         self.draw_enabled(commands, source, decision, self.draws.whole());
     }
 
-    /// Draws the range of a decision out of `draws` if the result is not zero. `draws` has a copy
-    /// of every draw, without instances where the box of its leaf was not visible.
+    /// Draws the range of a decision from `draws` if the result is not zero. `draws` has a copy of
+    /// every draw, with an instance count of 0 if the box of its leaf was not visible.
     pub fn draw_enabled(
         &self,
         commands: &Commands,
@@ -405,7 +405,7 @@ impl Predicates {
     }
 
     /// Draws [`BOX_VERTICES`] vertices per leaf in the range of a decision if the result is not
-    /// zero; the number of the instance is that of the leaf.
+    /// zero. The instance index is the index of the leaf.
     pub fn draw_boxes(&self, commands: &Commands, source: ResultSource, decision: u32) {
         if commands.check_owner(self).is_err() {
             return;
@@ -417,8 +417,8 @@ impl Predicates {
         };
         match (list.on_gpu, self.predication.is_counted()) {
             (Some(on_gpu), true) => {
-                // Not a plain indirect draw: Mesa 22.3's lavapipe goes on using the count of the
-                // last draw that had one.
+                // Not a plain indirect draw, because Mesa 22.3's lavapipe reuses the count of the
+                // last counted draw.
                 if let Some(count) = list.count(decision) {
                     commands.draw_unindexed_indirect_count(
                         predicate_list::box_draw(on_gpu, decision),
@@ -456,7 +456,7 @@ impl Predicates {
             (conditional.fp().cmd_begin_conditional_rendering_ext)(commands.raw(), &raw const info);
         }
         record(commands);
-        // SAFETY: closes what was opened above.
+        // SAFETY: closes the block opened above.
         unsafe {
             (conditional.fp().cmd_end_conditional_rendering_ext)(commands.raw());
         }
@@ -467,7 +467,7 @@ impl Predicates {
     }
 }
 
-/// Returns the buffers of so many linked draws.
+/// Returns the buffers for `count` linked draws.
 fn linked_buffers(device: &Device, count: u32) -> Result<[Buffer; 2], Error> {
     let links = u64::from(count) * size_of::<DrawLink>() as u64;
     let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
@@ -477,7 +477,7 @@ fn linked_buffers(device: &Device, count: u32) -> Result<[Buffer; 2], Error> {
     ])
 }
 
-/// Returns the buffer of so many draws.
+/// Returns the buffer for `count` draws.
 fn draw_buffer(device: &Device, count: u32) -> Result<Buffer, Error> {
     let wanted = u64::from(count) * DRAW_BYTES;
     let limit = device.adapter().limits;
@@ -490,7 +490,7 @@ fn draw_buffer(device: &Device, count: u32) -> Result<Buffer, Error> {
 }
 
 /// Returns the number of storage buffers of the compute shader: results, decisions, counts or
-/// draws, and, where it writes instance counts, box draws and links.
+/// draws, and, if it writes instance counts, box draws and links.
 fn writer_buffers(predication: PredicationMode) -> usize {
     match predication {
         PredicationMode::Instances => 5,

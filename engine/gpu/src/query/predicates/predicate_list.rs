@@ -1,4 +1,5 @@
-//! One source of results in one frame: its decisions, and the executors' buffers for them.
+//! The decisions that depend on one source of results in one frame, and the buffers of the
+//! executors for them.
 
 use ash::vk;
 use bytemuck::{Pod, Zeroable};
@@ -9,18 +10,18 @@ use crate::core::error::Error;
 use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
 use crate::record::frames::Frame;
 
-/// The results of one source and the ranges that they decide.
+/// The results of one source, and the ranges that depend on them.
 pub(super) struct PredicateList {
     pub(super) results: Option<BufferSlice>,
     pub(super) decided: Vec<PredicatedRange>,
-    /// The lists for the executors that turn results into counts.
+    /// The lists for executors that turn results into counts.
     pub(super) on_gpu: Option<OnGpu>,
     slot: usize,
     /// Draw counts: one buffer per frame slot.
     counts: Vec<Option<Buffer>>,
 }
 
-/// A frame's lists for the compute executors.
+/// The lists of a frame for executors with a compute pass.
 #[derive(Clone, Copy)]
 pub(super) struct OnGpu {
     /// One [`DecidedOnGpu`] per decision.
@@ -52,7 +53,7 @@ struct BoxDraw {
 const BOX_DRAW_BYTES: u64 = size_of::<BoxDraw>() as u64;
 const _: () = assert!(size_of::<BoxDraw>() == size_of::<vk::DrawIndirectCommand>());
 
-/// The size of the draw count of a decision.
+/// The size of a decision's draw count.
 const COUNT_BYTES: u64 = 4;
 
 /// The vertices of the front of a box: three faces of two triangles.
@@ -87,8 +88,8 @@ impl PredicateList {
         self.on_gpu = None;
     }
 
-    /// Uploads the lists. Box draws are whole where draw counts decide about them, and empty until
-    /// a shader fills them elsewhere.
+    /// Uploads the lists. With draw counts, box draws have all their instances; otherwise they have
+    /// none until a shader sets the instance count.
     pub(super) fn upload(
         &mut self,
         frame: &mut Frame<'_>,
@@ -114,7 +115,7 @@ impl PredicateList {
         Ok(())
     }
 
-    /// Creates the counts unless there is one for each decision.
+    /// Creates the counts unless there is already one per decision.
     pub(super) fn make_counts(&mut self, device: &Device) -> Result<(), Error> {
         let wanted = self.decided.len().next_power_of_two() as u64 * COUNT_BYTES;
         let Some(counts) = self.counts.get_mut(self.slot) else { return Ok(()) };
@@ -130,7 +131,8 @@ impl PredicateList {
         self.counts.get(self.slot)?.as_ref().map(Buffer::whole)
     }
 
-    /// Returns the draw count of a decision: that of its range, or of the command of its boxes.
+    /// Returns the draw count of a decision: for its range, or for the command that draws its
+    /// boxes.
     pub(super) fn count(&self, decision: u32) -> Option<BufferSlice> {
         Some(self.counts()?.part(u64::from(decision) * COUNT_BYTES, COUNT_BYTES))
     }

@@ -15,19 +15,19 @@ use crate::record::pipeline::{ComputePipeline, GraphicsPipeline, PipelineKind};
 /// The texture arrays that draws sample.
 #[derive(Clone, Copy)]
 pub enum SampledArrays<'a> {
-    /// As many as the pipeline has in its last binding
+    /// The arrays of the pipeline's last binding, in the number that it declares
     /// ([`StorageLayout::texture_arrays`](crate::StorageLayout::texture_arrays)).
     Few(&'a [&'a TextureArray]),
-    /// Those of a table, for pipelines that were made for
-    /// [one](crate::GraphicsPipelineInfo::table).
+    /// The textures of a table, for pipelines that were created with [a
+    /// table](crate::GraphicsPipelineInfo::table).
     Table(&'a TextureTable),
 }
 
 impl SampledArrays<'_> {
-    /// No array.
+    /// No texture arrays.
     pub const NONE: Self = Self::Few(&[]);
 
-    /// Returns those that have a descriptor each.
+    /// Returns the arrays that have a descriptor each.
     fn few(&self) -> &[&TextureArray] {
         match self {
             Self::Few(few) => few,
@@ -44,13 +44,13 @@ impl SampledArrays<'_> {
 }
 
 impl Commands {
-    /// Binds a graphics pipeline and the storage buffers it reads, in the order of its layout.
+    /// Binds a graphics pipeline and the storage buffers that it reads, in the order of its layout.
     pub fn bind(&self, pipeline: &GraphicsPipeline, storage: &[BufferSlice]) {
         self.bind_sampled(pipeline, storage, &[], SampledArrays::NONE);
     }
 
-    /// Binds a graphics pipeline, the storage buffers it reads, the textures it samples, and the
-    /// texture arrays.
+    /// Binds a graphics pipeline with the storage buffers that it reads, and the textures and
+    /// texture arrays that it samples.
     pub fn bind_sampled(
         &self,
         pipeline: &GraphicsPipeline,
@@ -61,11 +61,11 @@ impl Commands {
         self.bind_kind(&pipeline.0, vk::PipelineBindPoint::GRAPHICS, storage, textures, arrays);
     }
 
-    /// Binds another pipeline with the buffers, constants and geometry that are bound for one of
-    /// the same [layout](crate::StorageLayout), without textures.
+    /// Binds another graphics pipeline and keeps the bound buffers, constants and geometry. Both
+    /// pipelines must have the same [layout](crate::StorageLayout), without textures.
     pub fn switch(&self, pipeline: &GraphicsPipeline) {
         if self.check_owner(&pipeline.0).is_ok() {
-            // SAFETY: a live pipeline; what is bound stays valid, since pipelines of equal layouts
+            // SAFETY: a live pipeline; the bindings stay valid, since pipelines with equal layouts
             // are compatible.
             unsafe {
                 let point = vk::PipelineBindPoint::GRAPHICS;
@@ -85,7 +85,7 @@ impl Commands {
         );
     }
 
-    /// Binds a compute pipeline, its storage buffers, and the textures that it samples.
+    /// Binds a compute pipeline with its storage buffers and the textures that it samples.
     pub(crate) fn bind_compute_sampled(
         &self,
         pipeline: &ComputePipeline,
@@ -119,7 +119,7 @@ impl Commands {
             self.bind_numbers(pipeline, storage);
         }
         if let Some(table) = arrays.table() {
-            // SAFETY: the set was made for such a layout; it lives at least until this frame is
+            // SAFETY: the set was created for such a layout; it lives at least until this frame is
             // over.
             unsafe {
                 raw.cmd_bind_descriptor_sets(
@@ -154,7 +154,7 @@ impl Commands {
         });
     }
 
-    /// Binds the numbers of the instances that the first of the buffers has room for.
+    /// Binds the instance indices, one for each instance that fits into the first storage buffer.
     fn bind_numbers(&self, pipeline: &PipelineKind, storage: &[BufferSlice]) {
         let bytes = storage.first().map_or(0, |instances| instances.size_bytes);
         let count = bytes / u64::from(pipeline.instance_bytes.max(1));
@@ -163,13 +163,13 @@ impl Commands {
             Err(error) => return self.fail_call(&error),
         };
         let raw = self.device().raw();
-        // SAFETY: the buffer lives at least until this frame is over, also if a larger one takes
-        // its place; it holds a number for each instance that the shader may read by it.
+        // SAFETY: the buffer lives at least until this frame is over, even if a larger one replaces
+        // it. It has an index for each instance that the shader may read with it.
         unsafe { raw.cmd_bind_vertex_buffers(self.raw(), NUMBER_BINDING, &[numbers], &[0]) };
     }
 
-    /// Returns true if all of it is of this device, and there is as much of each kind as the
-    /// pipeline has bindings. Notes a failure otherwise.
+    /// Returns true if all objects are of this device, and the pipeline has this number of bindings
+    /// of each kind. Notes a failure otherwise.
     fn check_binding_owners(
         &self,
         pipeline: &PipelineKind,
@@ -207,7 +207,7 @@ impl Commands {
         true
     }
 
-    /// Writes a fresh set: storage buffers, then textures, then one binding of all arrays.
+    /// Writes a new set: storage buffers, then textures, then one binding of all arrays.
     fn write_descriptors(
         &self,
         set: vk::DescriptorSet,
@@ -227,7 +227,7 @@ impl Commands {
                 .dst_binding(binding as u32)
                 .descriptor_type(vk::DescriptorType::STORAGE_BUFFER)
                 .buffer_info(&buffers);
-            // SAFETY: the set is fresh, so no command uses it yet.
+            // SAFETY: the set is new, so no command uses it yet.
             unsafe { raw.update_descriptor_sets(&[write], &[]) };
         }
         for (binding, texture) in (storage.len() as u32..).zip(textures) {
@@ -297,7 +297,7 @@ impl Commands {
         }
     }
 
-    /// Binds two vertex buffers, side by side as in
+    /// Binds two parallel vertex buffers, as declared by
     /// [`VertexLayout::beside`](crate::VertexLayout::beside), and a buffer of 32-bit indices.
     pub fn bind_geometry_beside(&self, vertices: [BufferSlice; 2], indices: BufferSlice) {
         if !self.check_owners(vertices.iter().chain([&indices])) {

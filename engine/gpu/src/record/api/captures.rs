@@ -1,4 +1,4 @@
-//! Recording of captures: patches that are tessellated into a buffer.
+//! Recording of captures: tessellates patches and stores the triangles in a buffer.
 
 use ash::vk;
 
@@ -9,10 +9,10 @@ use crate::record::capture_pipeline::{CapturePipeline, PATCH_POINTS};
 use crate::record::commands::{Commands, Failure};
 
 impl Commands {
-    /// Tessellates `patches` patches, with the storage buffers that the shaders read, and captures
-    /// their triangles in `results`, an [`Access::CaptureWrite`](crate::Access::CaptureWrite):
-    /// results of a [`FlagRing`](crate::FlagRing), no more than 128 MiB of them. What does not fit
-    /// is left out. Outside of renderings.
+    /// Tessellates `patches` patches with the storage buffers of the shaders, and captures their
+    /// triangles in `results` with [`Access::CaptureWrite`](crate::Access::CaptureWrite). `results`
+    /// must come from a [`FlagRing`](crate::FlagRing) and have at most 128 MiB. Triangles that do
+    /// not fit are left out. Must be called outside of renderings.
     pub fn capture(
         &self,
         pipeline: &CapturePipeline,
@@ -44,9 +44,10 @@ impl Commands {
         let buffers = [results.raw];
         let offsets = [results.offset_bytes];
         let sizes = [results.size_bytes];
-        // SAFETY: the pipeline that is bound discards all fragments, so it needs no attachment; the
-        // slice lies in its buffer, begins at a multiple of 4, and is one that captures, as results
-        // of rings are where there is transform feedback; no counters are given.
+        // SAFETY: the bound pipeline discards all fragments, so it needs no attachment. The slice
+        // lies in its buffer, begins at a multiple of 4, and its buffer has the usage for captures,
+        // which results of rings have on devices with transform feedback. There are no counter
+        // buffers.
         unsafe {
             let feedback = feedback.fp();
             (feedback.cmd_bind_transform_feedback_buffers_ext)(

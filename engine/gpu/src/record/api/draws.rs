@@ -9,14 +9,14 @@ use crate::memory::buffer::BufferSlice;
 use crate::record::commands::{Commands, Failure};
 use crate::record::indirect::{DRAW_BYTES, IndirectDraw};
 
-/// The distance between indirect commands without indices, in bytes.
+/// The stride of indirect commands without indices, in bytes.
 const UNINDEXED_STRIDE: u32 = size_of::<vk::DrawIndirectCommand>() as u32;
 
 impl Commands {
     /// Draws `vertices` vertices of one instance.
     pub fn draw(&self, vertices: u32, instance: u32) {
         if self.is_sound() {
-            // SAFETY: a pipeline is bound; what it reads is bounded by the shader's own buffers.
+            // SAFETY: a pipeline is bound; its reads are bounded by the shader's own buffers.
             unsafe { self.device().raw().cmd_draw(self.raw(), vertices, 1, 0, instance) };
         }
     }
@@ -32,10 +32,10 @@ impl Commands {
         }
     }
 
-    /// Draws `draw` out of the bound geometry.
+    /// Draws `draw` from the bound geometry.
     pub fn draw_indexed(&self, draw: &IndirectDraw) {
         if self.is_sound() {
-            // SAFETY: a pipeline is bound; the caller's indices lie in the buffer that is bound.
+            // SAFETY: a pipeline is bound; the caller's indices lie in the bound buffer.
             unsafe {
                 self.device().raw().cmd_draw_indexed(
                     self.raw(),
@@ -49,7 +49,7 @@ impl Commands {
         }
     }
 
-    /// Draws the indexed indirect commands in `draws`, which holds nothing else.
+    /// Draws the indexed indirect commands in `draws`, which must contain only such commands.
     pub fn draw_indirect(&self, draws: BufferSlice) {
         if self.check_owner(&draws).is_err() {
             return;
@@ -75,8 +75,8 @@ impl Commands {
         }
     }
 
-    /// Draws the indirect commands in `draws` (`VkDrawIndirectCommand`), which holds nothing else,
-    /// without indices.
+    /// Draws the indirect commands without indices in `draws`, which must contain only such
+    /// commands (`VkDrawIndirectCommand`).
     pub fn draw_unindexed_indirect(&self, draws: BufferSlice) {
         if self.check_owner(&draws).is_err() {
             return;
@@ -97,16 +97,17 @@ impl Commands {
         }
     }
 
-    /// Draws the first of the commands in `draws` (`VkDrawIndirectCommand`), as many as the value
-    /// in `count`, which is no less than `maxDrawIndirectCount` where there are more than that.
+    /// Draws the first commands without indices in `draws` (`VkDrawIndirectCommand`). Their number
+    /// is the value in `count`, which must be at least `maxDrawIndirectCount` if `draws` has more
+    /// commands than that.
     pub(crate) fn draw_unindexed_indirect_count(&self, draws: BufferSlice, count: BufferSlice) {
         if !self.check_owners([&draws, &count]) {
             return;
         }
         for (offset, most) in self.unindexed_pieces(draws) {
             if self.is_sound() {
-                // SAFETY: drawIndirectCount was checked when this way was chosen; the slices hold
-                // commands and one value.
+                // SAFETY: drawIndirectCount was checked when the executor was chosen; the slices
+                // contain commands and one value.
                 unsafe {
                     self.device().raw().cmd_draw_indirect_count(
                         self.raw(),
@@ -122,8 +123,8 @@ impl Commands {
         }
     }
 
-    /// Returns the offsets and counts of commands without indices, as many as the device takes at
-    /// once.
+    /// Returns the offsets and counts of commands without indices, divided into the largest pieces
+    /// that the device accepts.
     fn unindexed_pieces(&self, draws: BufferSlice) -> impl Iterator<Item = (u64, u32)> + use<> {
         let limit = u64::from(self.device().adapter().limits.max_draw_indirect_count.max(1));
         let stride = u64::from(UNINDEXED_STRIDE);
@@ -133,8 +134,8 @@ impl Commands {
         pieces.map(move |first| (start + first * stride, (all - first).min(limit) as u32))
     }
 
-    /// Draws the commands in `draws` (`VkDrawIndirectCommand`), which holds nothing else, as
-    /// [`Commands::draw_all_indirect`] does.
+    /// Draws the commands without indices in `draws` (`VkDrawIndirectCommand`) like
+    /// [`Commands::draw_all_indirect`]. `draws` must contain only such commands.
     pub fn draw_all_unindexed_indirect(&self, draws: BufferSlice, all: BufferSlice) {
         if self.device().capabilities().keeps_draw_counts() {
             self.draw_unindexed_indirect_count(draws, all);
@@ -143,9 +144,9 @@ impl Commands {
         }
     }
 
-    /// Draws the indexed indirect commands in `draws`, which holds nothing else, also where a
-    /// counted draw was recorded before: under the value in `all`, `maxDrawIndirectCount`, on
-    /// drivers that go on using the count of that draw (Mesa 22.3's lavapipe).
+    /// Draws the indexed indirect commands in `draws`, which must contain only such commands. The
+    /// function is safe after a counted draw: on drivers that reuse the count of that draw (Mesa
+    /// 22.3's lavapipe) it draws with the count in `all`, which must be `maxDrawIndirectCount`.
     pub fn draw_all_indirect(&self, draws: BufferSlice, all: BufferSlice) {
         let limit = u64::from(self.device().adapter().limits.max_draw_indirect_count);
         let keeps = self.device().capabilities().keeps_draw_counts();
@@ -156,9 +157,9 @@ impl Commands {
         }
     }
 
-    /// Draws the first commands in `draws`, as many as the value in `count`. The recording fails
-    /// unless the device has [`OptionalFeature::DrawIndirectCount`] and `draws` holds no more
-    /// commands than its `maxDrawIndirectCount`. The value is no larger than that either.
+    /// Draws the first commands in `draws`; their number is the value in `count`. The recording
+    /// fails unless the device has [`OptionalFeature::DrawIndirectCount`] and `draws` has at most
+    /// `maxDrawIndirectCount` commands. The value must not be larger than that either.
     pub fn draw_indirect_count(&self, draws: BufferSlice, count: BufferSlice) {
         let stride = size_of::<vk::DrawIndexedIndirectCommand>() as u32;
         let most = u32::try_from(draws.size_bytes / u64::from(stride)).unwrap_or(u32::MAX);
@@ -172,7 +173,7 @@ impl Commands {
         if !self.check_owners([&draws, &count]) || !self.is_sound() {
             return;
         }
-        // SAFETY: drawIndirectCount is there; both slices lie in their buffers.
+        // SAFETY: the device has drawIndirectCount; both slices lie in their buffers.
         unsafe {
             self.device().raw().cmd_draw_indexed_indirect_count(
                 self.raw(),
@@ -186,7 +187,7 @@ impl Commands {
         }
     }
 
-    /// Runs a compute shader over `groups` workgroups; the recording fails if they are beyond the
+    /// Runs a compute shader over `groups` workgroups. The recording fails if they exceed the
     /// device's `maxComputeWorkGroupCount`.
     pub fn dispatch(&self, groups: [u32; 3]) {
         let most = self.device().adapter().limits.max_compute_work_group_count;

@@ -1,4 +1,4 @@
-//! Recording of what happens to the images of a target after draws: averages and copies.
+//! Recording of operations on the images of a target after its draws: averages and copies.
 
 use ash::vk;
 
@@ -13,10 +13,10 @@ use crate::record::render_target::{AttachmentStore, Load, RenderTarget};
 use crate::record::target::Target;
 
 impl Target {
-    /// Averages the samples of each pixel into the finished image: their light, where the driver
-    /// does not average codes (SwiftShader does). Outside of rendering, after draws of the same
-    /// frame. To continue drawing, prepare the target again. Does nothing where a pixel has one
-    /// sample.
+    /// Averages the samples of each pixel into the finished image. The average is taken of linear
+    /// light, except on drivers that average the encoded values (SwiftShader). Must be called
+    /// outside of rendering, after draws of the same frame. To continue drawing, prepare the target
+    /// again. Does nothing with one sample per pixel.
     pub fn resolve(&mut self, commands: &Commands) {
         if self.recording != Some(commands.recording()) || commands.check_owner(self).is_err() {
             return;
@@ -39,10 +39,10 @@ impl Target {
         commands.rendering(RenderTarget { colour_store: unchanged, ..target }, |_| ());
     }
 
-    /// Lets a rendering of all that is shown average the samples of each pixel into the finished
-    /// image where it ends, so that nobody reads them afterwards. To be called right before the
-    /// rendering begins, the last one of the frame that draws colours. Changes nothing where a
-    /// pixel has one sample.
+    /// Makes a rendering of the visible image average the samples of each pixel into the finished
+    /// image when it ends, so that the samples need not be stored. Must be called right before this
+    /// rendering begins, which must be the last one of the frame that draws colours. Changes
+    /// nothing with one sample per pixel.
     #[must_use]
     pub fn resolved_by(&mut self, commands: &Commands, rendering: RenderTarget) -> RenderTarget {
         if self.recording != Some(commands.recording()) || commands.check_owner(self).is_err() {
@@ -57,12 +57,12 @@ impl Target {
         RenderTarget { average: average.view, colour_store, ..rendering }
     }
 
-    /// Prepares the finished image for commands of a host that draws over it, outside of rendering
-    /// and behind the last draws and [`Target::resolve`].
+    /// Prepares the finished image for commands of a host that draws over it. Must be called
+    /// outside of rendering, after the last draws and after [`Target::resolve`].
     ///
     /// # Errors
-    /// [`Error::NoImage`] where these commands drew nothing to the target, or it has no colours;
-    /// commands of another device.
+    /// [`Error::NoImage`] if these commands drew nothing to the target, or if it has no colours;
+    /// [`Error::Foreign`] for commands of another device.
     pub fn begin_overlay(&mut self, commands: &Commands) -> Result<OverlayImage, Error> {
         commands.check_owner(self)?;
         let format = self.attachments.colours.as_slice().first().copied();
@@ -78,10 +78,10 @@ impl Target {
         Ok(OverlayImage::new(&self.device, colour.raw, colour.view, format, self.size))
     }
 
-    /// Copies the depth of `size` pixels from `origin` on (from the upper left) to `to`, a storage
-    /// buffer: 32-bit floats, rows from the top without gaps, an [`Access::CopyWrite`]. Of several
-    /// samples of a pixel it copies the farthest. Copies nothing to a slice that is too small, and
-    /// nothing of an area beyond the image. To continue drawing, prepare the target again.
+    /// Copies the depth of an area of `size` pixels at `origin` (from the upper left) to `to`, a
+    /// storage buffer: 32-bit floats, rows from the top without gaps, with [`Access::CopyWrite`].
+    /// If a pixel has several samples, copies the farthest. Does nothing if the slice is too small
+    /// or the area extends beyond the image. To continue drawing, prepare the target again.
     pub fn copy_depth_to(
         &mut self,
         commands: &Commands,
@@ -117,7 +117,7 @@ impl Target {
             })
             .image_offset(vk::Offset3D { x: x as i32, y: y as i32, z: 0 })
             .image_extent(vk::Extent3D { width, height, depth: 1 });
-        // SAFETY: the slice holds the area, which lies within the image, in the layout named.
+        // SAFETY: the slice can hold the area, which lies within the image in the given layout.
         unsafe {
             commands.device().raw().cmd_copy_image_to_buffer(
                 commands.raw(),
@@ -129,8 +129,8 @@ impl Target {
         }
     }
 
-    /// Copies the colour image to `readback`, its layers one below the other; the recording fails
-    /// unless the sizes agree. The last use of the target in a frame.
+    /// Copies the colour image to `readback`, its layers one below the other. The recording fails
+    /// unless the sizes agree. Must be the last use of the target in a frame.
     pub fn copy_to(&mut self, commands: &Commands, readback: &Readback) {
         if commands.check_owner(self).is_err() {
             return;
@@ -163,7 +163,7 @@ impl Target {
                 ..Default::default()
             })
             .image_extent(vk::Extent3D { width, height, depth: 1 });
-        // SAFETY: the buffer holds exactly this image; it is in the layout named.
+        // SAFETY: the buffer has exactly the size of this image, which is in the given layout.
         unsafe {
             commands.device().raw().cmd_copy_image_to_buffer(
                 commands.raw(),

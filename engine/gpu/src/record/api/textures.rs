@@ -1,4 +1,4 @@
-//! Recording of copies to texture arrays that are sampled all the while.
+//! Recording of copies to texture arrays that are sampled in the meantime.
 
 use crate::memory::buffer::BufferSlice;
 use crate::memory::texture_array::TextureArray;
@@ -12,16 +12,16 @@ pub struct TextureRows {
     pub layer: u32,
     /// The mip level; 0 is the whole image.
     pub level: u32,
-    /// The first row, from the top; of compressed blocks, rows of blocks.
+    /// The first row, from the top; with compressed blocks, the first row of blocks.
     pub first: u32,
     /// The number of rows.
     pub count: u32,
 }
 
 impl Commands {
-    /// Makes all layers of an array that nothing was written to ready to be sampled and
-    /// [written](Commands::write_texture), with texels that are not defined: as
-    /// [`TextureUploads::reserve`](crate::TextureUploads::reserve) does, without waiting. The array
+    /// Prepares all layers of an unwritten array to be sampled and
+    /// [written](Commands::write_texture), with undefined texels. Does the same as
+    /// [`TextureUploads::reserve`](crate::TextureUploads::reserve), but without waiting. The array
     /// counts as filled once it was [announced](TextureArray::announce).
     pub fn open_texture(&self, array: &TextureArray) {
         if self.check_owner(array).is_err() {
@@ -37,12 +37,12 @@ impl Commands {
         }
     }
 
-    /// Copies rows to a layer that was [written](crate::TextureUploads::write) or
-    /// [reserved](crate::TextureUploads::reserve): four bytes per pixel or compressed blocks, from
-    /// the beginning of `from`. Waits for draws recorded before that sample the array, and draws
-    /// recorded later wait for it.
+    /// Copies rows from the beginning of `from` to a layer that was
+    /// [written](crate::TextureUploads::write) or [reserved](crate::TextureUploads::reserve): four
+    /// bytes per pixel, or compressed blocks. Waits for earlier draws that sample the array; later
+    /// draws wait for the copy.
     ///
-    /// The frame fails where the rows do not lie in the array or their bytes not in `from`.
+    /// The frame fails if the rows are not in the array or their bytes are not in `from`.
     pub fn write_texture(&self, array: &TextureArray, rows: TextureRows, from: BufferSlice) {
         if self.check_owner(array).is_err() || !self.check_owners([&from]) {
             return;
@@ -76,8 +76,8 @@ impl Commands {
         )]);
     }
 
-    /// Makes the mip maps of a layer, whose rows were all [copied](Commands::write_texture), if the
-    /// device makes them ([`TextureArray::levels_by_cpu`]).
+    /// Creates the mip maps of a layer whose rows were all [copied](Commands::write_texture), if
+    /// the device creates them. Otherwise see [`TextureArray::levels_by_cpu`].
     pub fn make_texture_levels(&self, array: &TextureArray, layer: u32) {
         if self.check_owner(array).is_err() {
             return;

@@ -1,17 +1,17 @@
-//! The margins of volumes: what a filter finds beside a receiver's ray, and what lies deeper than a
-//! receiver, is in the volume, and would not be without them.
+//! The margins of volumes: a volume contains what a filter finds beside a receiver's ray and deeper
+//! than a receiver, and would not contain it without the margins.
 
 use super::*;
 
-/// A light, a box, and a receiver that a filter lets some point of the box shade.
+/// A light, a box, and a receiver that a point of the box shades through a filter.
 struct Shaded {
     reach: LightReach,
     bounds: Aabb,
     receiver: Vec3,
 }
 
-/// Returns a random one. The point of the box is drawn along the ray of the light, towards it by up
-/// to the lead and away from it at will, and aside by up to the spread.
+/// Returns a random case. A point of the box is moved along the ray of the light, towards the light
+/// by up to the lead or away from it by any factor, and aside by up to the spread.
 fn shaded(numbers: &mut Numbers) -> Shaded {
     let spread_m = numbers.between(0.0, 3.0);
     let reach = LightReach { spread_m, ..reaches(numbers) };
@@ -20,7 +20,7 @@ fn shaded(numbers: &mut Numbers) -> Shaded {
     let caster = low + size * (numbers.point(0.5) + 0.5);
     let l = reach.light.truncate();
     let w = Vec3::splat(reach.light.w);
-    // Half of them between the lead and the box.
+    // Half of the receivers lie between the lead and the box.
     let far = if reach.light.w == 0.0 { 30.0 } else { 3.0 };
     let k = if numbers.between(0.0, 1.0) < 0.5 {
         -reach.lead * numbers.between(0.0, 1.0)
@@ -32,13 +32,13 @@ fn shaded(numbers: &mut Numbers) -> Shaded {
     Shaded { reach, bounds: Aabb::new(low, low + size), receiver }
 }
 
-/// Returns true if a point is in the volume of an enlarged box: if some point of the box is drawn
-/// to it, by a factor that meets the bounds of all axes. Computed in 64 bits.
+/// Returns true if a point is in the volume of an enlarged box: if a factor within the bounds of
+/// all axes moves some point of the box to it. Computed in 64 bits.
 fn holds(proxy: &Aabb, length: VolumeLength, light: Vec4, point: Vec3) -> bool {
     let light = light.as_dvec4();
     let point = point.as_dvec3();
     let mut range = [-length.towards, length.away].map(f64::from);
-    // Of `min <= (point + k l) / (1 + k w) <= max` each side is a bound of k.
+    // Each side of `min <= (point + k l) / (1 + k w) <= max` bounds k.
     let mut bound = |slope: f64, most: f64| {
         if slope > 0.0 {
             range[1] = range[1].min(most / slope);
@@ -56,7 +56,7 @@ fn holds(proxy: &Aabb, length: VolumeLength, light: Vec4, point: Vec3) -> bool {
     range[0] <= range[1]
 }
 
-/// Returns true if the receiver is in the volume of the box, with margins that `change` changed.
+/// Returns true if the receiver is in the volume of the box after `change` changed the margins.
 fn is_held(view: &CullView, shaded: &Shaded, change: impl FnOnce(&mut LightReach)) -> bool {
     let mut reach = shaded.reach;
     change(&mut reach);
@@ -69,7 +69,7 @@ fn is_held(view: &CullView, shaded: &Shaded, change: impl FnOnce(&mut LightReach
 fn what_filters_find_aside_and_deeper_is_in_the_volume_by_its_margins() {
     let mut numbers = Numbers(SplitMix64::new(17));
     let projection = Projection::perspective(1.0);
-    // Many pixels: what proxies need for themselves is small.
+    // With many pixels the margin of proxies is small.
     let camera = Camera { eye: Vec3::ZERO, forward: Vec3::X, up: Vec3::Y, projection, near: 0.1 };
     let view = CullView::new(&camera, [8192, 8192], 8);
     let mut counted = [0; 2];

@@ -1,4 +1,4 @@
-//! The presentation engine's feedback on frames after they were presented. Nothing here decides.
+//! The feedback of the presentation engine on presented frames. It affects no decision.
 
 use std::time::Duration;
 
@@ -13,22 +13,22 @@ use crate::core::error::{Called, Error};
 pub struct PresentTiming {
     /// The number of the presented frame.
     pub id: PresentId,
-    /// The time at which it was first on the screen, in nanoseconds.
+    /// The time at which the frame was first on the screen, in nanoseconds.
     pub shown_ns: u64,
-    /// The earliest time at which it could have been shown, in nanoseconds.
+    /// The earliest time at which the frame could have been shown, in nanoseconds.
     pub earliest_ns: u64,
-    /// The time from its readiness to that, in nanoseconds.
+    /// The time between the frame being ready and the earliest time, in nanoseconds.
     pub margin_ns: u64,
 }
 
-/// The number of timings asked for at once; more come with the next call.
+/// The number of timings requested at once; further ones come with the next call.
 const TIMINGS: usize = 16;
 
 impl Swapchain {
-    /// Returns the newest frame known to be, or to have been, on the screen. Never waits. `None`
-    /// where nothing is known: no frame of the window as it is now has been seen yet, or the device
-    /// lacks [`crate::OptionalFeature::PresentWait`]. Called once per frame or more often, it moves
-    /// from id to id; it skips frames that are never shown.
+    /// Returns the newest frame known to be, or to have been, on the screen. Never waits. Returns
+    /// `None` if no frame of the present swapchain has been seen yet, or if the device lacks
+    /// [`crate::OptionalFeature::PresentWait`]. Called at least once per frame, it steps from id to
+    /// id; it skips frames that are never shown.
     ///
     /// # Errors
     /// A failed call.
@@ -42,10 +42,9 @@ impl Swapchain {
         Ok(Some(self.screen.shown_until).filter(|shown| *shown > self.screen.before_chain))
     }
 
-    /// Waits until the frame of `id` is on the screen, for no longer than `bound` (at most a
-    /// minute), and returns true if it is. Returns false at once for an id that was never
-    /// presented, for one of a swapchain replaced since, and without
-    /// [`crate::OptionalFeature::PresentWait`].
+    /// Waits until the frame `id` is on the screen, for at most `bound` (and at most a minute), and
+    /// returns true if it is. Returns false at once for an id that was never presented, for an id
+    /// of a swapchain that was replaced since, and without [`crate::OptionalFeature::PresentWait`].
     ///
     /// # Errors
     /// A failed call.
@@ -61,13 +60,13 @@ impl Swapchain {
         }
         const MOST_NS: u64 = 60_000_000_000;
         let bound_ns = u64::try_from(bound.as_nanos()).unwrap_or(MOST_NS).min(MOST_NS);
-        // SAFETY: an id that was presented to this chain, which nobody else calls meanwhile.
+        // SAFETY: an id that was presented to this chain, which is not used concurrently.
         match unsafe { functions.wait_for_present(chain.raw, id.0, bound_ns) } {
             Ok(()) => {
                 screen.shown_until = screen.shown_until.max(id);
                 Ok(true)
             }
-            // A window that has changed shows nothing of what it was given before.
+            // A changed window shows no frame that was presented before.
             Err(
                 vk::Result::TIMEOUT
                 | vk::Result::ERROR_OUT_OF_DATE_KHR
@@ -77,8 +76,8 @@ impl Swapchain {
         }
     }
 
-    /// Hands out the timings that arrived since the last call, oldest first. None ever arrive
-    /// without [`crate::OptionalFeature::DisplayTiming`].
+    /// Passes the timings that arrived since the last call to `each`, oldest first. There are never
+    /// any without [`crate::OptionalFeature::DisplayTiming`].
     ///
     /// # Errors
     /// A failed call.
@@ -116,7 +115,7 @@ impl Swapchain {
         Ok(())
     }
 
-    /// Returns the duration of a refresh of the screen; `None` where it is unknown, as it is
+    /// Returns the duration of a refresh of the screen; `None` if it is unknown, for example
     /// without [`crate::OptionalFeature::DisplayTiming`].
     ///
     /// # Errors
@@ -139,8 +138,8 @@ impl Swapchain {
     }
 }
 
-/// Returns the full id, of which the extension keeps 32 bits: the newest one not after `newest`
-/// with these low bits.
+/// Returns the full id for the 32 bits that the extension keeps: the newest id up to `newest` with
+/// these low bits.
 fn widened(low: u32, newest: PresentId) -> PresentId {
     let behind = (newest.0 as u32).wrapping_sub(low);
     PresentId(newest.0.saturating_sub(u64::from(behind)))

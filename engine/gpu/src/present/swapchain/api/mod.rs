@@ -1,4 +1,4 @@
-//! The presentation of a frame, and the feedback on it afterwards.
+//! Presenting a frame, and the feedback on it afterwards.
 
 pub(crate) mod feedback;
 mod showing;

@@ -1,4 +1,4 @@
-//! The way of a frame to the window: the copy, the submit, the present, and its outcome.
+//! The path of a frame to the window: the copy, the submit, the present, and its outcome.
 
 use std::time::{Duration, Instant};
 
@@ -15,7 +15,7 @@ use crate::record::frames::Frame;
 use crate::record::target::Target;
 
 impl SwapchainState {
-    /// Copies the frame to the image that is held, and presents it.
+    /// Copies the frame to the acquired image and presents it.
     pub(in super::super) fn show(
         &mut self,
         frame: Frame<'_>,
@@ -67,7 +67,7 @@ impl SwapchainState {
         }
     }
 
-    /// Returns true if the call of the last present came back within the bound.
+    /// Returns true if the call of the last present returned within the bound.
     pub(in super::super) fn is_ready(&mut self) -> Result<bool, Error> {
         let (Some(presenter), Some(_)) = (&self.presenter, self.calling) else { return Ok(true) };
         let Some(result) = presenter.result_within(self.options.acquire_bound) else {
@@ -76,13 +76,14 @@ impl SwapchainState {
         self.came_back(result).map(|_| true)
     }
 
-    /// Returns the chain, unless another thread is in a call with it.
+    /// Returns the chain, unless another thread is using it in a call.
     pub(in super::super) fn idle_chain(&self) -> Option<&SwapchainImages> {
         let is_busy = self.presenter.as_ref().is_some_and(Presenter::is_busy);
         self.chain.as_ref().filter(|_| !is_busy)
     }
 
-    /// Takes the result of a present, and returns the reason why the frame is not shown, if any.
+    /// Handles the result of a present. Returns the reason why the frame is not shown, if it is
+    /// not.
     fn came_back(
         &mut self,
         result: Result<bool, vk::Result>,
@@ -99,7 +100,7 @@ impl SwapchainState {
                 Ok(None)
             }
             Err(code) => {
-                // The image is not ours any more, or its semaphore was left signalled.
+                // The image is no longer acquired, or its semaphore was left signalled.
                 self.fit = Fit::Unusable;
                 if is_outdated(code) {
                     return Ok(Some(PresentSkipped::OutOfDate));
