@@ -12,7 +12,7 @@ const RING: u32 = 8;
 /// A 3D texture of disks. Each x and y holds another disk; along z lie its samples, two per texel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct JitterTexture {
-    /// The side of the tile in texels.
+    /// The side of the tile of disks, in texels.
     pub side: u32,
     /// The depth in texels.
     pub depth: u32,

