@@ -35,7 +35,7 @@ fn crossing(from: DVec4, to: DVec4, triangle: VolumeTriangle) -> Option<i32> {
     let sides = [[a, b], [b, c], [c, a]].map(|[p, q]| determinant([from, to, p, q]));
     let ends = [from, to].map(|end| determinant([end, a, b, c]));
     let is_all = |sign: f64| sides.iter().all(|side| side * sign > CLOSE);
-    // If one side is clearly passed in the other direction than another, the rest does not matter.
+    // Two edges that are clearly passed on opposite sides suffice for a miss.
     let is_outside =
         sides.iter().any(|side| *side > CLOSE) && sides.iter().any(|side| *side < -CLOSE);
     if is_outside || (ends[0] > CLOSE && ends[1] > CLOSE) || (ends[0] < -CLOSE && ends[1] < -CLOSE)
