@@ -24,11 +24,11 @@ pub enum Interpolation {
 pub enum Values {
     /// The translation of a node in its parent.
     Translation(Vec<Vec3>),
-    /// Its rotation; unit quaternions, except the tangents of cubic tracks.
+    /// The rotation of a node; unit quaternions, except the tangents of cubic tracks.
     Rotation(Vec<Quat>),
     /// The scale along each of the node's axes, per key.
     Scale(Vec<Vec3>),
-    /// Its morph targets' weights: all targets of the first value, then of the next.
+    /// The weights of a node's morph targets: all targets of the first value, then of the next.
     Weights(Vec<f32>),
 }
 

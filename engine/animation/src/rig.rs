@@ -48,9 +48,9 @@ pub struct RigNode {
     pub name: String,
     /// The parent, in whose space the node lies; `None` for the world.
     pub parent: Option<RigNodeId>,
-    /// Its transform relative to the parent at rest.
+    /// The transform relative to the parent at rest.
     pub rest: Rest,
-    /// The weights of its morph targets at rest; empty if it has none.
+    /// The weights of the node's morph targets at rest; empty if it has none.
     pub weights: Vec<f32>,
 }
 

@@ -81,7 +81,7 @@ pub struct NodeAttachment {
     pub placed: PlacedNode,
     /// The transform from its space to the node's.
     pub local: Affine3A,
-    /// Its skinned mesh, with the index of the skin in [`GltfScene::skins`].
+    /// The skinned mesh, with the index of its skin in [`GltfScene::skins`].
     pub skinned_mesh: Option<(SkinnedMeshId, Option<usize>)>,
     /// The box around it in the world at rest; empty if it is not skinned.
     pub seen_at_rest: Aabb,

@@ -42,9 +42,6 @@ impl Losses {
     }
 
     /// Notes that a part is shown differently from the file, with the consequence.
-    ///
-    /// # Errors
-    /// The errors of [`Losses::leave_out`].
     pub(crate) fn repair(
         &mut self,
         fault: Fault,

@@ -24,7 +24,7 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 /// The number of wanted bytes of a resource.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Wanted {
-    /// This number of bytes from the start, which must exist.
+    /// The first bytes of the resource, of which there must be this number.
     First(u64),
     /// All bytes of the resource.
     All,

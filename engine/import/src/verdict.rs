@@ -124,17 +124,11 @@ impl Verdict {
     }
 
     /// Notes that a visible part is left out because of a fault.
-    ///
-    /// # Errors
-    /// The fault, if it refuses the file.
     pub(crate) fn leave_out(&mut self, fault: Fault, consequence: &str) -> Result<(), Fault> {
         self.losses.leave_out(fault, consequence, &mut self.notes)
     }
 
     /// Notes that a part is shown differently from the file because of a fault.
-    ///
-    /// # Errors
-    /// The fault, if it refuses the file.
     pub(crate) fn repair(&mut self, fault: Fault, consequence: &str) -> Result<(), Fault> {
         self.losses.repair(fault, consequence, &mut self.notes)
     }

@@ -50,15 +50,15 @@ pub struct EdgeSource<'a> {
 /// The reason why an edge is a feature, or that it is none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum EdgeKind {
-    /// Its faces fold by more than the crease angle.
+    /// The edge's faces fold by more than the crease angle.
     Crease,
-    /// It has a single face.
+    /// The edge has a single face.
     Border,
-    /// It has more than two faces.
+    /// The edge has more than two faces.
     NonManifold,
-    /// It lies between different faces of the model.
+    /// The edge lies between different faces of the model.
     FaceBorder,
-    /// None of the other kinds: visible only in views in which it is a silhouette.
+    /// The edge is none of these: it is visible only in views in which it is a silhouette.
     Smooth,
 }
 
@@ -80,7 +80,7 @@ pub struct EdgeSegment {
 /// The segments of one edge of a model, from corner to corner or around a closed loop.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EdgeChain {
-    /// Its segments, in their order.
+    /// The segments, in order.
     pub segments: Range<u32>,
     /// True if the chain ends where it begins.
     pub is_closed: bool,

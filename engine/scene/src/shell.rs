@@ -6,7 +6,7 @@ use std::collections::{HashMap, HashSet};
 /// The kind of surface that triangles make.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Shell {
-    /// There are border edges: nothing is enclosed.
+    /// The surface has border edges, so nothing is enclosed.
     #[default]
     Open,
     /// Every edge has an even number of triangles, whatever their winding.

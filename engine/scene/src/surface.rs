@@ -279,9 +279,9 @@ pub struct MorphTarget {
 pub struct SkinnedMesh {
     /// The mesh; the scene holds it at rest.
     pub mesh: MeshId,
-    /// Its skin, if it has one.
+    /// The skin, if the mesh has one.
     pub skin: Option<SkinWeights>,
-    /// Its morph targets.
+    /// The morph targets.
     pub targets: Vec<MorphTarget>,
 }
 

@@ -14,7 +14,7 @@ pub enum ObjectChange {
     Move {
         /// The id of the object in the scene.
         object: ObjectId,
-        /// Its new transform.
+        /// The new transform.
         transform: Affine3A,
     },
     /// The object is removed; its id may be reused.

@@ -27,7 +27,7 @@ pub struct FaceId {
 /// One view from a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Face {
-    /// Its identity.
+    /// The identity of the face.
     pub id: FaceId,
     /// The light's view: depth is reversed; the image is as large as the face's map.
     pub view: CullView,

@@ -39,7 +39,7 @@ const LAMP_SIZE: f32 = 0.75;
 pub struct Courtyard {
     /// The scene, at the start of its motion.
     pub scene: Scene,
-    /// Its sun and its lamps.
+    /// The sun and the lamps.
     pub daylight: Daylight,
     /// The motion of the figure and of the lantern.
     pub motion: YardMotion,

@@ -12,17 +12,17 @@ use scenes::{GeneratorError, Hour};
 /// An action between two frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
-    /// A switch to the next strategy that the device supports.
+    /// Changes to the next strategy that the device supports.
     NextStrategy,
-    /// A switch to this strategy.
+    /// Changes to this strategy.
     Strategy(Strategy),
-    /// One more frame in flight; after the most, back to one.
+    /// Adds a frame in flight; after the most, goes back to one.
     NextFramesInFlight,
-    /// This number of frames in flight.
+    /// Sets this number of frames in flight.
     FramesInFlight(u32),
-    /// A switch to the next present mode.
+    /// Changes to the next present mode.
     NextPresentMode,
-    /// A switch to this present mode.
+    /// Changes to this present mode.
     PresentMode(PresentMode),
     /// Freezes the culling while the camera flies on, or ends the freeze.
     Freeze,
@@ -30,23 +30,23 @@ pub enum Action {
     Compare,
     /// Identifies the object at a pixel, or in the middle, and explains why it is drawn or not.
     Identify(Option<[u32; 2]>),
-    /// The next hour of the day.
+    /// Changes to the next hour of the day.
     NextHour,
-    /// This hour of the day.
+    /// Changes to this hour of the day.
     Hour(Hour),
-    /// The next method of shadows.
+    /// Changes to the next method of shadows.
     NextShadows,
-    /// This method of shadows.
+    /// Changes to this method of shadows.
     Shadows(ShadowWay),
-    /// The next filter of shadow maps.
+    /// Changes to the next filter of shadow maps.
     NextFilter,
-    /// This filter of shadow maps.
+    /// Changes to this filter of shadow maps.
     Filter(ShadowFilter),
     /// Switches lens flares on or off.
     Flares,
     /// Switches between pictures projected by spots and white light.
     Pictures,
-    /// Levels of detail by distance and visible samples, or only by distance.
+    /// Switches between levels of detail by distance and visible samples, and only by distance.
     DetailBySamples,
     /// Switches the view from above in a corner.
     TopDown,
@@ -62,7 +62,7 @@ pub enum Action {
     Screenshot,
     /// Starts recording the camera's path, or ends it and writes the file.
     Record,
-    /// The next amount of text over the image.
+    /// Changes to the next amount of text over the image.
     Hud,
     /// Stops the time in the scene, or resumes it.
     Pause,

@@ -16,7 +16,7 @@ const PAGE_ROWS: usize = 14;
 pub enum Choice {
     /// A strategy to draw with.
     Strategy(Strategy),
-    /// This generated scene.
+    /// A generated scene to show.
     Made(choices::GeneratorChoice),
     /// A file to open.
     File(PathBuf),

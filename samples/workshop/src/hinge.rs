@@ -31,7 +31,7 @@ const MOST_MEASUREMENTS: usize = 20_000;
 pub struct CollisionSolid {
     /// The number of the part, for reports.
     pub part: usize,
-    /// Its corners, in metres.
+    /// The corners, in metres.
     pub corners: Vec<Vec3>,
     /// Three indices of corners for each triangle.
     pub triangles: Vec<[u32; 3]>,

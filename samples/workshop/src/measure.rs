@@ -12,7 +12,7 @@ const REACH_PIXELS: f64 = 8.0;
 /// An edge of a model near a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NearEdge {
-    /// Its length from corner to corner, in metres.
+    /// The length from corner to corner, in metres.
     pub length_m: f64,
     /// The distance of its nearest point from the pixel, in pixels.
     pub apart_pixels: f64,

@@ -102,7 +102,7 @@ pub enum CommandOutcome {
     Exported {
         /// The file.
         file: String,
-        /// Its size in bytes.
+        /// The size in bytes.
         bytes: u64,
         /// A sentence about shown parts that are missing in the file; absent if none are missing.
         #[serde(skip_serializing_if = "Option::is_none")]

@@ -79,7 +79,7 @@ pub(super) struct SkinnedPrimitive<'a> {
     pub(super) primitive: &'a Primitive<'a>,
     pub(super) geometry: &'a Geometry,
     pub(super) node: RigNodeId,
-    /// Its skin, with the skin's index.
+    /// The skin, with its index.
     pub(super) skin: Option<(usize, &'a Skin)>,
 }
 

@@ -56,9 +56,6 @@ pub(super) struct WantedSprites<'a> {
 }
 
 /// Returns a primitive as sprites, if it consists of points or lines.
-///
-/// # Errors
-/// Positions that are not finite; more vertices than the limits allow.
 pub(super) fn sprites_of(
     primitive: &Primitive<'_>,
     material: &MaterialUse,

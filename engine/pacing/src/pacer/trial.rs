@@ -27,7 +27,7 @@ pub(in crate::pacer) enum Shaking {
     Rests,
     /// A shake is due: the next frame will be delayed.
     Due,
-    /// This frame was delayed, and no wait for this frame or a later one has ended since.
+    /// The id of a delayed frame. No wait for this frame or a later one has ended since.
     Done(u64),
 }
 

@@ -33,7 +33,7 @@ pub struct PatchEdge {
 /// The reason why patches are not a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PatchError {
-    /// There are no patches.
+    /// A surface without patches.
     #[error("a surface needs at least one patch")]
     NoPatches,
     /// More than [`MAX_PATCHES`].
@@ -45,7 +45,7 @@ pub enum PatchError {
     /// A control point that is not finite, or farther away than 1e15 m.
     #[error("control point {point} is not finite, or farther away than 1e15 m")]
     NotFinite {
-        /// Its index.
+        /// The index of the control point.
         point: usize,
     },
     /// An index beyond the control points.

@@ -33,7 +33,7 @@ pub struct PlannedVolumes {
     pub area: LitArea,
     /// The far ends that its volumes may have.
     pub ends: Vec<VolumeEnd>,
-    /// Its casters among [`VolumePlan::ranges`], ascending and disjoint.
+    /// The light's casters among [`VolumePlan::ranges`], ascending and disjoint.
     pub ranges: Range<usize>,
 }
 

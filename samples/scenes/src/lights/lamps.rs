@@ -50,9 +50,6 @@ pub(super) enum LampKind {
 
 /// Returns a scene with surfaces whose lamps nearest to the path are lit: as many as it has, within
 /// the range of numbers.
-///
-/// # Errors
-/// [`GeneratorError::TooFewLamps`].
 pub(super) fn light_lamps(
     mut scene: Scene,
     eyes: &[Vec3],

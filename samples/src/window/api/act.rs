@@ -258,9 +258,6 @@ impl Session {
     }
 
     /// Writes the path that is being recorded. If that fails, the recording continues.
-    ///
-    /// # Errors
-    /// When the file cannot be written.
     pub(crate) fn stop_recording(&mut self) -> Result<(), RunError> {
         let Some(recorded) = self.recording.take() else { return Ok(()) };
         if recorded.frames().is_empty() {

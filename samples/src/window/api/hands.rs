@@ -22,9 +22,6 @@ const MADE_OBJECTS: u32 = 10_000;
 
 impl Opened {
     /// Handles Esc; returns true if the program should end.
-    ///
-    /// # Errors
-    /// When the device fails.
     pub(crate) fn escape(&mut self) -> Result<bool, RunError> {
         let closes = self.session.topmost_panel().map(|_| Escape::Close);
         let frees = self.pointer.is_looking().then_some(Escape::Free);
@@ -122,9 +119,6 @@ impl Opened {
     }
 
     /// Handles a key while a list or field is open.
-    ///
-    /// # Errors
-    /// When the device fails.
     pub(crate) fn choose(
         &mut self,
         key: MenuKey,

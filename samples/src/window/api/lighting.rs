@@ -56,9 +56,6 @@ impl Session {
     }
 
     /// Shows the scene at an hour; at the next hour if `hour` is `None`.
-    ///
-    /// # Errors
-    /// When the renderer refuses a light.
     pub(crate) fn set_hour(&mut self, hour: Option<Hour>) -> Result<(), RunError> {
         let Some(daylight) = &mut self.daylight else {
             self.refuse(NO_HOURS.to_owned());
@@ -88,9 +85,6 @@ impl Session {
 
     /// Updates the lens flares for the next frame. Frames that are compared have no flares, since
     /// the flares of two views begin at different times.
-    ///
-    /// # Errors
-    /// When the renderer refuses a flare.
     pub(crate) fn follow_flares(&mut self, eye: Vec3) -> Result<(), RunError> {
         let is_shown = self.flares == FlareChoice::On && self.comparison.is_none();
         let flares = match &self.daylight {
@@ -103,9 +97,6 @@ impl Session {
     }
 
     /// Switches between pictures projected by spots and white light.
-    ///
-    /// # Errors
-    /// When the renderer refuses a light.
     pub(crate) fn toggle_pictures(&mut self) -> Result<(), RunError> {
         let Some(daylight) =
             self.daylight.as_mut().filter(|daylight| projector_of(daylight).is_some())
@@ -125,9 +116,6 @@ impl Session {
     }
 
     /// Switches between levels of detail by visible samples, too, and only by distance.
-    ///
-    /// # Errors
-    /// When the device fails.
     pub(crate) fn toggle_detail_by_samples(&mut self) -> Result<(), RunError> {
         if let Err(error) = self.renderer.supports_counts() {
             self.refuse(error.to_string());

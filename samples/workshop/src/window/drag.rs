@@ -101,7 +101,7 @@ impl LidGrab {
 pub struct PlaneGrab {
     /// The index of its axis.
     pub axis: usize,
-    /// Its position at the press, in millimetres.
+    /// The plane's position at the press, in millimetres.
     from_mm: f32,
     /// The place of the press in the image.
     pressed_at: Vec2,
