@@ -26,7 +26,6 @@ use crate::{GltfScene, ImportError, MeshFormat, convert, mesh_files, source};
 /// if these are refused ([`BrokenParts`](crate::BrokenParts));
 /// [`Cause::GivenUp`](crate::Cause::GivenUp) if `progress_fn` stops loading. Each error names the
 /// file, the object in it, and the reason.
-/// file, the object in it, and the reason.
 pub fn load(
     path: &Path,
     options: &LoadOptions,

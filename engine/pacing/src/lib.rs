@@ -19,12 +19,12 @@
 //!
 //! # Guarantees
 //!
-//! Tested with a simulated presentation engine in `tests/simulated_display`, at loads of up to 80
-//! %: at most one refresh in a thousand is missed, the queue never exceeds its limit, latency is
-//! within a refresh of the optimum, and five frames after a stall the pacing is regular again. For
-//! stalls of the GPU this requires [`Feedback::Finished`], or [`Feedback::GpuTime`] together with
-//! [`PresentReports::Times`]. A stall that is only found by polling may be taken for slower work
-//! for a while.
+//! At loads of up to 80 %, tested with a simulated presentation engine in
+//! `tests/simulated_display`: at most one refresh in a thousand is missed, the queue never exceeds
+//! its limit, latency is within a refresh of the optimum, and five frames after a stall the pacing
+//! is regular again. For stalls of the GPU this requires [`Feedback::Finished`], or
+//! [`Feedback::GpuTime`] together with [`PresentReports::Times`]. A stall that is only found by
+//! polling may be taken for slower work for a while.
 //!
 //! With [`PresentReports::Missing`], refreshes are learnt only from acquires that had to wait, once
 //! the pacer knows that they wait for the display. If acquires wait only for the GPU, refreshes

@@ -1,5 +1,5 @@
-//! The feature edges of a mesh, as CAD drawings show them, and its smooth edges. Silhouettes are
-//! smooth edges that depend on the view.
+//! The feature edges of a mesh, as CAD drawings show them, and its smooth edges. The view decides
+//! which smooth edges are silhouettes.
 //!
 //! Vertices at equal positions count as one vertex, a triangle and its back as one face. No
 //! decision depends on the winding: the fold of an edge is measured between the two directions from

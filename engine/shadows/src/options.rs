@@ -117,8 +117,8 @@ pub enum ShadowCaching {
 pub enum CasterCulling {
     /// Maps that are not kept hold only casters whose shadow can fall on something visible
     /// (Bittner, Mattausch, Silvennoinen, Wimmer, "Shadow Caster Culling for Efficient Shadow
-    /// Mapping", I3D 2011). Maps that are kept for later views hold all of their casters. Volumes
-    /// are counted only for such casters. Needs frames of one view with one sample per pixel.
+    /// Mapping", I3D 2011), and only volumes of these casters are counted. Maps that are kept for
+    /// later views hold all of their casters. Needs frames of one view with one sample per pixel.
     #[default]
     Culled,
     /// All casters in a map's view are drawn, and all volumes are counted.

@@ -15,7 +15,7 @@ use crate::hinge::{BadSolid, CollisionSolid, LidCollision, Turn, rotation};
 /// The way in which a part is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Display {
-    /// Opaque.
+    /// Shown with its own material.
     #[default]
     Shown,
     /// Transparent.

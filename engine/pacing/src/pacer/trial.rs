@@ -9,7 +9,6 @@
 //! A wait counts only if the frame that had to be shown first was seen finished a whole frame
 //! earlier. With two images that frame is the newest one, which is never finished so early. Then
 //! frames start so that it is finished when the next image is acquired.
-//! start so that it is finished when the next image is asked for.
 
 use crate::refresh_clock::RefreshClock;
 use crate::time::MILLISECOND_NS;
