@@ -21,11 +21,11 @@
 //! P + |translation|`. `P` is the largest magnitude of a position at rest plus the displacements
 //! that targets add to it. No partial sum is larger than `S`. A term goes through `t + 1`
 //! operations for `t` targets, `n + 1` for `n` influences, and 5 for the product with the mixed
-//! matrix. So a vertex is off by less than `(t + n + 7) * u * S`, and this box by less than `(t +
-//! 7) * u * S`. The margin uses `2 * u` instead of `u`, which covers the terms of higher order and
-//! the rounding of the margin. Weights whose sum differs from 1 by at most `e` scale a mix by at
-//! most `1 + e`, and move it by at most `e * S`. (Numbers below the least normal one may be flushed
-//! to zero: some 1e-38 m, which the margin of proxies exceeds.)
+//! matrix. So the error of a vertex is less than `(t + n + 7) * u * S`, and the error of this box
+//! is less than `(t + 7) * u * S`. The margin uses `2 * u` instead of `u`, which covers the terms
+//! of higher order and the rounding of the margin. Weights whose sum differs from 1 by at most `e`
+//! scale a mix by at most `1 + e`, and move it by at most `e * S`. (Numbers below the least normal
+//! one may be flushed to zero: some 1e-38 m, which the margin of proxies exceeds.)
 
 use cull::Aabb;
 use glam::{Affine3A, Vec3, Vec3A};

@@ -36,8 +36,8 @@ pub struct SkinnedMeshId(pub u32);
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct SurfaceVertex {
-    /// Unit normal as snorm16; the last is 32767 if the mesh has both sides of each triangle, else
-    /// 0. With both sides, the normal may be mirrored in some frames.
+    /// Unit normal as snorm16; the last is 32767 if the mesh has both sides of each triangle, and 0
+    /// otherwise. With both sides, the normal may be mirrored in some frames.
     pub normal: [i16; 4],
     /// Unit tangent as snorm16; the last is the bitangent's sign, -32767 or 32767.
     pub tangent: [i16; 4],
