@@ -1,7 +1,7 @@
-//! The window programs `city` and `viewer`, and their head-up display.
+//! The window programs `city`, `shadows` and `viewer`, and their head-up display.
 //!
-//! Parts that they share with the measuring programs (options, cameras, reports, exit codes) are in
-//! `bench`.
+//! The parts that they share with the measuring programs (options, cameras, reports, exit codes)
+//! are in `bench`.
 #![forbid(unsafe_code)]
 
 pub mod hud;

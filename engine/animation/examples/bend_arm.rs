@@ -1,4 +1,4 @@
-//! Bends an arm of two bones: a rig, a clip on it, poses in time, and the matrices of its skin.
+//! Bends an arm of two bones, with a rig, a clip, poses at several times, and joint matrices.
 
 use std::error::Error;
 

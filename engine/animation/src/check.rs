@@ -1,11 +1,11 @@
-//! The checks of a clip, made once when it is created.
+//! The checks of a clip, which run once when it is created.
 
 use glam::Quat;
 
-/// The largest number that is accepted: products of a few of them must stay finite.
+/// The largest number that is accepted: products of a few such numbers must stay finite.
 pub(crate) const LARGEST: f32 = 1e9;
 
-/// The reason why keys make no track.
+/// The reason why keys are not a valid track.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TrackError {
     /// A track without a key: it needs at least one.
@@ -63,7 +63,7 @@ pub enum TrackError {
     },
 }
 
-/// The reason why channels make no clip of a rig.
+/// The reason why channels are not a valid clip of a rig.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ClipError {
     /// A node that does not exist.
@@ -71,7 +71,7 @@ pub enum ClipError {
     NoNode {
         /// The index of the channel.
         channel: usize,
-        /// The node that it names.
+        /// The index of the missing node.
         node: u32,
     },
     /// A node with a matrix as its transform.
@@ -82,7 +82,7 @@ pub enum ClipError {
         /// The node with the matrix.
         node: u32,
     },
-    /// A property that another channel animates.
+    /// A property that another channel already animates.
     #[error("channel {channel} moves what another channel of node {node} moves")]
     Twice {
         /// The index of the channel.
@@ -98,7 +98,7 @@ pub enum ClipError {
         /// The node of the weights.
         node: u32,
     },
-    /// Keys that make no track.
+    /// Keys that are not a valid track.
     #[error("channel {channel}: {error}")]
     Track {
         /// The index of the channel.
@@ -130,7 +130,7 @@ pub(crate) fn check_times(times_s: &[f32]) -> Result<(), TrackError> {
     Ok(())
 }
 
-/// Normalises all rotations: every value, or the middle one of three.
+/// Normalises all rotations: every value, or with tangents the middle one of three.
 pub(crate) fn normalise(values: &mut [Quat], parts: usize) -> Result<(), TrackError> {
     for (index, value) in values.iter_mut().enumerate() {
         if parts == 3 && index % 3 != 1 {

@@ -24,11 +24,11 @@ pub enum Interpolation {
 pub enum Values {
     /// The translation of a node in its parent.
     Translation(Vec<Vec3>),
-    /// Its rotation; unit quaternions, except the tangents of cubic tracks.
+    /// The rotation of a node; unit quaternions, except the tangents of cubic tracks.
     Rotation(Vec<Quat>),
     /// The scale along each of the node's axes, per key.
     Scale(Vec<Vec3>),
-    /// Its morph targets' weights: all targets of the first value, then of the next.
+    /// The weights of a node's morph targets: all targets of the first value, then of the next.
     Weights(Vec<f32>),
 }
 
@@ -37,16 +37,17 @@ pub enum Values {
 pub struct Track {
     /// The interpolation from key to key.
     pub interpolation: Interpolation,
-    /// The times of the keys, in seconds, strictly ascending. Clips play from 0 on: keys before
-    /// that count only for what follows them.
+    /// The times of the keys, in seconds, strictly ascending. Clips play from 0 on: an earlier key
+    /// only affects the interpolation to the next key.
     pub times_s: Vec<f32>,
     /// The values of the keys.
     pub values: Values,
 }
 
 impl Track {
-    /// Creates a checked track. Rotations are normalised (quantised ones are a little off), except
-    /// tangents. `targets` is the number of the node's morph targets; it counts for weights only.
+    /// Creates a checked track. Rotations are normalised, except tangents, since quantised
+    /// rotations are not exactly of unit length. `targets` is the number of the node's morph
+    /// targets and only matters for weights.
     ///
     /// # Errors
     /// No keys; times that are not finite, or not ascending; too few or too many values; values
@@ -90,7 +91,7 @@ impl Track {
         Ok(Self { interpolation, times_s, values })
     }
 
-    /// Returns the position of a time among its keys; `None` without keys.
+    /// Returns the position of a time among the keys; `None` without keys.
     pub(crate) fn place(&self, time_s: f32) -> Option<Place> {
         let next = self.times_s.partition_point(|key_s| *key_s <= time_s);
         let (Some(key), Some(to_s)) = (next.checked_sub(1), self.times_s.get(next)) else {
@@ -102,13 +103,13 @@ impl Track {
         Some(Place::Between { key, fraction, interval_s })
     }
 
-    /// Returns a key's value among all values; for weights, the first of one per target.
+    /// Returns a key's value; for weights, the value of the first target of `stride`.
     pub(crate) fn value<T: Copy>(&self, values: &[T], key: usize, stride: usize) -> Option<T> {
         self.part(values, key, 1, stride, 0)
     }
 
-    /// Returns one of a key's three values (tangent in, value, tangent out), of one of `stride`
-    /// targets. Tracks that are not cubic have values alone.
+    /// Returns one of a key's three values (tangent in, value, tangent out), for one of `stride`
+    /// targets. Tracks that are not cubic have only the value.
     pub(crate) fn part<T: Copy>(
         &self,
         values: &[T],
@@ -121,7 +122,7 @@ impl Track {
         values.get(row * stride + target).copied()
     }
 
-    /// Returns its value at a place, with rotations interpolated linearly.
+    /// Returns the value at a place; rotations are interpolated linearly.
     fn mixed<T: Mix>(&self, values: &[T], place: Place, stride: usize, target: usize) -> Option<T> {
         let at = |key, part| self.part(values, key, part, stride, target);
         let (key, t, interval_s) = match place {
@@ -168,7 +169,7 @@ impl Track {
         })
     }
 
-    /// Writes the morph targets' weights at a time to `weights`, one each.
+    /// Writes the weights of the morph targets at a time to `weights`, one element per target.
     pub(crate) fn weights_at(&self, values: &[f32], time_s: f32, weights: &mut [f32]) {
         let Some(place) = self.place(time_s) else { return };
         let stride = weights.len();
@@ -190,7 +191,7 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// Returns true if it animates the transform of its node rather than the weights of its morph
+    /// Returns true if the channel animates the transform of its node, not the weights of morph
     /// targets.
     pub fn is_transform(&self) -> bool {
         !matches!(self.track.values, Values::Weights(_))
@@ -207,7 +208,7 @@ pub struct Clip {
 }
 
 impl Clip {
-    /// Creates a checked clip of a rig: all its tracks go through [`Track::new`].
+    /// Creates a checked clip of a rig. All tracks pass through [`Track::new`] again.
     ///
     /// # Errors
     /// Nodes that do not exist or have a matrix; two channels for one property; weights without
@@ -236,8 +237,8 @@ impl Clip {
         Ok(Self { name, channels: checked.collect::<Result<_, _>>()? })
     }
 
-    /// Returns the time of its last key in seconds, which is its duration. A loop starts again
-    /// after it.
+    /// Returns the time of the last key in seconds, which is the clip's duration. A loop restarts
+    /// after this time.
     pub fn duration_s(&self) -> f32 {
         let ends = self.channels.iter().filter_map(|channel| channel.track.times_s.last());
         ends.fold(0.0, |longest, end| longest.max(*end))

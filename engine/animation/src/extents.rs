@@ -1,6 +1,6 @@
-//! The distances of nodes from their parents in any clip, and any mix of clips, for the whole rig
-//! in one walk over all keys. The bound is coarse, costs next to nothing, and shows which objects
-//! can be skipped whichever of the clips play. Poses from elsewhere are not bounded.
+//! The distances of nodes from their parents in any clip and any mix of clips, for a whole rig. One
+//! pass over all keys computes them. The bound is coarse but cheap. It shows which objects can be
+//! skipped whichever of the clips play. Poses from other sources are not bounded.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -14,31 +14,31 @@ use crate::rig::{Rest, Rig, RigNodeId};
 use crate::skeleton::Skeleton;
 
 /// The extent of a node. A mix lies between the poses that it mixes, so the ranges of all clips and
-/// of the pose at rest hold all mixes.
+/// of the rest pose hold all mixes.
 #[derive(Clone, Copy, Debug)]
 struct Extent {
-    /// The greatest distance of its origin from its parent's.
+    /// The greatest distance of the node's origin from its parent's.
     farthest: f32,
-    /// The greatest factor by which it lengthens a vector.
+    /// The greatest factor by which the node's transform lengthens a vector.
     lengthens: f32,
 }
 
-/// The extents of nodes in all poses that some clips give, alone or mixed.
+/// The extents of nodes in all poses that a set of clips can produce, alone or mixed.
 #[derive(Clone, Debug)]
 pub struct Extents {
     nodes: Vec<Extent>,
-    /// The ranges of scales of those few nodes that clips scale.
+    /// The ranges of scales of the nodes that clips scale, usually a few.
     scales: HashMap<RigNodeId, [Vec3; 2]>,
 }
 
 /// The factor for rounding errors of single precision.
 const ROUNDING: f32 = 1.001;
 
-/// Returns the greatest factor by which a matrix lengthens a vector, exact for rotated and scaled
-/// axes: the square root of the largest sum of a row of its product with its transpose.
+/// Returns an upper bound for the factor by which a matrix lengthens a vector, exact for rotated
+/// and scaled axes: the square root of the largest row sum of its product with its transpose.
 fn lengthens(matrix: &Affine3A) -> f32 {
     let axes = [matrix.matrix3.x_axis, matrix.matrix3.y_axis, matrix.matrix3.z_axis];
-    // Its entries may be as large as numbers get.
+    // The entries may be large enough to overflow when squared.
     let axes = axes.map(|axis| Vec3::from(axis).as_dvec3());
     let row = |axis: DVec3| axes.iter().map(|other| axis.dot(*other).abs()).sum::<f64>();
     axes.iter().map(|axis| row(*axis)).fold(0.0, f64::max).sqrt() as f32
@@ -50,8 +50,8 @@ fn turns_inside_out(ends: &[Vec3; 2]) -> bool {
 }
 
 impl Extents {
-    /// Creates the extents of a rig in these clips and at rest. Takes time in proportion to nodes
-    /// and keys.
+    /// Creates the extents of a rig in these clips and at rest. The time is proportional to the
+    /// number of nodes and keys.
     pub fn new<'a>(rig: &Rig, clips: impl IntoIterator<Item = &'a Clip>) -> Self {
         let at_rest = |rest: &Rest| match rest {
             Rest::Matrix(matrix) => {
@@ -98,32 +98,33 @@ impl Extents {
         }
     }
 
-    /// Returns true if a node may mirror at one time and not at another.
+    /// Returns true if the scale of a node may be mirrored at some times and not at others.
     pub fn may_turn_inside_out(&self, node: RigNodeId) -> bool {
         self.scales.get(&node).is_some_and(turns_inside_out)
     }
 
-    /// Returns true if any node may do so.
+    /// Returns true if [`Self::may_turn_inside_out`] is true for any node.
     pub fn may_any_turn_inside_out(&self) -> bool {
         self.scales.values().any(turns_inside_out)
     }
 
-    /// Returns the greatest distance from a parent's origin of a point that is at most `distance`
-    /// from the node's origin.
+    /// Returns the greatest distance of a point from the parent's origin, if the point is at most
+    /// `distance` from the node's origin.
     fn lifted(&self, node: RigNodeId, distance: f32) -> f32 {
         let extent = self.nodes.get(node.0 as usize);
         let lifted =
             extent.map_or(distance, |extent| extent.farthest + extent.lengthens * distance);
-        // A value that is not a number would be lost in a maximum.
+        // A maximum would lose a NaN.
         if lifted.is_nan() { f32::INFINITY } else { lifted }
     }
 
-    /// Returns the greatest distance of any point from the origin of the world, and the node that
-    /// it belongs to. `distances` holds, for each node, the greatest distance of its own points
-    /// from its origin, which may be infinite; it is negative for a node without points. Takes time
-    /// in proportion to the rig.
+    /// Returns the greatest distance of any point from the origin of the world, and the node to
+    /// which the point belongs. For each node, `distances` holds the greatest distance of its own
+    /// points from its origin, which may be infinite. It is negative for a node without points. The
+    /// time is proportional to the size of the rig.
     pub fn farthest(&self, rig: &Rig, distances: &[f32]) -> Option<(RigNodeId, f32)> {
-        // The farthest point at or below each node, in the node's space, and its own node.
+        // The farthest point at or below each node, in the node's space, and the node to which it
+        // belongs.
         let mut hanging: Vec<Option<(f32, RigNodeId)>> = (0..rig.nodes().len() as u32)
             .map(|id| {
                 let distance = distances.get(id as usize).filter(|distance| **distance >= 0.0)?;
@@ -148,11 +149,12 @@ impl Extents {
         farthest.map(|(distance, whose)| (whose, distance * ROUNDING))
     }
 
-    /// Returns a box that no vertex of a skeleton leaves while the clips play: the sum of the
-    /// lengths of the chains above it. `boxes` holds for each joint, by its number in the skin, the
-    /// box of the vertices that follow it, in the space of the mesh. The box is around the origin
-    /// of the [skeleton's space](Skeleton::space); where vertices reach too far, it is infinite or
-    /// larger than any scene. Takes time in proportion to boxes and bones.
+    /// Returns a box that no vertex of a skeleton leaves while the clips play. Its size is the sum
+    /// of the lengths of the bone chains. `boxes` holds for each joint, by its number in the skin,
+    /// the box of the vertices that follow the joint, in the space of the mesh. The returned box is
+    /// centred on the origin of the [skeleton's space](Skeleton::space). If vertices reach too far,
+    /// it is infinite or larger than any scene. The time is proportional to the number of boxes and
+    /// bones.
     pub fn reach(&self, skeleton: &Skeleton, boxes: impl IntoIterator<Item = (u16, Aabb)>) -> Aabb {
         let mut hanging = vec![f32::NEG_INFINITY; skeleton.bones.len()];
         let mut farthest = 0.0_f32;
@@ -165,10 +167,10 @@ impl Extents {
             let entry = joint.bone.and_then(|bone| hanging.get_mut(bone));
             let entry = entry.unwrap_or(&mut farthest);
             for corner in bounds.corners() {
-                // Terms may cancel each other out, but their rounding errors do not.
+                // Terms may cancel, but their rounding errors do not.
                 let terms = lengthens * corner.length() + offset;
                 let distance = bind.transform_point3(corner).length() + terms * (ROUNDING - 1.0);
-                // A value that is not a number would be lost in a maximum.
+                // A maximum would lose a NaN.
                 *entry = entry.max(if distance.is_nan() { f32::INFINITY } else { distance });
             }
         }
@@ -187,7 +189,7 @@ impl Extents {
     }
 }
 
-/// The least and the largest weight of each morph target of nodes, in any clip, any mix of clips,
+/// The least and the greatest weight of each morph target of nodes, in any clip, any mix of clips,
 /// and at rest.
 #[derive(Clone, Debug, Default)]
 pub struct WeightRanges {
@@ -196,7 +198,7 @@ pub struct WeightRanges {
 }
 
 impl WeightRanges {
-    /// Finds the ranges of a rig in these clips. Takes time in proportion to the keys.
+    /// Finds the ranges of a rig in these clips. The time is proportional to the number of keys.
     pub fn new<'a>(rig: &Rig, clips: impl IntoIterator<Item = &'a Clip>) -> Self {
         let mut ranges = Self::default();
         for channel in clips.into_iter().flat_map(|clip| &clip.channels) {
@@ -213,7 +215,7 @@ impl WeightRanges {
         ranges
     }
 
-    /// Returns the ranges of a node's targets.
+    /// Returns the ranges of the morph targets of a node.
     pub fn of(&self, rig: &Rig, node: RigNodeId) -> Cow<'_, [[f32; 2]]> {
         match self.nodes.get(&node) {
             Some(ranges) => ranges.into(),

@@ -1,6 +1,6 @@
 //! Points whose hull holds all values of a track: the values of keys, and the control points of
-//! cubic pieces (a cubic is a mix of its Bernstein control points with factors that are not
-//! negative and 1 together, so it does not leave their hull, however far it overshoots its keys).
+//! cubic pieces. A cubic is a mix of its Bernstein control points. The factors are not negative and
+//! their sum is 1, so the cubic stays in their hull, however far it overshoots its keys.
 
 use crate::clip::{Interpolation, Track};
 use crate::sample::Mix;

@@ -1,12 +1,13 @@
 //! The animation of a scene: a rig of nodes, clips that play on it, poses, skins and morph targets.
-//! Pure values: time in, poses out. It reads no clock, knows no file format and no GPU, never
-//! panics, and allocates nothing per frame once its vectors have grown.
+//! All are pure values: the pose is a function of time. The crate reads no clock, is independent of
+//! file formats and GPUs, never panics, and does not allocate per frame once its vectors have
+//! grown.
 //!
-//! When a scene is loaded: [`Track::new`] and [`Clip::new`] check the clips, [`Skeleton::new`]
-//! checks the skins, and [`Extents`] bounds the distance of every node. In each frame:
-//! [`Player::pose_at`] gives the pose, [`Rig::update_world`] the world transforms of moving nodes,
-//! [`Skeleton::joint_matrices`] the matrices of skinned vertices, [`Pose::weights`] the weights of
-//! morphed ones.
+//! When a scene is loaded, [`Track::new`] and [`Clip::new`] check the clips, [`Skeleton::new`]
+//! checks the skins, and [`Extents`] bounds the distance of every node. In each frame,
+//! [`Player::pose_at`] computes the pose, [`Rig::update_world`] the world transforms of moving
+//! nodes, [`Skeleton::joint_matrices`] the matrices of skinned vertices, and [`Pose::weights`]
+//! returns the weights of morph targets.
 //!
 //! ```
 //! use antumbra_animation::*;

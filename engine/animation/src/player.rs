@@ -12,12 +12,12 @@ pub struct ClipId(pub u32);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct LayerId(pub u32);
 
-/// The state after the end of a clip.
+/// The behaviour at the end of a clip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Repeat {
-    /// The clip stays at its end.
+    /// The clip stops at its end.
     Once,
-    /// The clip begins again.
+    /// The clip restarts.
     Loop,
 }
 
@@ -26,22 +26,22 @@ pub enum Repeat {
 pub struct Playback {
     /// The clip that plays, an index into the list given to [`Player::pose_at`].
     pub clip: ClipId,
-    /// The time of its beginning, in seconds of the player's time; before that it shows its first
-    /// pose.
+    /// The time at which the clip begins, in seconds of the player's time. Before this time, the
+    /// first pose is shown.
     pub start_s: f64,
-    /// The speed: 1 for its own, negative for backwards from its end.
+    /// The speed: 1 for the clip's own speed, negative for backwards from its end.
     pub speed: f32,
-    /// The state after its end.
+    /// The behaviour at the end of the clip.
     pub repeat: Repeat,
 }
 
 impl Playback {
-    /// Returns a playback that repeats from now on, at the clip's own speed.
+    /// Returns a playback that repeats from `now_s` on, at the clip's own speed.
     pub fn looped(clip: ClipId, now_s: f64) -> Self {
         Self { clip, start_s: now_s, speed: 1.0, repeat: Repeat::Loop }
     }
 
-    /// Returns the time within a clip of this duration.
+    /// Returns the time within the clip, whose duration is `duration_s`.
     pub fn time_s(&self, duration_s: f32, now_s: f64) -> f32 {
         let duration = f64::from(duration_s);
         let played_s = (now_s - self.start_s).max(0.0) * f64::from(self.speed);
@@ -51,17 +51,17 @@ impl Playback {
             Repeat::Loop if duration > 0.0 && played_s < 0.0 => played_s.rem_euclid(duration),
             Repeat::Once | Repeat::Loop => played_s,
         };
-        // A time that is not a number is the beginning.
+        // NaN counts as the beginning.
         if time_s.is_finite() { time_s.clamp(0.0, duration) as f32 } else { 0.0 }
     }
 }
 
-/// A clip that fades in over those before it.
+/// A clip that fades in over the earlier clips of its layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Voice {
     playback: Playback,
     fade_start_s: f64,
-    /// The duration of the fade; 0 is immediate.
+    /// The duration of the fade; 0 switches immediately.
     fade_s: f32,
     /// The final weight.
     weight: f32,
@@ -80,18 +80,18 @@ impl Voice {
     }
 }
 
-/// The state of playback. A **layer** is one clip, or several that fade from one to the next; a
-/// property that one of them does not animate fades from or to rest. Layers play at once, and where
-/// two animate the same property, the later wins.
+/// The state of playback. A **layer** is one clip, or several clips that fade from one to the next.
+/// A property that one of these clips does not animate fades from or to its rest value. All layers
+/// play at the same time. Where two layers animate the same property, the later layer wins.
 ///
-/// It is a value: the pose depends on it and on the time alone, for times after the last change in
-/// any order.
+/// The player is a value: the pose depends only on the player and the time. Poses may be computed
+/// in any order for all times after the last change of the player.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Player {
     layers: Vec<Vec<Voice>>,
 }
 
-/// The scratch poses of a [`Player`]; keep one for as long as the rig.
+/// The scratch poses of a [`Player`]; one workspace can be used for the lifetime of a rig.
 #[derive(Clone, Debug)]
 pub struct Workspace {
     layer: Pose,
@@ -119,15 +119,15 @@ impl Player {
         LayerId(self.layers.len().saturating_sub(1) as u32)
     }
 
-    /// Fades from the clips of a layer to another clip, from `now_s` on, in `fade_s` seconds. Until
-    /// then the layer stays the same; clips that others have fully faded over are dropped. An
-    /// unknown layer stays unknown.
+    /// Fades from the clips of a layer to another clip, from `now_s` on, in `fade_s` seconds. The
+    /// pose before `now_s` does not change. Clips that later clips have fully replaced are removed.
+    /// An unknown layer is ignored.
     pub fn cross_fade(&mut self, layer: LayerId, to: Playback, now_s: f64, fade_s: f32) {
         self.add(layer, now_s, Voice { playback: to, fade_start_s: now_s, fade_s, weight: 1.0 });
     }
 
-    /// Mixes another clip into a layer, with a weight from 0 to 1 that stays: 0 keeps the old pose,
-    /// 1 is the clip alone.
+    /// Mixes another clip into a layer with a constant weight from 0 to 1: 0 keeps the old pose, 1
+    /// replaces it.
     pub fn mix(&mut self, layer: LayerId, with: Playback, now_s: f64, weight: f32) {
         let weight = if weight.is_finite() { weight.clamp(0.0, 1.0) } else { 0.0 };
         self.add(layer, now_s, Voice { playback: with, fade_start_s: now_s, fade_s: 0.0, weight });
@@ -141,7 +141,7 @@ impl Player {
         }
     }
 
-    /// Stops the clips of a layer: the nodes that it moved return to rest, or to other layers.
+    /// Stops the clips of a layer: the nodes that it moved return to rest, or follow other layers.
     pub fn stop(&mut self, layer: LayerId) {
         if let Some(voices) = self.layers.get_mut(layer.0 as usize) {
             voices.clear();
@@ -156,9 +156,9 @@ impl Player {
         parts.map(|voice| voice.playback.clip)
     }
 
-    /// Computes the pose at a time: `pose` is reset to rest, then each layer sets the properties of
-    /// its clips. Clips that do not exist move nothing. The work is in proportion to the nodes that
-    /// move or moved last, not to the rig.
+    /// Computes the pose at a time. The pose is reset to rest, then each layer sets the properties
+    /// of its clips. Clips that do not exist are ignored. The work is proportional to the number of
+    /// nodes that move or moved last, not to the size of the rig.
     pub fn pose_at(
         &self,
         rig: &Rig,
@@ -191,7 +191,7 @@ impl Player {
     }
 }
 
-/// Returns the last of a layer's voices that fully covers those before it, or the first.
+/// Returns the index of the last voice that fully covers the earlier voices of a layer, or 0.
 fn first_heard(voices: &[Voice], now_s: f64) -> usize {
     voices.iter().rposition(|voice| voice.covers(now_s)).unwrap_or(0)
 }

@@ -1,4 +1,4 @@
-//! Poses: the transforms of all nodes of a rig in their parents at one time.
+//! Poses: the transforms of all nodes of a rig, relative to their parents, at one time.
 
 use glam::{Affine3A, Vec4};
 
@@ -6,13 +6,13 @@ use crate::clip::{Channel, Clip, Values};
 use crate::rig::{Rest, Rig, RigNodeId, Trs};
 use crate::sample::unit;
 
-/// The parts of all nodes and their morph targets' weights. It lists the nodes that have been
-/// moved, so that work is in proportion to them and not to the rig.
+/// The transforms of all nodes in parts, and the weights of their morph targets. A pose lists the
+/// nodes that have moved, so that work is proportional to their number, not to the size of the rig.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pose {
     parts: Vec<Trs>,
     weights: Vec<f32>,
-    /// The offset of each node's weights, and the end of the last one's.
+    /// The offset of each node's weights, then the end of the last node's weights.
     first_weight: Vec<usize>,
     moved: Vec<RigNodeId>,
     is_moved: Vec<bool>,
@@ -41,7 +41,7 @@ impl Pose {
         }
     }
 
-    /// Resets the moved nodes to rest. `rig` is the one that the pose was made for.
+    /// Resets the moved nodes to rest. `rig` must be the rig that the pose was created for.
     pub fn reset(&mut self, rig: &Rig) {
         let mut moved = std::mem::take(&mut self.moved);
         for id in moved.drain(..) {
@@ -60,18 +60,18 @@ impl Pose {
         self.moved = moved;
     }
 
-    /// Returns the nodes that have been moved since the pose was at rest, in no order.
+    /// Returns the nodes that have moved since the pose was at rest, in any order.
     pub fn moved(&self) -> &[RigNodeId] {
         &self.moved
     }
 
-    /// Returns the transform of a node in its parent; `None` for a node that does not exist. A node
-    /// with a matrix has no parts of its own.
+    /// Returns the transform of a node relative to its parent; `None` for a node that does not
+    /// exist. A node with a matrix has the identity here.
     pub fn parts(&self, node: RigNodeId) -> Option<&Trs> {
         self.parts.get(node.0 as usize)
     }
 
-    /// Returns a node's morph targets' weights; empty if it has none.
+    /// Returns the weights of a node's morph targets; empty if it has none.
     pub fn weights(&self, node: RigNodeId) -> &[f32] {
         self.weight_range(node).and_then(|range| self.weights.get(range)).unwrap_or_default()
     }
@@ -85,7 +85,7 @@ impl Pose {
     }
 
     /// Sets the properties that a clip animates to their values at `time_s`, clamped to the clip's
-    /// ends. Other properties stay.
+    /// ends. Other properties are unchanged.
     pub fn sample(&mut self, clip: &Clip, time_s: f32) {
         for Channel { node, track } in &clip.channels {
             self.mark(*node);
@@ -110,9 +110,10 @@ impl Pose {
         }
     }
 
-    /// Blends this pose with another of the same rig: 0 is this one, 1 the other. Rotations take
-    /// the shorter arc, along its chord ("nlerp"): unlike slerp this keeps every mix of any number
-    /// of poses in the cone that their rotations span. The bounds of blends rely on that.
+    /// Blends this pose with another pose of the same rig: 0 is this pose, 1 the other one.
+    /// Rotations take the shorter arc, along its chord ("nlerp"). Unlike slerp, this keeps every
+    /// mix of any number of poses in the cone that their rotations span. The bounds of blends rely
+    /// on that.
     pub fn blend(&mut self, other: &Self, weight: f32) {
         let weight = if weight.is_finite() { weight.clamp(0.0, 1.0) } else { 0.0 };
         for node in &other.moved {
@@ -131,8 +132,7 @@ impl Pose {
         }
     }
 
-    /// Copies from another pose of the same rig the properties that a clip animates, and nothing
-    /// else.
+    /// Copies the properties that a clip animates from another pose of the same rig.
     pub(crate) fn take(&mut self, other: &Self, clip: &Clip) {
         for Channel { node, track } in &clip.channels {
             self.mark(*node);

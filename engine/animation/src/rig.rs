@@ -1,5 +1,5 @@
-//! Rigs: the nodes of a scene, each in the space of its parent, and their transforms to the world:
-//! of all of them, or only of those that something moves.
+//! Rigs: the nodes of a scene, each in the space of its parent, and their world transforms. World
+//! transforms are computed for all nodes, or only for moving ones.
 
 use glam::{Affine3A, Quat, Vec3};
 
@@ -26,35 +26,35 @@ impl Trs {
     pub const IDENTITY: Self =
         Self { translation: Vec3::ZERO, rotation: Quat::IDENTITY, scale: Vec3::ONE };
 
-    /// Returns it as a matrix.
+    /// Returns the transform as a matrix.
     pub fn to_affine(&self) -> Affine3A {
         Affine3A::from_scale_rotation_translation(self.scale, self.rotation, self.translation)
     }
 }
 
-/// The transform of a node in its parent when no clip moves it.
+/// The transform of a node relative to its parent when no clip moves the node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rest {
-    /// Parts, which clips may move.
+    /// Separate parts, which clips may animate.
     Parts(Trs),
-    /// A matrix, which no clip moves.
+    /// A matrix, which clips cannot animate.
     Matrix(Affine3A),
 }
 
-/// A node: a transform in a parent.
+/// A node: a transform relative to a parent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigNode {
     /// The name, for people.
     pub name: String,
-    /// The parent in whose space it is; `None` for the world's.
+    /// The parent, in whose space the node lies; `None` for the world.
     pub parent: Option<RigNodeId>,
-    /// Its transform there at rest.
+    /// The transform relative to the parent at rest.
     pub rest: Rest,
-    /// Its morph targets' weights at rest; empty if it has none.
+    /// The weights of the node's morph targets at rest; empty if it has none.
     pub weights: Vec<f32>,
 }
 
-/// The reason why nodes make no rig.
+/// The reason why nodes are not a valid rig.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RigError {
     /// A parent that does not exist.
@@ -68,7 +68,7 @@ pub enum RigError {
     /// Nodes that are their own ancestors.
     #[error("node {node} is its own ancestor")]
     Cycle {
-        /// One of them.
+        /// One of these nodes.
         node: u32,
     },
 }
@@ -99,8 +99,8 @@ impl Rig {
                 places,
             });
         }
-        // The first child of each node, and the next child of its parent: lists without a vector
-        // each.
+        // The first child of each node, and the next child of its parent: linked lists, so that
+        // nodes need no vectors.
         let mut first: Vec<Option<RigNodeId>> = vec![None; nodes.len()];
         let mut next: Vec<Option<RigNodeId>> = vec![None; nodes.len()];
         let mut order = Vec::with_capacity(nodes.len());
@@ -137,7 +137,7 @@ impl Rig {
         }
     }
 
-    /// Returns its nodes, by their ids.
+    /// Returns the nodes, in the order of their ids.
     pub fn nodes(&self) -> &[RigNode] {
         &self.nodes
     }
@@ -147,21 +147,21 @@ impl Rig {
         &self.order
     }
 
-    /// Returns the position of a node in the order; the end if it does not exist.
+    /// Returns the position of a node in the order; `u32::MAX` if it does not exist.
     pub(crate) fn place_of(&self, node: RigNodeId) -> u32 {
         self.places.get(node.0 as usize).copied().unwrap_or(u32::MAX)
     }
 
-    /// Computes the transforms from each node's space to the world's. All are finite; a node whose
-    /// transform overflows becomes a point at the origin.
+    /// Computes the transforms from each node's space to the world. All results are finite: a node
+    /// whose transform overflows collapses to a point at the origin.
     pub fn world(&self, pose: &Pose, world: &mut Vec<Affine3A>) {
         world.clear();
         world.resize(self.nodes().len(), Affine3A::IDENTITY);
         self.update_world(self.order(), pose, world);
     }
 
-    /// Updates the world transforms of `moved` alone, which [`Rig::moved_by`] lists; the rest of
-    /// `world` stays the same.
+    /// Updates the world transforms of the nodes in `moved`, which [`Rig::moved_by`] returns; the
+    /// rest of `world` is unchanged.
     pub fn update_world(&self, moved: &[RigNodeId], pose: &Pose, world: &mut [Affine3A]) {
         for id in moved {
             let index = id.0 as usize;
@@ -176,9 +176,9 @@ impl Rig {
     }
 
     /// Returns the nodes that move in the world when these clips play: the animated nodes and all
-    /// below, parents before children. Takes time in proportion to the rig: call it once for a set
-    /// of clips, not per frame. When a clip has ended, its nodes must be updated once more, back to
-    /// rest.
+    /// their descendants, parents before children. The time is proportional to the size of the rig,
+    /// so call it once per set of clips, not per frame. When a clip has ended, update its nodes
+    /// once more, so that they return to rest.
     pub fn moved_by<'a>(&self, clips: impl IntoIterator<Item = &'a Clip>) -> Vec<RigNodeId> {
         let mut moves = vec![false; self.nodes().len()];
         let channels = clips.into_iter().flat_map(|clip| &clip.channels);
@@ -202,8 +202,8 @@ impl Rig {
     }
 }
 
-/// Returns the matrix, or a point at the origin if it overflowed: no value that is not finite
-/// leaves this crate.
+/// Returns the matrix, or a point at the origin if it overflowed: this crate returns only finite
+/// transforms.
 pub(crate) fn finite(matrix: Affine3A) -> Affine3A {
     if matrix.is_finite() { matrix } else { Affine3A::ZERO }
 }

@@ -5,7 +5,7 @@ use glam::{Quat, Vec3, Vec4};
 /// The position of a time among the keys of a track.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Place {
-    /// A time at a key, or beyond the first or the last.
+    /// A time at a key, or before the first key or after the last.
     Key(usize),
     /// A time between this key and the next.
     Between {
@@ -18,7 +18,7 @@ pub(crate) enum Place {
     },
 }
 
-/// A value that can be mixed: all values of tracks, rotations as their four numbers.
+/// A value that can be mixed; rotations are mixed as their four numbers.
 pub(crate) trait Mix:
     Copy + std::ops::Add<Output = Self> + std::ops::Mul<f32, Output = Self>
 {
@@ -28,7 +28,8 @@ impl Mix for f32 {}
 impl Mix for Vec3 {}
 impl Mix for Vec4 {}
 
-/// Returns a cubic Hermite spline with its tangents scaled by the length of its interval.
+/// Returns a point of a cubic Hermite spline whose tangents are scaled by the length of the
+/// interval.
 pub(crate) fn hermite<T: Mix>(from: T, leaving: T, arriving: T, to: T, t: f32) -> T {
     let t2 = t * t;
     let t3 = t * t * t;
@@ -40,8 +41,8 @@ pub(crate) fn hermite<T: Mix>(from: T, leaving: T, arriving: T, to: T, t: f32) -
 
 /// Returns the rotation between two by the shorter arc, at constant speed.
 pub(crate) fn slerp(from: Quat, to: Quat, t: f32) -> Quat {
-    /// The cosine beyond which the sine of the angle is too small to divide by, and arc and chord
-    /// are the same.
+    /// The cosine above which the angle's sine is too small to divide by, and arc and chord are
+    /// nearly equal.
     const NEARLY_SAME: f32 = 0.9995;
     let cosine = from.dot(to);
     let to = if cosine < 0.0 { -to } else { to };
@@ -54,7 +55,8 @@ pub(crate) fn slerp(from: Quat, to: Quat, t: f32) -> Quat {
     unit(mixed, from)
 }
 
-/// Returns the rotation along these four numbers, or `otherwise` where they have no direction.
+/// Returns the rotation in the direction of these four numbers, or `otherwise` if they have no
+/// direction.
 pub(crate) fn unit(value: Vec4, otherwise: Quat) -> Quat {
     let length = value.length();
     if length > 1e-6 && length.is_finite() { Quat::from_vec4(value / length) } else { otherwise }

@@ -9,7 +9,7 @@ use crate::pose::Pose;
 use crate::rig::{Rig, RigNodeId, finite};
 use crate::skin::Skin;
 
-/// The reason why joints make no skin of a rig.
+/// The reason why joints are not a valid skin of a rig.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SkinError {
     /// A skin without a joint: it needs at least one.
@@ -23,7 +23,7 @@ pub enum SkinError {
         /// The node that it names.
         node: u32,
     },
-    /// Another number of inverse bind matrices than of joints.
+    /// A number of inverse bind matrices that differs from the number of joints.
     #[error("{joints} joints have {matrices} inverse bind matrices")]
     Count {
         /// The number of joints.
@@ -48,24 +48,24 @@ pub(crate) struct Bone {
     pub parent: Option<usize>,
 }
 
-/// A joint: its vertices are first transformed to its space.
+/// A joint: vertices that follow it are first transformed to its space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Joint {
-    /// Its bone; `None` if it is the space itself.
+    /// The bone of the joint; `None` if the joint is the skeleton's space.
     pub bone: Option<usize>,
-    /// The transform from the mesh's space at rest to its own.
+    /// The transform from the mesh's space at rest to the joint's space.
     pub inverse_bind: Affine3A,
 }
 
 /// A skin on its rig.
 ///
-/// A skinned object belongs to no node of the file: glTF ignores the transform of the node that has
-/// the mesh. Here it belongs to the **deepest node that moves all joints** ([`Skeleton::space`],
-/// mostly the topmost joint): the movement of that node and its ancestors (running away, turning
-/// round) is in the object's transform, and joint matrices and boxes are relative to it. So boxes
-/// stay as small as those of the animation "in place". The matrices are products of local
-/// transforms from there down to each joint, so that no transform is ever inverted, and singular
-/// ones are as valid as others.
+/// A skinned object does not belong to a node of the file: glTF ignores the transform of the node
+/// that has the mesh. Here it belongs to the **deepest node that moves all joints**
+/// ([`Skeleton::space`], mostly the topmost joint). The movement of this node and its ancestors
+/// (running, turning round) is in the object's transform. Joint matrices and boxes are relative to
+/// this node, so boxes stay as small as in an animation "in place". The matrices are products of
+/// local transforms from this node down to each joint. So no transform is ever inverted, and
+/// singular transforms are valid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Skeleton {
     space: Option<RigNodeId>,
@@ -73,18 +73,18 @@ pub struct Skeleton {
     pub(crate) bones: Vec<Bone>,
     /// The bones of nodes, sorted by node.
     bone_of: Vec<(RigNodeId, usize)>,
-    /// One for each joint of the skin; `None` if no vertex follows it.
+    /// An element per joint of the skin; `None` if no vertex follows it.
     pub(crate) joints: Vec<Option<Joint>>,
 }
 
 impl Skeleton {
-    /// Creates the skeleton of a skin, in time proportional to its bones and not to the rig.
-    /// `is_used` is true for each joint that a vertex follows: unused joints then neither pull
-    /// [`Skeleton::space`] upwards nor cost time. If it is empty, all are used.
+    /// Creates the skeleton of a skin, in time proportional to the number of its bones, not to the
+    /// size of the rig. `is_used` is true for each joint that a vertex follows. Unused joints do
+    /// not affect [`Skeleton::space`] and cost no time. If `is_used` is empty, all joints are used.
     ///
     /// # Errors
-    /// A skin without joints; joints that are not nodes; not one finite inverse bind matrix for
-    /// each joint.
+    /// A skin without joints; joints that are not nodes; a number of inverse bind matrices that
+    /// differs from the number of joints; a matrix that is not finite.
     pub fn new(rig: &Rig, skin: &Skin, is_used: &[bool]) -> Result<Self, SkinError> {
         check(rig, skin)?;
         let uses = |joint: usize| is_used.get(joint).copied().unwrap_or(is_used.is_empty());
@@ -106,8 +106,8 @@ impl Skeleton {
         Ok(Self { space, bones, bone_of, joints })
     }
 
-    /// Returns the node whose world transform is the object's; `None` if the joints have no common
-    /// ancestor, so that the object's space is the world.
+    /// Returns the node whose world transform is the object's transform. `None` if the joints have
+    /// no common ancestor: then the object's space is the world.
     pub fn space(&self) -> Option<RigNodeId> {
         self.space
     }
@@ -117,8 +117,8 @@ impl Skeleton {
         find(&self.bone_of, node)
     }
 
-    /// Returns the nodes between its space and its joints, joints included, parents before
-    /// children: these move its vertices.
+    /// Returns the nodes below its space down to its joints, including the joints, parents before
+    /// children: these nodes move its vertices.
     pub fn bones(&self) -> impl Iterator<Item = RigNodeId> {
         self.bones.iter().map(|bone| bone.node)
     }
@@ -128,15 +128,15 @@ impl Skeleton {
         self.joints.len()
     }
 
-    /// Returns true if a clip moves its vertices, rather than only moving the object.
+    /// Returns true if a clip moves the vertices relative to the object.
     pub fn is_moved_by(&self, clip: &Clip) -> bool {
         let mut moving = clip.channels.iter().filter(|channel| channel.is_transform());
         moving.any(|channel| self.bone_of(channel.node).is_some())
     }
 
-    /// Computes for each joint the matrix from the mesh's space at rest to the object's, with which
-    /// vertices are multiplied. All are finite: a matrix that overflows becomes a point. Unused
-    /// joints stay where they are.
+    /// Computes for each joint the matrix that transforms vertices from the mesh's space at rest to
+    /// the object's space. All matrices are finite: a matrix that overflows collapses to a point.
+    /// Unused joints get the identity.
     pub fn joint_matrices(&self, rig: &Rig, pose: &Pose, matrices: &mut Vec<Affine3A>) {
         matrices.clear();
         self.bone_transforms(rig, pose, matrices);
@@ -167,11 +167,11 @@ fn find(bone_of: &[(RigNodeId, usize)], node: RigNodeId) -> Option<usize> {
     bone_of.get(place).map(|(_, bone)| *bone)
 }
 
-/// Returns the deepest node that moves all joints, and the nodes from there down to them, parents
-/// before children.
+/// Returns the deepest node that moves all joints, and the nodes below it down to the joints,
+/// parents before children.
 ///
 /// In the order of the rig, all descendants of a node follow it. So the deepest common ancestor is
-/// the first one, upwards from the last joint, that has all joints below it.
+/// the first node, going up from the last joint, that has all joints below it.
 fn between(
     rig: &Rig,
     joints: impl Iterator<Item = RigNodeId>,

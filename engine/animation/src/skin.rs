@@ -4,11 +4,11 @@ use glam::Affine3A;
 
 use crate::rig::RigNodeId;
 
-/// The joints of a skin. Vertices refer to them by their indices here.
+/// The joints of a skin. Vertices refer to them by index.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Skin {
-    /// The nodes that are its joints.
+    /// The nodes that are the joints.
     pub joints: Vec<RigNodeId>,
-    /// The transform from the mesh's space at rest to the joint's, for each joint.
+    /// For each joint the transform from the mesh's space at rest to the joint's space.
     pub inverse_bind: Vec<Affine3A>,
 }

@@ -56,7 +56,7 @@ fn steps_stay_lines_are_straight_and_ends_are_clamped() {
 
 #[test]
 fn cubics_scale_their_tangents_by_the_interval() {
-    // Keys of (3 t - 2)^3 at 0 and 2 with its slopes: a cubic comes back as it was.
+    // Keys of (3 t - 2)^3 at 0 and 2 with its slopes: the spline equals this cubic.
     let value = |t: f32| (3.0 * t - 2.0).powi(3);
     let slope = |t: f32| 9.0 * (3.0 * t - 2.0).powi(2);
     let key = |t| [slope(t), value(t), slope(t)].map(Vec3::splat);

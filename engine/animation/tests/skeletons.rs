@@ -9,7 +9,7 @@ use antumbra_animation::{
 use cull::Aabb;
 use glam::{Affine3A, Quat, Vec3};
 
-/// Returns a root that walks away, below it hips, below them two legs: thighs, shins and feet.
+/// Returns a root that walks away, with hips below it and two legs of thighs, shins and feet.
 fn rig() -> Rig {
     let node = |parent: Option<u32>, translation| RigNode {
         name: String::new(),
@@ -36,8 +36,8 @@ fn skin(rig: &Rig) -> Skin {
     Skin { joints: JOINTS.map(RigNodeId).to_vec(), inverse_bind: JOINTS.map(bind).to_vec() }
 }
 
-/// Returns a clip in which legs swing by an angle and knees bend by another, while the root goes
-/// far away.
+/// Returns a clip in which the legs swing by one angle and the knees bend by another, while the
+/// root walks far away.
 fn gait(rig: &Rig, duration_s: f32, swing: f32, bend: f32) -> Clip {
     let times_s: Vec<f32> = (0..=8).map(|key| duration_s * key as f32 / 8.0).collect();
     let turn = |phase: f32, size: f32, middle: f32| {
@@ -74,7 +74,7 @@ fn objects_hang_on_the_deepest_node_that_moves_all_joints() {
     let clip = gait(&rig, 1.0, 0.5, 0.3);
     let walks = |used: &[bool]| Skeleton::new(&rig, &skin, used).unwrap().is_moved_by(&clip);
     assert!(walks(&[]));
-    // Hips alone are rigid: only their place changes, and that is in the transform.
+    // Hips alone are rigid: they only change the object's transform.
     assert!(!walks(&[true, false, false, false, false, false, false]));
 }
 
@@ -117,8 +117,7 @@ fn what_is_no_skin_is_refused_with_the_reason() {
 fn what_hangs_on_legs_reaches_as_far_as_they_are_long() {
     let rig = rig();
     let skeleton = Skeleton::new(&rig, &skin(&rig), &[]).unwrap();
-    // A sole around the left foot, which is joint 3 and 1 below the hips, and something around the
-    // hips.
+    // A box around the sole of the left foot, which is joint 3, and a box around the hips.
     let around = |at: Vec3| Aabb::new(at - 0.1, at + 0.1);
     let boxes = [(3, around(Vec3::new(-0.2, 0.0, 0.0))), (0, around(Vec3::Y)), (99, Aabb::EMPTY)];
     let reach = |clips: &[Clip]| Extents::new(&rig, clips).reach(&skeleton, boxes).max;
@@ -138,7 +137,7 @@ fn what_hangs_on_legs_reaches_as_far_as_they_are_long() {
 }
 
 /// Checks that a chain of 60,000 bones is bounded in reasonable time, and that overflowing numbers
-/// give no usable box; neither panics.
+/// give no usable box. Neither may panic.
 #[test]
 fn deep_and_wild_rigs_end() {
     let reach = |count: u32, scale: f32| {
@@ -184,7 +183,7 @@ fn weights_are_between_the_least_and_the_largest_of_all_clips_and_the_rest() {
         Clip::new("it".into(), vec![Channel { node: RigNodeId(0), track }], &rig).unwrap()
     };
     let linear = clip(Interpolation::Linear, &[0.0, 0.0, 1.0, -2.0]);
-    // It leaves 0 upwards by 3 a second, and may so be at 1 before it is at 0 again.
+    // Its slope at 0 is 3 per second, so it may reach 1 before it is at 0 again.
     let cubic =
         clip(Interpolation::Cubic, &[0.0, 0.0, 0.0, 0.0, 3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
     let of =

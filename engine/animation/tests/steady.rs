@@ -1,5 +1,5 @@
-//! Tests that a frame allocates nothing, and that its work is in proportion to what moves: two
-//! doors in a scene of 34,000 nodes.
+//! Tests that a frame does not allocate, and that its work is proportional to the number of moving
+//! nodes: two doors in a scene of 34,000 nodes.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use antumbra_animation::{
@@ -16,8 +16,8 @@ static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
 const NODES: u32 = 34_000;
 
-/// Returns a rig in which each tenth node has no parent, and every other one has the node before as
-/// its parent.
+/// Returns a rig in which each tenth node has no parent, and the parent of every other node is the
+/// previous node.
 fn rig() -> Rig {
     let node = |id: u32| RigNode {
         name: String::new(),
@@ -67,10 +67,11 @@ fn frames_allocate_nothing_and_touch_what_moves() {
         skeleton.joint_matrices(&rig, &pose, &mut matrices);
         (pose.moved().len(), player.playing(now_s).count())
     };
-    // All clips have played once.
+    // Each clip has played once.
     let warm = [frame(0.5), frame(1.5), frame(3.0)];
     assert_eq!(warm, [(2, 2), (2, 3), (1, 2)]);
-    // The thread that runs the tests may allocate meanwhile; frames would do the same each time.
+    // The test harness's thread may allocate at the same time; a frame that allocates does so every
+    // time.
     let is_still = (0..10).any(|_| {
         let region = Region::new(ALLOCATOR);
         for number in 0..1000 {

@@ -1,4 +1,5 @@
-//! Lists the contents of a glTF file: `list_gltf [FILE]`, of a triangle in memory without a file.
+//! Lists the contents of a glTF file: `list_gltf [FILE]`. Without a file it lists a triangle in
+//! memory.
 
 use std::error::Error;
 use std::ops::ControlFlow;

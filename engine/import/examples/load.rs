@@ -1,5 +1,5 @@
-//! Measures the time and the memory that loading a scene takes; with `--bare` of the same file by
-//! `gltf::import` alone, to compare: `load [--bare] FILE`.
+//! Measures the time and the memory of loading a scene: `load [--bare] FILE`. With `--bare`, it
+//! measures `gltf::import` for comparison.
 
 use std::error::Error;
 use std::ops::ControlFlow;
@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use antumbra_import as import;
 
-/// Returns a value of `/proc/self/status` in MiB; 0 without that file.
+/// Returns a value of `/proc/self/status` in MiB; 0 if the file does not exist.
 fn memory_mib(what: &str) -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix(what)?.strip_prefix(':'));

@@ -1,4 +1,4 @@
-//! The bytes of buffers: from the binary chunk, data URIs, and files.
+//! The bytes of buffers, from the binary chunk, data URIs and files.
 
 use std::ops::Range;
 use std::path::Path;
@@ -14,7 +14,7 @@ use crate::memory;
 use crate::uri::{self, Wanted};
 use crate::verdict::Verdict;
 
-/// The number of bytes beside the file that may still be taken.
+/// The number of bytes outside of the file that may still be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Budget {
     left: u64,
@@ -25,7 +25,7 @@ impl Budget {
         Self { left: limits.buffer_bytes }
     }
 
-    /// Reads the data of a URI, if it is within the budget that is left.
+    /// Reads the data of a URI, if it is within the remaining budget.
     pub(crate) fn fetch(
         &mut self,
         uri: &str,
@@ -37,7 +37,7 @@ impl Budget {
         Ok(bytes)
     }
 
-    /// Returns zeroed memory for decompressed bytes, taken from the budget.
+    /// Returns zeroed memory for decompressed bytes, which counts towards the budget.
     fn zeros(&mut self, length: u64) -> Result<Vec<u8>, Reason> {
         let left = self.left.checked_sub(length);
         self.left =
@@ -47,7 +47,7 @@ impl Budget {
     }
 }
 
-/// Finds the bytes of the buffers that are used; the bytes of placeholders are zeros.
+/// Returns the bytes of the used buffers; the bytes of placeholders are zeros.
 pub(crate) fn resolve(
     root: &Root,
     binary: Option<&Range<usize>>,

@@ -1,4 +1,4 @@
-//! The checks that must pass before a file is used, one module per sort of object.
+//! The checks that a file must pass before it is used, one module per kind of object.
 
 mod accessors;
 mod animations;
@@ -30,10 +30,10 @@ use crate::error::Fault;
 use crate::verdict::Verdict;
 use crate::{Limits, leave_out, prune};
 
-/// Checks all that depends on the JSON alone, beyond views and accessors. Leaves only roots in the
-/// scene that is shown, and takes out what needs a broken element.
+/// Checks everything that depends only on the JSON, except views and accessors. Leaves only roots
+/// in the shown scene, and leaves out parts that need a broken element.
 ///
-/// Returns the instancing of meshes, by their nodes.
+/// Returns the instancing of meshes, by node.
 pub(crate) fn structure(
     root: &mut Root,
     limits: &Limits,
@@ -41,7 +41,7 @@ pub(crate) fn structure(
 ) -> Result<BTreeMap<usize, Instancing>, Fault> {
     materials::check(root, verdict)?;
     meshes::note_without_positions(root, verdict);
-    // Faults of what they need are the causes of others.
+    // Faults of elements often cause faults of the parts that need them, so these come first.
     leave_out::dependants(root, verdict)?;
     meshes::check(root, verdict)?;
     let parents = nodes::check(root, verdict)?;

@@ -1,4 +1,5 @@
-//! The elements of accessors as numbers: any type, sparse, without a view, matrices with padding.
+//! Reads the elements of accessors as numbers: all types, sparse accessors, accessors without a
+//! view, and matrices with padding.
 
 use std::ops::Range;
 
@@ -9,12 +10,12 @@ use gltf::json::{Accessor, Root};
 
 use crate::layout::{self, Layout};
 
-/// The place of the bytes of a buffer.
+/// The location of the bytes of a buffer.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum BufferBytes {
-    /// A range of the file: the binary chunk of a GLB is not held twice.
+    /// A range of the file, so that the binary chunk of a GLB is not stored twice.
     InFile(Range<usize>),
-    /// Bytes of their own.
+    /// Bytes outside of the file.
     Apart(Vec<u8>),
 }
 
@@ -52,8 +53,8 @@ impl Store {
     }
 }
 
-/// Returns the greatest value of the type of indices, by which graphics interfaces begin a new
-/// strip (glTF 2.0, 3.7.2.1, does not allow it); `None` for another type.
+/// Returns the greatest value of the type of indices; `None` for other types. Graphics APIs begin a
+/// new strip at it, and glTF 2.0, 3.7.2.1, does not allow it.
 pub(crate) fn restart_index(indices: &Accessor) -> Option<u32> {
     let Checked::Valid(component) = indices.component_type else { return None };
     match component.0 {
@@ -75,7 +76,7 @@ pub(crate) fn sparse_indices<'a>(
     bytes.chunks(component.size()).map(read).take(sparse.count.0 as usize)
 }
 
-/// Returns the bytes of those indices from the first on, and their component type.
+/// Returns the bytes of the indices from the first one on, and their component type.
 fn index_bytes<'a>(root: &Root, store: &'a Store, sparse: &Sparse) -> (&'a [u8], ComponentType) {
     let indices = &sparse.indices;
     let component = match indices.component_type {
@@ -85,8 +86,9 @@ fn index_bytes<'a>(root: &Root, store: &'a Store, sparse: &Sparse) -> (&'a [u8],
     (store.from(root, indices.buffer_view.value(), indices.byte_offset.0), component)
 }
 
-/// Calls `visit` with the picked elements of an accessor of unsigned integers, all without `picks`;
-/// `None` without a call if it is another one, or does not have `N` components. Picks increase.
+/// Calls `visit` with the picked elements of an accessor of unsigned integers, or with all elements
+/// without `picks`, which must increase. Returns `None` without a call for other component types,
+/// or if elements do not have `N` components.
 pub(crate) fn for_each_integers<const N: usize>(
     root: &Root,
     store: &Store,
@@ -104,8 +106,9 @@ pub(crate) fn for_each_integers<const N: usize>(
     Some(())
 }
 
-/// Calls `visit` with the picked elements of an accessor as floats, all without `picks`; `None`
-/// without a call if it does not have `N` components. Picks increase.
+/// Calls `visit` with the picked elements of an accessor as floats, or with all elements without
+/// `picks`, which must increase. Returns `None` without a call if elements do not have `N`
+/// components.
 pub(crate) fn for_each_floats<const N: usize>(
     root: &Root,
     store: &Store,
@@ -118,8 +121,8 @@ pub(crate) fn for_each_floats<const N: usize>(
     Some(())
 }
 
-/// Calls `visit` with each element of an accessor as the stored numbers, also where they are
-/// normalised; `None` without a call if it does not have `N` components.
+/// Calls `visit` with each element of an accessor as the stored numbers, even if they are
+/// normalised. Returns `None` without a call if elements do not have `N` components.
 pub(crate) fn for_each_raw<const N: usize>(
     root: &Root,
     store: &Store,
@@ -139,7 +142,7 @@ fn integer_reader(component: ComponentType) -> Option<fn(&[u8]) -> u32> {
     }
 }
 
-// Accessors were checked to lie in their views, so nothing is missing here.
+// Accessors were checked to lie in their views, so no bytes are missing here.
 
 fn unsigned8(bytes: &[u8]) -> u32 {
     bytes.first().copied().map_or(0, u32::from)
@@ -235,8 +238,7 @@ impl<'a> Elements<'a> {
         }
     }
 
-    /// Returns the bytes from the first element on in its view, if it has one, and the stride of
-    /// elements.
+    /// Returns the bytes of the view from the first element on, if there is a view, and the stride.
     fn base(&self) -> Option<(&'a [u8], usize)> {
         let view = self.accessor.buffer_view?.value();
         let stride = layout::stride(self.root, view, &self.layout);
@@ -245,7 +247,7 @@ impl<'a> Elements<'a> {
     }
 }
 
-/// The elements that a sparse accessor replaces, asked for in increasing order.
+/// The elements that a sparse accessor replaces, to be queried in increasing order.
 struct Replaced<'a> {
     indices: &'a [u8],
     index_bytes: usize,
@@ -253,7 +255,7 @@ struct Replaced<'a> {
     values: &'a [u8],
     value_bytes: usize,
     count: usize,
-    /// The least element that may still be asked for.
+    /// The least element that may still be queried.
     next: usize,
 }
 
@@ -278,9 +280,9 @@ impl<'a> Replaced<'a> {
         (self.read)(bytes.unwrap_or_default()) as usize
     }
 
-    /// Returns the bytes of an element, if it is replaced.
+    /// Returns the bytes of an element if the accessor replaces it.
     fn at(&mut self, index: usize) -> Option<&'a [u8]> {
-        // Where elements are asked for one after the other, it is the next or none.
+        // If all elements are queried in order, it is the next one or none.
         if self.next < self.count && self.index(self.next) < index {
             let mut low = self.next;
             let mut high = self.count;

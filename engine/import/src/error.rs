@@ -1,21 +1,21 @@
 //! The error of a file that cannot be used: the file, the object in it, the reason, and the remedy.
 
-/// The reason why a file cannot be used. It names the file, the object in it, the reason, and what
-/// can be done.
+/// The reason why a file cannot be used. The message names the file, the object in it, the fault,
+/// and a remedy.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{file}: {object}: {reason} ({})", .cause.advice())]
 pub struct ImportError {
-    /// The file's path, or a name for it where it came from memory.
+    /// The path of the file, or a name for a file in memory.
     pub file: String,
-    /// The object in it, such as "mesh 3, primitive 0, attribute POSITION".
+    /// The object in the file, such as "mesh 3, primitive 0, attribute POSITION".
     pub object: String,
-    /// The fault of that object.
+    /// The fault of the object.
     pub reason: String,
-    /// The sort of the fault.
+    /// The kind of fault.
     pub cause: Cause,
 }
 
-/// The sorts of reasons.
+/// The kinds of faults.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Cause {
     /// A file that could not be read from the disk.
@@ -26,11 +26,11 @@ pub enum Cause {
     Malformed,
     /// Compressed bytes that cannot be decoded. The glTF validator does not check them.
     Damaged,
-    /// A feature that is not implemented here.
+    /// A feature that is not supported.
     Unsupported,
     /// A reference to something outside of the file's folder.
     Forbidden,
-    /// A demand beyond the [`Limits`](crate::Limits).
+    /// A demand that exceeds the [`Limits`](crate::Limits).
     TooLarge,
     /// A demand for more memory than the machine has left.
     NoMemory,
@@ -39,7 +39,7 @@ pub enum Cause {
 }
 
 impl Cause {
-    /// Returns advice for the user.
+    /// Returns advice for the user, as a part of the message.
     pub fn advice(self) -> &'static str {
         match self {
             Self::Unreadable => "check that the file is there, whole, and may be read",
@@ -67,7 +67,7 @@ impl Cause {
     }
 }
 
-/// A reason whose object its caller names.
+/// A reason without the object, which the caller adds.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Reason {
     cause: Cause,
@@ -103,18 +103,18 @@ impl Reason {
         Self { cause: Cause::TooLarge, text: text.into() }
     }
 
-    /// Returns the reason that memory is short of `size_bytes`.
+    /// Returns the reason that there is not enough memory for `size_bytes`.
     pub(crate) fn no_memory(size_bytes: u64) -> Self {
         let text = format!("there is no memory for the {} MiB that it takes", size_bytes >> 20);
         Self { cause: Cause::NoMemory, text }
     }
 
-    /// Returns the reason that the progress function stopped the loading.
+    /// Returns the reason that the progress function stopped loading.
     pub(crate) fn given_up() -> Self {
         Self { cause: Cause::GivenUp, text: "it was given up".to_owned() }
     }
 
-    /// Returns the reason that an amount is beyond its limit.
+    /// Returns the reason that an amount exceeds its limit.
     pub(crate) fn too_large(what: &str, amount: u64, limit: u64) -> Self {
         Self {
             cause: Cause::TooLarge,
@@ -122,18 +122,18 @@ impl Reason {
         }
     }
 
-    /// Returns the reason that an index is beyond the end.
+    /// Returns the reason that an index is out of range.
     pub(crate) fn out_of_range(what: &str, index: usize, count: usize) -> Self {
         Self::malformed(format!("{what} {index} does not exist, {}", there_are(count as u64)))
     }
 
-    /// Returns the reason why that object is wrong.
+    /// Returns the fault of an object for this reason.
     pub(crate) fn of(self, object: impl Into<String>) -> Fault {
         Fault { object: object.into(), reason: self }
     }
 }
 
-/// The fault of an object in a file whose name its caller knows.
+/// The fault of an object in a file; the caller adds the name of the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Fault {
     object: String,
@@ -146,7 +146,7 @@ impl Fault {
         (self.object, self.reason.text)
     }
 
-    /// Returns true if it refuses the file even where the scene could do without the object.
+    /// Returns true if the fault refuses the file even if the scene does not need the object.
     pub(crate) fn is_final(&self) -> bool {
         matches!(self.reason.cause, Cause::TooLarge | Cause::NoMemory | Cause::GivenUp)
     }
@@ -168,8 +168,7 @@ impl From<ImportError> for Fault {
     }
 }
 
-/// The conversion of a reason to a fault by naming its object; the name is made only when it is
-/// needed.
+/// Turns a reason into a fault by adding the object, whose name is created only for an error.
 pub(crate) trait At<T> {
     fn at(self, object: impl FnOnce() -> String) -> Result<T, Fault>;
 }
@@ -180,13 +179,13 @@ impl<T> At<T> for Result<T, Reason> {
     }
 }
 
-/// Returns the number of things that exist, as the end of a sentence about one that does not.
+/// Returns the number of existing elements, as the end of a sentence about an invalid index.
 pub(crate) fn there_are(count: u64) -> String {
     format!("there {}", if count == 1 { "is 1".to_owned() } else { format!("are {count}") })
 }
 
-/// Returns text out of a file as it can be shown: in quotes, without control characters, not too
-/// long.
+/// Returns text from a file for display: in quotes, without control characters, at a limited
+/// length.
 pub(crate) fn quoted(text: &str) -> String {
     const LONGEST: usize = 80;
     let mut shown: String = text.chars().take(LONGEST).flat_map(char::escape_debug).collect();

@@ -7,8 +7,8 @@ use serde_json::{Map, Value};
 
 use crate::error::Reason;
 
-/// The extensions that a file may require. Other required ones are refused by name, other used ones
-/// are noted.
+/// The extensions that a file may require. Other required extensions are refused by name; other
+/// used extensions are noted.
 pub const SUPPORTED_EXTENSIONS: &[&str] = &[
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -27,11 +27,11 @@ pub(crate) const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 /// The extension for images of textures in the format WebP.
 const WEBP: &str = "EXT_texture_webp";
 
-/// The extensions for compressed views; the second one has a newer form of attributes and one
-/// filter more.
+/// The extensions for compressed views. The second one also has a newer form of attributes and one
+/// more filter.
 pub(crate) const MESHOPT: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 
-/// Returns the one of [`MESHOPT`] that an object has, and its value.
+/// Returns the extension of [`MESHOPT`] that an object has, and its value.
 pub(crate) fn compression(others: &Map<String, Value>) -> Option<(&'static str, &Value)> {
     MESHOPT.into_iter().find_map(|name| Some((name, others.get(name)?)))
 }
@@ -42,7 +42,7 @@ pub(crate) fn uses(root: &Root, extension: &str) -> bool {
     root.extensions_used.iter().chain(&root.extensions_required).any(|used| used == extension)
 }
 
-/// Returns a number that is an index or a count, also if it is written as `1.0`.
+/// Returns a number that is an index or a count, even if it is written as `1.0`.
 pub(crate) fn index(value: &Value) -> Option<usize> {
     let whole =
         |float: f64| float.fract() == 0.0 && (0.0..=9_007_199_254_740_992.0).contains(&float);
@@ -59,7 +59,7 @@ pub(crate) fn lights(root: &Root) -> &[Light] {
     extension.map_or(&[], |extension| &extension.lights)
 }
 
-/// Returns the indices of the accessors that place the instances of a node.
+/// Returns the accessors of the transforms of a node's instances.
 pub(crate) fn instance_accessors(node: &Node) -> impl Iterator<Item = usize> {
     let extension =
         node.extensions.as_ref().and_then(|extensions| extensions.others.get(INSTANCING));
@@ -74,19 +74,19 @@ pub(crate) fn compression_of(view: &View) -> Option<(&'static str, &Value)> {
     view.extensions.as_ref().and_then(|all| compression(&all.others))
 }
 
-/// Returns the buffer that a view is compressed in.
+/// Returns the buffer that holds the compressed bytes of a view.
 pub(crate) fn source_buffer(view: &View) -> Option<usize> {
     compression_of(view).and_then(|(_, values)| values.get("buffer")).and_then(index)
 }
 
-/// Returns the image of a texture by glTF itself, without extensions.
+/// Returns the image of a texture that glTF itself names, without extensions.
 pub(crate) fn plain_source(texture: &Texture) -> Option<usize> {
-    // This is how `gltf` marks that there is none.
+    // The marker of `gltf` for no source.
     const NONE: usize = u32::MAX as usize;
     Some(texture.source.value()).filter(|&source| source != NONE)
 }
 
-/// Returns the image of a texture by `EXT_texture_webp`.
+/// Returns the image of a texture that `EXT_texture_webp` names.
 pub(crate) fn webp_source(texture: &Texture) -> Result<Option<usize>, Reason> {
     let extension = texture.extensions.as_ref().and_then(|extensions| extensions.others.get(WEBP));
     let Some(source) = extension.and_then(|extension| extension.get("source")) else {

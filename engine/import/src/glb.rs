@@ -19,13 +19,12 @@ pub(crate) struct Parts {
     pub(crate) binary: Option<Range<usize>>,
 }
 
-/// Returns true if these are the bytes of a GLB rather than of plain JSON, even if they are very
-/// few.
+/// Returns true if the bytes are a GLB and not plain JSON, even if there are very few bytes.
 pub(crate) fn is_glb(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC) || (!bytes.is_empty() && MAGIC.starts_with(bytes))
 }
 
-/// Finds the chunks of a GLB. Those of unknown types are skipped, as are bytes after its end.
+/// Finds the chunks of a GLB. Chunks of unknown types and bytes after the end are skipped.
 pub(crate) fn split(bytes: &[u8]) -> Result<Parts, Fault> {
     let of_header = |reason: Reason| reason.of("GLB header");
     let (Some(version), Some(length)) = (u32_at(bytes, 4), u32_at(bytes, 8)) else {

@@ -1,4 +1,4 @@
-//! The result of loading a file: a scene, its rig, and the clips that play on it.
+//! The result of loading a file: a scene, its rig, and its clips.
 
 use animation::{Clip, Pose, Rig, RigNodeId, Skin};
 use cull::{Aabb, ObjectId, Projection};
@@ -8,16 +8,16 @@ use scene::{LightId, Scene, SkinnedMeshId, TransparentId};
 use crate::Note;
 use crate::lods::{self, LevelOptions};
 
-/// A camera of the file. It looks along its node's -z, up is y.
+/// A camera of the file. It looks along -z of its node, with y upwards.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneCamera {
-    /// The name of its node, or its own.
+    /// The name of its node, or of the camera.
     pub name: String,
-    /// The node that carries it.
+    /// The node to which it is attached.
     pub node: RigNodeId,
-    /// The projection, in images that are no narrower than [`SceneCamera::aspect_ratio`].
+    /// The projection for images at least as wide as [`SceneCamera::aspect_ratio`].
     pub projection: Projection,
-    /// The aspect ratio of its image; `None` if the file leaves it to the viewer.
+    /// The aspect ratio of its image; `None` if the file does not specify it.
     pub aspect_ratio: Option<f32>,
     /// The distance of the near plane, in metres.
     pub near_m: f32,
@@ -27,8 +27,8 @@ impl SceneCamera {
     /// The widest field of view, in radians.
     const WIDEST_RAD: f32 = std::f32::consts::PI - 0.1;
 
-    /// Returns the projection for images of `size` pixels: higher in images that are narrower than
-    /// the camera's own, so that nothing is cut off at the sides.
+    /// Returns the projection for images of `size` pixels. In images that are narrower than the
+    /// camera's own, its field of view is higher, so that nothing is cut off at the sides.
     pub fn projection_in(&self, size: [u32; 2]) -> Projection {
         let [width, height] = size.map(|side| side.max(1) as f32);
         let narrower = (self.aspect_ratio.unwrap_or_default() * height / width).max(1.0);
@@ -47,7 +47,7 @@ impl SceneCamera {
     /// Returns the camera for images of `size` pixels while its node is at `world`.
     pub(crate) fn seen_from(&self, world: &Affine3A, size: [u32; 2]) -> cull::Camera {
         let forward = Vec3::from(-world.matrix3.z_axis).try_normalize().unwrap_or(Vec3::NEG_Z);
-        // A camera's image is upright under any transform of its node.
+        // The image is upright under any transform of the node.
         let up = Vec3::from(world.matrix3.y_axis).reject_from_normalized(forward).try_normalize();
         cull::Camera {
             eye: world.translation.into(),
@@ -59,7 +59,7 @@ impl SceneCamera {
     }
 }
 
-/// The object or light that is attached to a node.
+/// An object or light that is attached to a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PlacedNode {
     /// An object of [`Scene::objects`].
@@ -70,23 +70,23 @@ pub enum PlacedNode {
     Light(LightId),
 }
 
-/// An object or light that moves or is posed.
+/// An attached object or light that moves or is posed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NodeAttachment {
-    /// The node of the file that has it, and that it moves with. A skinned object moves with its
-    /// joints instead: it is in the space of its skeleton,
-    /// [`Skeleton::space`](animation::Skeleton::space): of the joints that its vertices follow.
+    /// The node of the file to which it is attached. An unskinned object moves with this node. A
+    /// skinned object moves with its joints and is in the space of its skeleton
+    /// ([`Skeleton::space`](animation::Skeleton::space)), for the joints that its vertices follow.
     pub node: RigNodeId,
     /// The attached object or light.
     pub placed: PlacedNode,
-    /// The transform from its own space to its node's.
+    /// The transform from its space to the node's.
     pub local: Affine3A,
-    /// Its skinned mesh, with the index of its skin in [`GltfScene::skins`].
+    /// The skinned mesh, with the index of its skin in [`GltfScene::skins`].
     pub skinned_mesh: Option<(SkinnedMeshId, Option<usize>)>,
-    /// The box in the world around it at rest; empty where it is not skinned.
+    /// The box around it in the world at rest; empty if it is not skinned.
     pub seen_at_rest: Aabb,
-    /// A loose box, in its own space, that it stays in under all clips, together or one after the
-    /// other; empty where it is not skinned.
+    /// A loose box in its own space that it never leaves under any mix of the clips; empty if it is
+    /// not skinned.
     pub reach: Aabb,
 }
 
@@ -95,34 +95,34 @@ pub struct NodeAttachment {
 pub struct GltfScene {
     /// The scene at rest.
     pub scene: Scene,
-    /// The point of the file at which the scene has its origin, in whole metres: zero unless
+    /// The point of the file that became the scene's origin, in whole metres: zero unless
     /// [`ScenePlace::NearOrigin`](crate::ScenePlace::NearOrigin) moved the scene.
     pub origin_m: DVec3,
     /// The nodes of the shown scene, at rest.
     pub rig: Rig,
     /// The node of each object of the scene; empty for files without nodes.
     pub object_nodes: Vec<RigNodeId>,
-    /// The clips that play on them.
+    /// The clips that animate the nodes.
     pub clips: Vec<Clip>,
     /// The joints of skinned meshes.
     pub skins: Vec<Skin>,
-    /// All that moves: objects and lights on nodes that a clip moves, and all skinned objects.
-    /// Other objects of the scene stay where they are.
+    /// Everything that moves: objects and lights on nodes that a clip moves, and all skinned
+    /// objects. Other objects never move.
     pub placements: Vec<NodeAttachment>,
     /// The cameras of the shown scene, in the order of the file's list.
     pub cameras: Vec<SceneCamera>,
-    /// The tolerated deviations of the file, and the parts that are not shown, for people.
+    /// The tolerated deviations of the file, and the parts that are not shown.
     pub notes: Vec<Note>,
 }
 
 impl GltfScene {
-    /// Returns the box around everything visible at rest; the origin alone if there is nothing.
+    /// Returns the box around everything visible at rest; the origin if there is nothing.
     pub fn bounds(&self) -> Aabb {
         bounds(self)
     }
 
-    /// Returns the first camera of the file at rest, for images of `size` pixels; without one, a
-    /// view of the whole scene, three quarters from the front and somewhat from above.
+    /// Returns the first camera of the file at rest, for images of `size` pixels. Without a camera,
+    /// returns a view of the whole scene, diagonally from the front and above.
     pub fn default_camera(&self, size: [u32; 2]) -> cull::Camera {
         let Some(camera) = self.cameras.first() else {
             return crate::convert::framing::overview(&self.bounds());
@@ -133,21 +133,21 @@ impl GltfScene {
         camera.seen_from(&world, size)
     }
 
-    /// Makes coarser levels of all meshes but skinned and transparent ones. These take index
-    /// memory, about as much again as the meshes. Meshes with corners in which triangles meet by
-    /// the thousands have one level, and a note says so: simplifying them takes time with the
-    /// square of that.
+    /// Creates coarser levels of all meshes except skinned and transparent ones. The levels take
+    /// about as much index memory as the meshes. Meshes with corners in which thousands of
+    /// triangles meet get no coarser levels, and a note says so: simplification takes time
+    /// proportional to the square of their number.
     pub fn make_levels(&mut self, options: &LevelOptions) {
         self.notes.extend(lods::make_levels(&mut self.scene, options));
     }
 }
 
-/// Returns the box around everything at rest; around the origin alone if there is nothing.
+/// Returns the box around everything at rest; the origin if there is nothing.
 fn bounds(imported: &GltfScene) -> Aabb {
     let scene = &imported.scene;
     let transparent = scene.surfaces.iter().flat_map(|surfaces| &surfaces.transparent);
     let objects = scene.objects.len();
-    // The mesh of a skinned object is not where it is shown.
+    // A skinned object is not shown where its mesh is.
     let skinned = imported.placements.iter().filter(|placement| placement.skinned_mesh.is_some());
     let seen: std::collections::HashMap<usize, Aabb> = skinned
         .filter_map(|placement| match placement.placed {

@@ -1,5 +1,5 @@
-//! Images of a file, decoded to four bytes per pixel or to compressed blocks: several at once,
-//! within a stated amount of memory.
+//! The images of a file, decoded to four bytes per pixel or to compressed blocks. Several are
+//! decoded at the same time, within a limited amount of memory.
 
 mod gate;
 mod jpeg;
@@ -33,14 +33,14 @@ use crate::uri::Wanted;
 use crate::verdict::Verdict;
 use crate::{ImportError, Limits};
 
-/// The most decoding threads: more gain little and take memory.
+/// The most decoding threads: more threads gain little and take memory.
 const MAX_THREADS: usize = 8;
 
-/// The images that are shown.
+/// The images of the shown scene.
 pub(crate) struct Images {
-    /// One entry per image of the file; `None` where nothing shows it.
+    /// One entry per image of the file; `None` if it is not shown.
     pub(crate) list: Vec<Option<Image>>,
-    /// The indices of those that could not be read.
+    /// The indices of images that could not be read.
     pub(crate) placeholders: BTreeSet<usize>,
 }
 
@@ -50,16 +50,13 @@ pub(crate) struct EncodedImages<'a> {
     pub(crate) store: &'a Store,
     /// The image of each texture.
     pub(crate) texture_images: &'a [Option<usize>],
-    /// The folder that URIs are relative to.
+    /// The folder to which URIs are relative.
     pub(crate) folder: Option<&'a Path>,
     pub(crate) limits: &'a Limits,
 }
 
-/// Decodes the images that materials show; the others stay `None`. Images that cannot be read
+/// Decodes the images that shown materials use; the others stay `None`. Images that cannot be read
 /// become placeholders, with a note.
-///
-/// # Errors
-/// Images beyond the limits; a progress function that stopped the loading.
 pub(crate) fn decode(
     file: &EncodedImages<'_>,
     budget: &mut Budget,
@@ -115,7 +112,7 @@ pub(crate) fn decode(
     Ok(Images { list, placeholders })
 }
 
-/// Returns the encoded bytes of an image in the file.
+/// Returns the encoded bytes of an image.
 fn encoded<'a>(
     root: &Root,
     store: &'a Store,
@@ -141,23 +138,23 @@ struct Job<'a> {
     coding: Coding,
 }
 
-/// The facts in the head of an image, which are checked before any memory is taken for it.
+/// The values in the header of an image, which are checked before memory is allocated.
 struct ImageHead {
     size: [u32; 2],
-    /// The bytes of the decoded image.
+    /// The number of bytes of the decoded image.
     bytes: u64,
-    /// The memory that decoding takes beside the result.
+    /// The memory that decoding takes in addition to the result.
     scratch_bytes: u64,
 }
 
-/// The form that an image lies in a file in.
+/// The encoding of an image in a file.
 enum Coding {
     Pixels(EncodedPixels),
     Ktx2(EncodedKtx2),
 }
 
 impl<'a> Job<'a> {
-    /// Reads the head of an image alone.
+    /// Reads the header of an image.
     fn new(index: usize, encoded: Cow<'a, [u8]>, limits: &Limits) -> Result<Self, Reason> {
         let (head, coding) = guarded(|| {
             if EncodedKtx2::is_in(&encoded) {
@@ -195,18 +192,17 @@ impl<'a> Job<'a> {
     }
 }
 
-/// Calls third-party code: a panic in it loses this image alone.
+/// Calls third-party code; a panic in it only loses this image.
 fn guarded<T>(decode: impl FnOnce() -> Result<T, Reason>) -> Result<T, Reason> {
     let decoded = catch_unwind(AssertUnwindSafe(decode));
     decoded.unwrap_or_else(|_| Err(Reason::damaged("its decoder gave up")))
 }
 
-/// Decodes an image that is in memory: PNG, JPEG, WebP, or KTX2 of BC1 to BC5, BC7, ASTC or pixels
-/// of one to four channels of eight bits, as in glTF files. `name` is its name in the scene and in
-/// errors.
+/// Decodes an image in memory: PNG, JPEG, WebP, or KTX2 with BC1 to BC5, BC7, ASTC or pixels of one
+/// to four channels of eight bits, as in glTF files. `name` is its name in the scene and in errors.
 ///
 /// # Errors
-/// An image of another form, a broken one, one beyond the limits.
+/// An unsupported format, a broken image, or an image beyond the limits.
 pub fn decode_image(name: &str, encoded: &[u8], limits: &Limits) -> Result<Image, ImportError> {
     let job = Job::new(0, Cow::Borrowed(encoded), limits).and_then(|job| {
         if job.head.bytes > limits.image_bytes {
@@ -218,8 +214,8 @@ pub fn decode_image(name: &str, encoded: &[u8], limits: &Limits) -> Result<Image
     Ok(Image { name: name.to_owned(), size, texels })
 }
 
-/// Decodes all images on a bounded number of threads, and reports progress after each. The results
-/// are in the order of the jobs.
+/// Decodes all images on a limited number of threads, and reports progress after each image. The
+/// results are in the order of the jobs.
 fn decode_all(
     jobs: &[Job],
     limits: &Limits,
@@ -238,7 +234,7 @@ fn decode_all(
             if let Some(slot) = done.get_mut(index) {
                 *slot = texels;
             }
-            // Nobody receives results after the progress function stopped the loading.
+            // The receiver is gone if the progress function stopped loading.
             let _listens = finished.send(());
         }
     };
@@ -248,15 +244,15 @@ fn decode_all(
             std::thread::Builder::new().spawn_scoped(scope, move || work(finished)).is_ok()
         };
         let started = (0..threads).take_while(|_| start(finished.clone())).count();
-        // The threads have one sender each; the channel closes with the last of them. A machine
-        // without a spare thread uses this one.
+        // Each thread has a sender; the channel closes when the last one ends. If no thread could
+        // be started, this thread does the work.
         match started {
             0 => work(finished),
             _ => drop(finished),
         }
         for (count, ()) in (1..).zip(&arriving) {
             if read_progress(count as f32 / jobs.len() as f32).is_break() {
-                // Jobs that have begun are finished; no other begins.
+                // Running jobs finish; no new job begins.
                 next.store(jobs.len(), Ordering::Relaxed);
                 break;
             }

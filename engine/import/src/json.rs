@@ -1,4 +1,5 @@
-//! The JSON of a file: weighed, read, and where `gltf` refuses it, read element by element.
+//! Reads the JSON of a file: its memory is estimated first. If `gltf` refuses the JSON, it is read
+//! element by element.
 
 mod extension_names;
 mod huge;
@@ -23,9 +24,6 @@ use crate::notes::{Note, Notes};
 pub(crate) use lenient::Parsed;
 
 /// Reads the JSON of a file. Parts that are left out are noted.
-///
-/// # Errors
-/// Text that is no JSON, needs another version, or has faults outside of the lists of elements.
 pub(crate) fn parse(json: &[u8], limits: &Limits, notes: &mut Notes) -> Result<Parsed, Fault> {
     // RFC 8259 lets a reader ignore a byte order mark, and chunks of a GLB may be padded.
     let json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);
@@ -37,7 +35,7 @@ pub(crate) fn parse(json: &[u8], limits: &Limits, notes: &mut Notes) -> Result<P
     if read.is_err()
         && let Some(bounded) = huge::bounded(json)
     {
-        // The text after the first such number was not weighed.
+        // The estimate stopped at the first such number.
         return parse(&bounded, limits, notes);
     }
     let mut parsed = match read {
@@ -59,12 +57,12 @@ pub(crate) fn parse(json: &[u8], limits: &Limits, notes: &mut Notes) -> Result<P
     Ok(parsed)
 }
 
-/// Returns true if JSON may have what a reader of structures takes for something else.
+/// Returns true if the JSON may contain values that a typed reader would misread.
 fn needs_elements(json: &[u8]) -> bool {
     wide::may_be_in(json) || lists::may_be_in(json) || nulls::may_be_in(json)
 }
 
-/// Returns the reason why JSON cannot be read, with the place.
+/// Returns the reason why JSON cannot be read, with its line and column.
 fn syntax(error: &serde_json::Error) -> Reason {
     let line = error.line();
     let column = error.column();
@@ -76,12 +74,12 @@ fn syntax(error: &serde_json::Error) -> Reason {
     Reason::malformed(format!("it is no JSON in line {line}, column {column}: {what}"))
 }
 
-/// Reads JSON again that `gltf` refused, or may have kept only a part of.
+/// Reads JSON again that `gltf` refused or may have read incompletely.
 fn by_elements(json: &[u8], notes: &mut Notes) -> Result<Parsed, Fault> {
     let mut value: Value =
         serde_json::from_slice(json).map_err(|error| syntax(&error).of("JSON"))?;
     nulls::remove(&mut value, notes);
-    // Files of other versions have other forms.
+    // Files of other versions have another structure.
     if let Some(version) = value.pointer("/asset/version").and_then(Value::as_str) {
         version::refuse_older(version)?;
     }
@@ -91,7 +89,7 @@ fn by_elements(json: &[u8], notes: &mut Notes) -> Result<Parsed, Fault> {
     lenient::parse(object, notes)
 }
 
-/// Removes entries that are allowed and without meaning here, but would make `gltf` panic.
+/// Removes entries that are valid and have no effect here, but would make `gltf` panic.
 fn strip(root: &mut Root, notes: &mut Notes) {
     use gltf::json::validation::Checked;
     for (mesh_index, mesh) in root.meshes.iter_mut().enumerate() {

@@ -12,11 +12,12 @@ pub(crate) struct Layout {
     pub(crate) component: ComponentType,
     /// The number of components per element.
     pub(crate) components: usize,
-    /// The number of components in a row without padding: a column of a matrix, or all.
+    /// The number of consecutive components without padding: a column of a matrix, or all
+    /// components.
     run: usize,
-    /// The distance from one run to the next.
+    /// The distance in bytes from one run to the next.
     run_bytes: usize,
-    /// The size of an element, with the padding of a matrix's columns.
+    /// The size of an element, including the padding of a matrix's columns.
     pub(crate) element_bytes: usize,
 }
 
@@ -58,14 +59,14 @@ impl Layout {
         component / self.run * self.run_bytes + component % self.run * self.component.size()
     }
 
-    /// Returns the bytes that `count` elements take with this stride.
+    /// Returns the number of bytes of `count` elements with this stride.
     pub(crate) fn span(&self, count: u64, stride: u64) -> Option<u64> {
         let last = count.checked_sub(1)?.checked_mul(stride)?;
         last.checked_add(self.element_bytes as u64)
     }
 }
 
-/// Returns the stride of the elements of an accessor with this view.
+/// Returns the stride of an accessor's elements in a view.
 pub(crate) fn stride(root: &Root, view: usize, layout: &Layout) -> usize {
     root.buffer_views
         .get(view)

@@ -1,4 +1,4 @@
-//! Parts of the shown scene that need a broken element: they are taken out of it.
+//! Leaves out the parts of the shown scene that need a broken element.
 
 use gltf::json::extensions::scene::khr_lights_punctual as khr;
 use gltf::json::mesh::{MorphTarget, Primitive};
@@ -11,11 +11,8 @@ use crate::placeholder::Placeholder;
 use crate::reach::accessors_of;
 use crate::verdict::Verdict;
 
-/// Takes all that needs a broken element out of the shown scene, with a note for each sort of
-/// fault. What only these used is used no more.
-///
-/// # Errors
-/// Those of [`Verdict::leave_out`].
+/// Leaves out everything in the shown scene that needs a broken element, with a note per kind of
+/// fault. Elements that only these parts used are no longer in use.
 pub(crate) fn dependants(root: &mut Root, verdict: &mut Verdict) -> Result<(), Fault> {
     if !verdict.has_faults() {
         return Ok(());
@@ -79,7 +76,7 @@ fn meshes(root: &mut Root, verdict: &mut Verdict) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Makes a primitive draw nothing. It has as many morph targets as before.
+/// Makes a primitive draw nothing, but keeps its number of morph targets.
 pub(crate) fn empty_primitive(primitive: &mut Primitive) {
     let none = MorphTarget { positions: None, normals: None, tangents: None };
     let targets = primitive.targets.as_ref().map(|targets| vec![none; targets.len()]);
@@ -135,7 +132,7 @@ fn light_of(node: &Node) -> Option<Element> {
     Some(Kind::Light.at(named?.light.value()))
 }
 
-/// Takes the light off a node.
+/// Removes the light of a node.
 pub(crate) fn remove_light(node: &mut Node) {
     if let Some(extensions) = &mut node.extensions {
         extensions.khr_lights_punctual = None;

@@ -1,17 +1,18 @@
-//! Scenes out of glTF 2.0, STL and OBJ files, which are hostile until proven otherwise.
+//! Loads scenes from glTF 2.0, STL and OBJ files, which are taken to be hostile.
 //!
-//! [`load`] reads a file and what it refers to, [`load_bytes`] a file in memory. Container, weight
-//! of the JSON, structure and budget are checked before anything is allocated by what a file says
-//! ([`Limits`]); then files, decompression, values and images. What the file as a whole lacks or
-//! asks too much of is an [`ImportError`]. A fault of a part of it is a note, and the part is left
-//! out; of what is shown it is an error on request ([`BrokenParts`]). Both name the element and the
-//! reason. Nothing here knows a GPU.
+//! [`load`] reads a file and the files that it refers to, [`load_bytes`] a file in memory.
+//! Container, memory demand of the JSON, structure and budget are checked first, before any
+//! allocation whose size the file determines ([`Limits`]). Then files are read, buffers
+//! decompressed, values checked and images decoded. A file that is broken as a whole or demands too
+//! much returns an [`ImportError`]. A fault in a part of a file becomes a note, and the part is
+//! left out. On request, a fault in the shown scene is an error, too ([`BrokenParts`]). Notes and
+//! errors name the element and the reason. The crate is independent of GPUs.
 //!
-//! | type | what it is |
+//! | type | purpose |
 //! |---|---|
 //! | [`GltfScene`] | the scene to draw, its cameras, clips, names and notes |
-//! | [`LoadOptions`], [`Limits`] | what is read, and how much of it at most |
-//! | [`SceneAnimator`] | time in, changes of the scene out |
+//! | [`LoadOptions`], [`Limits`] | the options of loading, and the limits on a file's demands |
+//! | [`SceneAnimator`] | the changes of the scene at a time |
 //!
 //! ```
 //! # use antumbra_import as import;

@@ -1,60 +1,60 @@
-//! The limits on the demands of a file.
+//! The limits on a file's demands.
 
 const MIB: u64 = 1 << 20;
 
-/// The limits on a file's demands. Reading it takes at most [`Limits::memory_bound`] bytes at any
-/// time, and the counts bound the scene made of it.
+/// The limits on a file's demands. Reading a file takes at most [`Limits::memory_bound`] bytes at
+/// any time. The counts bound the resulting scene.
 ///
-/// All limits are inclusive. They are checked before the memory is taken.
+/// All limits are inclusive and checked before memory is allocated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limits {
     /// Bytes of the file itself. Default: 1 GiB.
     pub file_bytes: u64,
     /// Bytes of the file's JSON. Default: 256 MiB.
     pub json_bytes: u64,
-    /// Bytes that the JSON takes once it is read, by a cautious estimate: an empty node is two
-    /// characters in the file and some hundred bytes in memory. Default: 1 GiB.
+    /// Bytes that the JSON takes once it is read, by a cautious estimate: an empty node has two
+    /// characters in the file, but some hundred bytes in memory. Default: 1 GiB.
     pub json_memory_bytes: u64,
-    /// Bytes of all buffers outside of the file, in data URIs, or decompressed, together. Default:
-    /// 1 GiB.
+    /// Bytes of all buffers together that are outside of the file, in data URIs, or decompressed.
+    /// Default: 1 GiB.
     pub buffer_bytes: u64,
     /// Pixels along a side of an image. Default: 16384.
     pub image_side: u32,
-    /// Bytes of all images together, decoded to four bytes per pixel; compressed blocks count so,
-    /// too, since some devices do not take them as they are. Default: 2 GiB.
+    /// Bytes of all images together, decoded to four bytes per pixel. Compressed blocks count as
+    /// decoded, since some devices do not support them. Default: 2 GiB.
     pub image_bytes: u64,
-    /// Bytes in use at any time for decoding images, beside the images themselves: one that
-    /// needs more by itself is refused. Default: 2 GiB.
+    /// Bytes in use at any time for decoding images, in addition to the images. An image that needs
+    /// more is refused. Default: 2 GiB.
     pub image_scratch_bytes: u64,
-    /// Elements of all accessors together, including those that share their bytes. Default: 2^29.
+    /// Elements of all accessors together, even if accessors share bytes. Default: 2^29.
     pub elements: u64,
-    /// Vertices of all meshes, as [`Source`](crate::Source) counts them. Default: 2^25.
+    /// Vertices of all meshes, counted as in [`Source`](crate::Source). Default: 2^25.
     pub vertices: u64,
-    /// Vertices of all primitives as their accessors have them: including those that no index
-    /// refers to, counted again for each primitive. A single primitive may have
-    /// [`Limits::vertices`]. Default: 2^28.
+    /// Vertices of all primitives, counted by the lengths of their accessors: with vertices that no
+    /// index refers to, and once per primitive. A single primitive may have [`Limits::vertices`].
+    /// Default: 2^28.
     pub listed_vertices: u64,
-    /// Corners of the triangles of all meshes, counted likewise. Default: 2^27.
+    /// Corners of the triangles of all meshes, counted like [`Limits::vertices`]. Default: 2^27.
     pub corners: u64,
     /// Nodes. Default: 2^20.
     pub nodes: u64,
-    /// Vertices of skinned meshes, once for each place that has one. Default: as many as a
-    /// renderer takes on any device, about 3.3 million.
+    /// Vertices of skinned meshes, once per place of the mesh. Default: the number that a renderer
+    /// supports on any device, about 3.3 million.
     pub skinned_vertices: u64,
-    /// Primitives on nodes, each as often as its node is instanced. Default: as many as a renderer
-    /// takes on any device, 2^21.
+    /// Primitives on nodes, once per instance of the node. Default: the number that a renderer
+    /// supports on any device, 2^21.
     pub objects: u64,
-    /// Joints of skins, each counted once per primitive on its skin. Default: 2^21.
+    /// Joints of skins, once per primitive that uses the skin. Default: 2^21.
     pub joints: u64,
-    /// Nodes between the joints of a skin and their common ancestor, for each skin and each choice
-    /// of its joints that some mesh follows. Default: 2^24.
+    /// Nodes between the joints of a skin and their common ancestor, for each skin and each set of
+    /// its joints that a mesh uses. Default: 2^24.
     pub bones: u64,
-    /// Lights on the nodes of the scene. Default, and the most in any case: 2^16.
+    /// Lights on the nodes of the scene. Default, and largest value: 2^16.
     pub lights: u64,
-    /// Numbers in the outputs and inputs of all animation channels. Default: 2^26.
+    /// Numbers in the inputs and outputs of all animation channels. Default: 2^26.
     pub key_values: u64,
-    /// Numbers in the morph targets, joints and weights of all meshes, each as often as its mesh is
-    /// on a node or instance. Default: 2^27.
+    /// Numbers in the morph targets, joints and weights of all meshes, once per node or instance of
+    /// the mesh. Default: 2^27.
     pub morph_values: u64,
 }
 
@@ -86,10 +86,10 @@ impl Default for Limits {
 
 impl Limits {
     /// Returns the most bytes in use at any time while a file is read: 10.1 GiB with the defaults,
-    /// for a file that exhausts all of the limits.
+    /// for a file that exhausts all limits.
     ///
-    /// It is the sum of the file, its JSON (in several forms while it is read), buffers (compressed
-    /// and decompressed), images, and the scratch memory of decoding; 48 MiB are for tables and
+    /// It is the sum of the file, its JSON (in several forms), its buffers (compressed and
+    /// decompressed), its images, and the scratch memory of decoding, plus 48 MiB for tables and
     /// stacks.
     pub fn memory_bound(&self) -> u64 {
         [

@@ -1,4 +1,4 @@
-//! Loading, from a file to a scene and its animation, with reports of progress.
+//! Loads a scene and its animation from a file, with progress reports.
 
 use std::path::Path;
 
@@ -7,23 +7,24 @@ use crate::notes::Notes;
 use crate::progress::{ProgressFn, ProgressSender, Stage};
 use crate::{GltfScene, ImportError, MeshFormat, convert, mesh_files, source};
 
-/// Loads the scene of a .gltf, .glb, .stl or .obj file, with everything it refers to. The scene's
-/// name is the file's, without its ending. A file that begins as glTF is one whatever its name is,
-/// and so is a binary STL file unless its name says otherwise.
+/// Loads the scene of a .gltf, .glb, .stl or .obj file, with all files that it refers to. The name
+/// of the scene is the file name without its extension. A file that begins with the GLB magic is
+/// read as glTF whatever its name. A binary STL file is recognised by its length if its extension
+/// is unknown.
 ///
-/// With any contents of the file, this does not panic and does not read outside of its folder.
-/// Reading takes no more memory than the [`Limits`](crate::Limits); bones
+/// Whatever the file contains, this does not panic and does not read outside of the file's folder.
+/// Reading takes no more memory than the [`Limits`](crate::Limits) allow; bones
 /// ([`Limits::bones`](crate::Limits::bones), some 40 bytes each) are in addition. Clips that could
-/// move something farther than a renderer can draw are left out. All that can be shown is shown,
-/// and deviations from the file are in [`GltfScene::notes`]. The scene passes
+/// move something farther than a renderer can draw are left out. Everything else that can be shown
+/// is shown, and [`GltfScene::notes`] lists the deviations from the file. The scene passes
 /// [`Scene::validate`](scene::Scene::validate), every object has a usable box, and all numbers are
 /// finite.
 ///
 /// # Errors
-/// Unreadable files, other JSON than glTF 2.0 has, unsupported extensions that are required, and
-/// files beyond the limits; files of which nothing is left to see without their broken parts, and
-/// those with any, if these are refused ([`BrokenParts`](crate::BrokenParts));
-/// [`Cause::GivenUp`](crate::Cause::GivenUp) if `progress_fn` stops the loading. Each names the
+/// A file that is unreadable, is not valid glTF 2.0 as a whole, requires unsupported extensions, or
+/// exceeds the limits; a file that shows nothing without its broken parts; a file with broken parts
+/// if these are refused ([`BrokenParts`](crate::BrokenParts));
+/// [`Cause::GivenUp`](crate::Cause::GivenUp) if `progress_fn` stops loading. Each error names the
 /// file, the object in it, and the reason.
 pub fn load(
     path: &Path,
@@ -45,11 +46,11 @@ pub fn load(
     convert::convert(source, name, options, &mut progress_sender)
 }
 
-/// Loads the scene of an STL or OBJ file whose bytes are here. The materials of an OBJ file are
-/// read from `folder`; without a folder all is grey.
+/// Loads the scene of an STL or OBJ file from memory. The materials of an OBJ file are read from
+/// `folder`; without a folder everything is grey.
 ///
 /// # Errors
-/// Those of [`load`].
+/// The errors of [`load`].
 pub fn load_mesh_bytes(
     bytes: &[u8],
     format: MeshFormat,
@@ -78,11 +79,11 @@ fn load_triangles(
     convert::convert_mesh_file(read, format, name, options, notes, progress_sender)
 }
 
-/// Loads the scene of a .gltf or .glb file whose bytes are here. Files that it refers to are read
-/// from `folder`; without a folder it must not refer to other files.
+/// Loads the scene of a .gltf or .glb file from memory. Files that it refers to are read from
+/// `folder`; without a folder it must not refer to other files.
 ///
 /// # Errors
-/// Those of [`load`].
+/// The errors of [`load`].
 pub fn load_bytes(
     bytes: Vec<u8>,
     folder: Option<&Path>,

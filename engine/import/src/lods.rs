@@ -1,4 +1,4 @@
-//! Levels of detail: coarser levels of meshes, by quadric error simplification (the crate
+//! Levels of detail: creates coarser levels of meshes by quadric error simplification (the crate
 //! `meshopt`).
 
 use ::meshopt::{SimplifyOptions, VertexDataAdapter};
@@ -7,17 +7,17 @@ use scene::{Alpha, LodLevel, Mesh, Scene, SurfaceMesh, SurfaceVertex};
 use crate::Note;
 use crate::error::quoted;
 
-/// The options of making coarser levels.
+/// The options of coarser levels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LevelOptions {
-    /// The greatest number of coarser levels of a mesh.
+    /// The most coarser levels of a mesh.
     pub most: usize,
-    /// The largest share of triangles that each level has of the one before, 0 to 1; a level that
-    /// stays above nine tenths is not kept.
+    /// The wanted ratio of triangles from one level to the next, 0 to 1. A level with more than
+    /// nine tenths of the triangles of the previous one is discarded.
     pub share: f32,
-    /// The number of triangles below which a mesh has one level.
+    /// The number of triangles below which a mesh gets no coarser levels.
     pub least_triangles: usize,
-    /// The largest error of a level, as a share of the mesh's largest extent.
+    /// The largest error of a level, relative to the mesh's largest extent.
     pub most_error: f32,
 }
 
@@ -27,12 +27,12 @@ impl Default for LevelOptions {
     }
 }
 
-/// The number of attributes that a collapse should keep beside positions: normals without tangents'
-/// signs, and texture coordinates.
+/// The number of attributes besides positions that simplification should preserve: the normal and
+/// texture coordinates.
 const ATTRIBUTES: usize = 5;
 const ATTRIBUTE_WEIGHTS: [f32; ATTRIBUTES] = [0.5, 0.5, 0.5, 0.2, 0.2];
 
-/// Makes coarser levels, and returns a note if meshes are [crowded](is_crowded).
+/// Creates coarser levels, and returns a note if meshes are [crowded](is_crowded).
 pub(crate) fn make_levels(scene: &mut Scene, options: &LevelOptions) -> Option<Note> {
     let mut crowded = Vec::new();
     let surfaces = scene.surfaces.as_mut()?;
@@ -65,14 +65,14 @@ pub(crate) fn make_levels(scene: &mut Scene, options: &LevelOptions) -> Option<N
     Some(Note { count: crowded.len() as u64, ..Note::new(object, reason) })
 }
 
-/// The most triangles that meet in a corner of a mesh, in the mean over all corners of triangles. A
-/// disc of 6,144 triangles around one vertex is at the limit: there simplifying takes about twice
-/// as long per triangle as in a grid, and beyond it in proportion to their number.
+/// The most triangles that may meet in a corner, as the mean over all corners of triangles. A disc
+/// of 6,144 triangles around one vertex is at this limit: it takes about twice as long per triangle
+/// as a grid. Above the limit, the time per triangle is proportional to the number that meet.
 const MOST_MET: u64 = 2048;
 
-/// Returns true if so many triangles meet in its corners that simplifying the mesh would take more
-/// than a bounded time per triangle: the simplifier looks at all triangles of a vertex for each of
-/// its edges that may collapse.
+/// Returns true if simplifying the mesh would take too long per triangle, because too many
+/// triangles meet in its corners: the simplifier visits all triangles of a vertex for each of its
+/// edges that may collapse.
 fn is_crowded(mesh: &Mesh) -> bool {
     let mut met = vec![0_u32; mesh.vertices.len()];
     for index in &mesh.indices {
@@ -104,7 +104,7 @@ fn levels(mesh: &Mesh, surface: &SurfaceMesh, options: &LevelOptions) -> Vec<Lod
     for _ in 0..options.most {
         let wanted = (before as f32 * options.share.clamp(0.0, 1.0)) as usize;
         let mut error_m = 0.0;
-        // Always from the finest level: the errors of a chain of levels would add up.
+        // Always from the finest level, since the errors of a chain of levels would add up.
         let indices = ::meshopt::simplify_with_attributes_and_locks(
             &mesh.indices,
             &adapter,
@@ -122,7 +122,7 @@ fn levels(mesh: &Mesh, surface: &SurfaceMesh, options: &LevelOptions) -> Vec<Lod
         if !is_worth_it || !error_m.is_finite() {
             break;
         }
-        // A coarser level is no better than a finer one, whatever error was found.
+        // A coarser level counts as no better than a finer one, whatever error was found.
         let error_m = levels.last().map_or(error_m, |last| last.error_m.max(error_m));
         levels.push(LodLevel { indices, error_m });
         before = found;
@@ -187,7 +187,7 @@ mod tests {
             assert!(level.indices.len() * 10 <= before.indices.len() * 9);
             assert!(level.error_m >= before.error_m && level.error_m <= 0.2 + 1.0e-6);
             assert!(level.indices.iter().all(|index| (*index as usize) < mesh.vertices.len()));
-            // Corners stay on the ball; the middle of a triangle is where it is farthest from it.
+            // Corners stay on the ball, so the middle of a triangle is farthest from it.
             for corners in level.indices.chunks_exact(3) {
                 let at =
                     |corner: usize| Vec3::from(mesh.vertices[corners[corner] as usize].position);

@@ -1,4 +1,5 @@
-//! Broken parts of the shown scene: they are left out or repaired, with a note, or refuse the file.
+//! Broken parts of the shown scene: they are left out or repaired with a note, or the file is
+//! refused.
 
 use std::collections::BTreeSet;
 
@@ -13,9 +14,9 @@ use crate::notes::{Note, Notes};
 #[derive(Debug, Default)]
 pub(crate) struct Losses {
     broken_parts: BrokenParts,
-    /// The first fault for which something is not seen.
+    /// The first fault because of which something is not visible.
     first: Option<Fault>,
-    /// The nodes whose mesh was left out.
+    /// The nodes whose meshes were left out.
     without_mesh: BTreeSet<usize>,
 }
 
@@ -24,10 +25,10 @@ impl Losses {
         Self { broken_parts, ..Self::default() }
     }
 
-    /// Notes that something that could be seen is left out for a fault, with the consequence.
+    /// Notes that a visible part is left out because of a fault, with the consequence.
     ///
     /// # Errors
-    /// The fault, where broken parts are refused, or where it refuses any file.
+    /// The fault, if broken parts are refused, or if the fault refuses any file.
     pub(crate) fn leave_out(
         &mut self,
         fault: Fault,
@@ -40,10 +41,7 @@ impl Losses {
         Ok(())
     }
 
-    /// Notes that something is shown in another way than it is written, with the consequence.
-    ///
-    /// # Errors
-    /// Those of [`Losses::leave_out`].
+    /// Notes that a part is shown differently from the file, with the consequence.
     pub(crate) fn repair(
         &mut self,
         fault: Fault,
@@ -55,17 +53,17 @@ impl Losses {
         Ok(())
     }
 
-    /// Judges the fault of a part whose consequence is known later: it is returned if the file may
-    /// be shown without the part.
+    /// Judges the fault of a part whose consequence is not known yet. Returns the fault if the file
+    /// may be shown without the part.
     ///
     /// # Errors
-    /// Those of [`Losses::leave_out`].
+    /// The errors of [`Losses::leave_out`].
     pub(crate) fn hold(&self, fault: Fault) -> Result<Fault, Fault> {
         let is_refused = self.broken_parts == BrokenParts::Refuse || fault.is_final();
         if is_refused { Err(fault) } else { Ok(fault) }
     }
 
-    /// Takes the mesh off a node, with all that is about it.
+    /// Removes the mesh of a node, with everything that belongs to it.
     pub(crate) fn remove_mesh(&mut self, index: usize, root: &mut Root) {
         let Some(node) = root.nodes.get_mut(index) else { return };
         (node.mesh, node.skin, node.weights) = (None, None, None);
@@ -75,7 +73,7 @@ impl Losses {
         self.without_mesh.insert(index);
     }
 
-    /// Empties a node, but for its name: it refers to nothing, and has no children.
+    /// Empties a node except for its name: it then has no references and no children.
     pub(crate) fn empty_node(&mut self, index: usize, root: &mut Root) {
         let Some(node) = root.nodes.get_mut(index) else { return };
         *node = Node { name: node.name.take(), ..Node::default() };
@@ -87,7 +85,7 @@ impl Losses {
         self.without_mesh.contains(&node)
     }
 
-    /// Takes the first fault for which something is not seen.
+    /// Takes the first fault because of which something is not visible.
     pub(crate) fn take_first(&mut self) -> Option<Fault> {
         self.first.take()
     }

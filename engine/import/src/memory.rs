@@ -1,11 +1,9 @@
-//! Checks of large memory before it is taken: a failed allocation ends the program.
+//! Checks that large memory is available before it is used: a failed allocation would end the
+//! program.
 
 use crate::error::Reason;
 
-/// Reserves so many bytes, and frees them.
-///
-/// # Errors
-/// Less memory than that.
+/// Checks that `size_bytes` bytes can be allocated, and frees them again.
 pub(crate) fn ask(size_bytes: u64) -> Result<(), Reason> {
     let asked = usize::try_from(size_bytes)
         .is_ok_and(|size_bytes| Vec::<u8>::new().try_reserve_exact(size_bytes).is_ok());

@@ -1,5 +1,5 @@
-//! Files of triangles alone: STL and OBJ. Each kind is read to the same parts; what they become is
-//! in `convert`.
+//! Files that only contain triangles: STL and OBJ. Both formats are read to the same parts, which
+//! the module `convert` turns into a scene.
 
 mod materials;
 mod obj;
@@ -17,18 +17,18 @@ use crate::progress::ReadProgress;
 
 pub(crate) use self::materials::{GREY, PartMaterial};
 
-/// The formats of files of triangles.
+/// The file formats that only contain triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MeshFormat {
-    /// STL, binary or of text. It has no unit: millimetres are assumed.
+    /// STL, binary or text. It has no unit: millimetres are assumed.
     Stl,
     /// Wavefront OBJ, with its MTL files. It has no unit: metres are assumed.
     Obj,
 }
 
 impl MeshFormat {
-    /// Returns the format of a file: by its contents if these say that they are glTF or, without
-    /// a known ending of its name, binary STL; else by that ending. `None` is a glTF file.
+    /// Returns the format of a file; `None` for glTF. The GLB magic decides first, then a known
+    /// extension, then whether the length is that of a binary STL.
     pub(crate) fn of(path: &Path, bytes: &[u8]) -> Option<Self> {
         if bytes.starts_with(b"glTF") {
             return None;
@@ -42,7 +42,7 @@ impl MeshFormat {
         }
     }
 
-    /// Returns the length of its unit, in metres.
+    /// Returns the assumed unit of the format, in metres.
     pub(crate) fn unit_m(self) -> f32 {
         match self {
             Self::Stl => 0.001,
@@ -54,24 +54,24 @@ impl MeshFormat {
 /// A corner of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Corner {
-    /// The index of its position in the file.
+    /// The index of the position in the file.
     pub(crate) position: u32,
-    /// The index of its normal in the file, if it has one.
+    /// The index of the normal in the file, if it has one.
     pub(crate) normal: Option<u32>,
 }
 
-/// The triangles of one object and of one material.
+/// The triangles of one object with one material.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct MeshPart {
     /// The name; empty if the file has none.
     pub(crate) name: String,
     /// The index of its material; `None` if it has none.
     pub(crate) material: Option<usize>,
-    /// The triangles, whose corners are in the lists of the file.
+    /// The triangles; their corners index the lists of the file.
     pub(crate) triangles: Vec<[Corner; 3]>,
 }
 
-/// The contents of a file of triangles: all indices are in their lists, all numbers finite.
+/// The contents of a file of triangles. All indices are valid, and all numbers are finite.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct MeshFile {
     pub(crate) positions: Vec<Vec3>,
@@ -80,7 +80,7 @@ pub(crate) struct MeshFile {
     pub(crate) materials: Vec<PartMaterial>,
 }
 
-/// The reading of a file: its limits, its notes, and the request to stop.
+/// The state of reading a file: limits, notes, and the progress function.
 struct Reading<'a, 'b> {
     options: &'a LoadOptions,
     notes: &'a mut Notes,
@@ -89,7 +89,7 @@ struct Reading<'a, 'b> {
 }
 
 impl Reading<'_, '_> {
-    /// Notes a broken part that is left out, or refuses the file for it.
+    /// Notes a broken part that is left out, or refuses the file because of it.
     fn leave_out(
         &mut self,
         what: &'static str,
@@ -136,7 +136,7 @@ impl Reading<'_, '_> {
 }
 
 /// Reads a file of triangles. Materials that it names are read from `folder`; without a folder
-/// there are none.
+/// there are no materials.
 pub(crate) fn read(
     bytes: &[u8],
     format: MeshFormat,

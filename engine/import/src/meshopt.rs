@@ -1,5 +1,5 @@
-//! Views that are compressed: `EXT_meshopt_compression` and `KHR_meshopt_compression`. They are
-//! decompressed into their buffers, so that later stages see plain views.
+//! Compressed views (`EXT_meshopt_compression`, `KHR_meshopt_compression`). They are decompressed
+//! into their buffers, so that later stages see plain views.
 
 mod decode;
 
@@ -45,7 +45,7 @@ enum Filter {
 }
 
 /// Checks all views that are marked as compressed, and lists those without uncompressed bytes.
-/// Views and buffers themselves were checked before.
+/// Views and buffers must have been checked before.
 pub(crate) fn compressed(
     root: &Root,
     placeholders: &[bool],
@@ -71,7 +71,7 @@ pub(crate) fn compressed(
         let Some(compressed) = compressed.filter(|_| verdict.is_used(element)) else {
             continue;
         };
-        // A few bytes can decompress to many, and many views can share them.
+        // A few bytes can decompress to many, and many views can share these bytes.
         total = total.saturating_add(view.byte_length.0);
         if total > limits.buffer_bytes {
             return Err(Reason::too_large(
@@ -86,7 +86,7 @@ pub(crate) fn compressed(
     Ok(all)
 }
 
-/// Returns true for each buffer that only gives the size of decompressed views.
+/// Returns true for each buffer that only states the size of decompressed views.
 pub(crate) fn placeholders(root: &Root, has_binary: bool) -> Vec<bool> {
     let mut is_compressed_into = vec![false; root.buffers.len()];
     for view in &root.buffer_views {
@@ -101,7 +101,7 @@ pub(crate) fn placeholders(root: &Root, has_binary: bool) -> Vec<bool> {
         let fallback = extension.and_then(|(_, values)| values.get("fallback"));
         let is_marked = fallback == Some(&Value::Bool(true));
         let is_binary_chunk = index == 0 && has_binary;
-        // A buffer without bytes is a fault unless a view is decompressed into it.
+        // A buffer without bytes is a fault, unless a view is decompressed into it.
         is_marked || (buffer.uri.is_none() && !is_binary_chunk && is_compressed_into)
     });
     is_placeholder.collect()

@@ -1,15 +1,15 @@
-//! Notes: the deviations of a shown scene from its file, for people. A deviation that occurs a
-//! thousand times is noted once, with its number.
+//! Notes: the deviations of a shown scene from its file. A deviation that occurs a thousand times
+//! is noted once, with its count.
 
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// A tolerated deviation of a file, for people: an object of the file, and the reason.
+/// A tolerated deviation of a file: the object in the file, and the reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Note {
-    /// The object, such as "mesh 3, primitive 0"; the first one if there are several.
+    /// The object, such as "mesh 3, primitive 0"; the first object if there are several.
     pub object: String,
-    /// The deviation, and its replacement in the scene.
+    /// The deviation, and the scene's replacement for it.
     pub reason: String,
     /// The number of occurrences in the file, at least 1.
     pub count: u64,
@@ -37,15 +37,15 @@ pub(crate) struct Notes {
 }
 
 impl Notes {
-    /// The most notes that are listed one by one.
+    /// The most notes that are listed individually.
     const MOST: usize = 64;
 
-    /// Continues after the notes of an earlier stage.
+    /// Continues with the notes of an earlier stage.
     pub(crate) fn after(listed: Vec<Note>) -> Self {
         Self { listed, ..Self::default() }
     }
 
-    /// Adds a note, which is made only if there is room for it.
+    /// Adds a note, which is created only if there is room for it.
     pub(crate) fn add(&mut self, note: impl FnOnce() -> Note) {
         if self.listed.len() < Self::MOST {
             self.listed.push(note());
@@ -54,7 +54,7 @@ impl Notes {
         }
     }
 
-    /// Adds a note, or counts it if there is one with the same reason: the note names the first
+    /// Adds a note, or increases the count of a note with the same reason, which names the first
     /// object.
     pub(crate) fn add_alike(&mut self, note: Note) {
         match self.listed.iter_mut().find(|listed| listed.reason == note.reason) {
@@ -80,7 +80,7 @@ impl Notes {
         }
     }
 
-    /// Notes occurrences of a sort of deviation; only the first makes its note.
+    /// Notes occurrences of a kind of deviation; only the first one creates a note.
     pub(crate) fn count_as(
         &mut self,
         sort: &'static str,
@@ -91,7 +91,7 @@ impl Notes {
         entry.count += count as u64;
     }
 
-    /// Returns all notes. The last one counts those without room.
+    /// Returns all notes. The last note counts those for which there was no room.
     pub(crate) fn finish(self) -> Vec<Note> {
         let Self { mut listed, counted, left_out } = self;
         listed.extend(counted.into_values());

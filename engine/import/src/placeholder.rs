@@ -1,4 +1,4 @@
-//! Empty elements, which refer to nothing: they replace elements that are broken or not shown.
+//! Empty elements without references: they replace elements that are broken or not shown.
 
 use gltf::json::accessor::{ComponentType, GenericComponentType, Type};
 use gltf::json::camera::{Perspective, Type as CameraType};
@@ -11,12 +11,12 @@ use gltf::json::{
 };
 use serde_json::Value;
 
-/// An element of a list of the file that can be empty.
+/// An element of a list of the file that has an empty form.
 pub(crate) trait Placeholder: Sized {
-    /// Returns an element that refers to nothing and is as valid as possible.
+    /// Returns an element without references that is as valid as possible.
     fn blank() -> Self;
 
-    /// Returns the blank in the place of an element that cannot be read.
+    /// Returns the blank element that replaces an unreadable one.
     fn unreadable(_given: &Value) -> Self {
         Self::blank()
     }
@@ -137,7 +137,7 @@ impl Placeholder for Node {
         Self::default()
     }
 
-    /// Keeps the children that can be read, so that they do not count as roots.
+    /// Keeps the readable children, so that they do not count as roots.
     fn unreadable(given: &Value) -> Self {
         let children = given.get("children").and_then(Value::as_array).into_iter().flatten();
         let index = |child: &Value| u32::try_from(child.as_u64()?).ok();
@@ -178,7 +178,7 @@ impl Placeholder for Texture {
         Self {
             name: None,
             sampler: None,
-            // This is how `gltf` marks that there is none.
+            // The marker of `gltf` for no source.
             source: Index::new(u32::MAX),
             extensions: None,
             extras: None,

@@ -4,12 +4,12 @@ use std::ops::ControlFlow;
 
 use crate::{Cause, ImportError};
 
-/// The stage of loading.
+/// A stage of loading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Stage {
-    /// Reading: the file and its references are read and checked, images are decoded.
+    /// The file and its references are read and checked, and images are decoded.
     Reading,
-    /// Building: meshes and objects are made.
+    /// Meshes and objects are created.
     Meshes,
 }
 
@@ -18,14 +18,14 @@ pub enum Stage {
 pub struct Progress {
     /// The current stage.
     pub stage: Stage,
-    /// The share of the stage that is done, 0 to 1.
+    /// The finished share of the stage, 0 to 1.
     pub fraction: f32,
 }
 
-/// The function that receives the progress of loading, and continues or stops it.
+/// The function that receives the progress of loading and returns whether to continue.
 pub type ProgressFn<'a> = dyn FnMut(Progress) -> ControlFlow<()> + 'a;
 
-/// The sender of progress, which stops when its function says so.
+/// The sender of progress, which stops loading if its function requests it.
 pub(crate) struct ProgressSender<'a> {
     pub(crate) file: String,
     pub(crate) progress_fn: &'a mut ProgressFn<'a>,
@@ -49,5 +49,5 @@ impl ProgressSender<'_> {
     }
 }
 
-/// The function that receives the read share of a file, and continues or stops the reading.
+/// The function that receives the finished share of reading and returns whether to continue.
 pub(crate) type ReadProgress<'a> = dyn FnMut(f32) -> ControlFlow<()> + 'a;

@@ -1,5 +1,4 @@
-//! The emptying of all parts of a file that are not shown, so that later stages do not meet their
-//! faults.
+//! Empties all parts of a file that are not shown, so that their faults do not affect later stages.
 
 use std::collections::BTreeMap;
 
@@ -13,8 +12,8 @@ use crate::placeholder::Placeholder;
 use crate::reach::shown_scene;
 use crate::verdict::Verdict;
 
-/// Takes out of animations the channels of nodes that are not shown, and notes them; and those of
-/// the weights of meshes that were left out.
+/// Removes the animation channels of nodes that are not shown, and of the weights of meshes that
+/// were left out. Notes the removed channels.
 pub(crate) fn channels(root: &mut Root, verdict: &mut Verdict) {
     let nodes = root.nodes.len();
     for (index, animation) in root.animations.iter_mut().enumerate() {
@@ -25,7 +24,7 @@ pub(crate) fn channels(root: &mut Root, verdict: &mut Verdict) {
         let before = animation.channels.len();
         animation.channels.retain(|channel| {
             let node = channel.target.node.value();
-            // Nodes that do not exist make the animation a broken one.
+            // A node that does not exist breaks the animation.
             node >= nodes || verdict.is_used(Kind::Node.at(node))
         });
         let what = "a channel moves a node that is not in the scene, and is left out";
@@ -38,8 +37,8 @@ pub(crate) fn channels(root: &mut Root, verdict: &mut Verdict) {
     }
 }
 
-/// Leaves only roots in the list of the scene that is shown. `parents` holds the parents of nodes
-/// that it reaches, or of all nodes if it does not reach the parent.
+/// Keeps only roots in the node list of the shown scene. `parents` holds the parent of each node
+/// that the scene reaches, or of every node if the scene does not reach the parent.
 pub(crate) fn scene_roots(root: &mut Root, parents: &[Option<u32>], verdict: &mut Verdict) {
     let mut outside: BTreeMap<usize, usize> = BTreeMap::new();
     for (index, node) in root.nodes.iter().enumerate() {
@@ -75,10 +74,10 @@ pub(crate) fn scene_roots(root: &mut Root, parents: &[Option<u32>], verdict: &mu
     });
 }
 
-/// Replaces by blanks all elements that are not shown.
+/// Replaces all elements that are not shown with blanks.
 pub(crate) fn elements(root: &mut Root, verdict: &Verdict) {
-    // Animations and images that are shown in part or not at all may still refer to broken ones,
-    // which are found before anything is emptied.
+    // Animations and images that are only partly shown, or not at all, may still refer to broken
+    // elements. These are found before anything is emptied.
     let broken: Vec<Element> = [Kind::Accessor, Kind::Animation, Kind::Buffer, Kind::View]
         .into_iter()
         .flat_map(|kind| (0..kind.count(root)).map(move |index| kind.at(index)))

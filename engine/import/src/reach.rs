@@ -1,4 +1,4 @@
-//! The elements of a file that the shown scene uses, directly or through references.
+//! The elements of a file that the shown scene uses, directly or by reference.
 
 use gltf::Semantic;
 use gltf::json::mesh::Primitive;
@@ -15,8 +15,8 @@ pub(crate) struct Reach {
 }
 
 impl Reach {
-    /// Follows all references from the scene that is shown. Channels of animations whose nodes it
-    /// does not reach are not followed.
+    /// Follows all references from the shown scene, except from animation channels whose nodes are
+    /// not shown.
     pub(crate) fn of(root: &Root) -> Self {
         let is_used = Kind::ALL.map(|kind| vec![false; kind.count(root)]);
         let mut reach = Self { is_used };
@@ -32,7 +32,7 @@ impl Reach {
         reach
     }
 
-    /// Returns true if the shown scene uses an element; false if there is no such element.
+    /// Returns true if the shown scene uses an element; false if the element does not exist.
     pub(crate) fn is_used(&self, element: Element) -> bool {
         let of_kind = self.is_used.get(element.kind as usize);
         of_kind.and_then(|of_kind| of_kind.get(element.index)) == Some(&true)
@@ -68,15 +68,15 @@ impl Reach {
     }
 }
 
-/// Returns the index of the scene that is shown: the one that the file names, else its first;
-/// `None` if it has no scenes, until [`check::forest`](crate::check::forest) gives it one.
+/// Returns the index of the shown scene: the scene that the file names, else its first. `None` if
+/// the file has no scenes, until [`check::forest`](crate::check::forest) adds one.
 pub(crate) fn shown_scene(root: &Root) -> Option<usize> {
     let named = root.scene.map(|scene| scene.value());
     let named = named.filter(|named| *named < root.scenes.len());
     named.or_else(|| (!root.scenes.is_empty()).then_some(0))
 }
 
-/// Calls `visit` with each element that another one refers to, whether it exists or not.
+/// Calls `visit` with each element to which an element refers, whether it exists or not.
 pub(crate) fn references(root: &Root, element: Element, visit: &mut dyn FnMut(Element)) {
     let index = element.index;
     match element.kind {
@@ -177,12 +177,12 @@ pub(crate) enum TextureSlot {
 }
 
 impl TextureSlot {
-    /// Returns true if the texture is colour, and not numbers.
+    /// Returns true if the texture holds colours and not numbers.
     pub(crate) fn is_colour(self) -> bool {
         matches!(self, Self::BaseColour | Self::Emission)
     }
 
-    /// Returns its name for people.
+    /// Returns the slot's name for messages.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::BaseColour => "base colour texture",

@@ -1,8 +1,8 @@
-//! The animation of a scene out of a file: time in, scene updates out.
+//! The animation of a scene from a file: computes the scene update for a time.
 //!
-//! The work per update is in proportion to what moves, not to the scene. Nodes without a playing
-//! clip are not visited, resting objects are not changed, and objects out of all views take no new
-//! pose ([`SceneAnimator::changes_in`]).
+//! The work per update is proportional to the number of moving parts, not to the size of the scene.
+//! Nodes without a playing clip are not visited, resting objects are not changed, and objects
+//! outside of all views are not posed ([`SceneAnimator::changes_in`]).
 
 mod extent;
 mod parts;
@@ -24,36 +24,36 @@ use crate::gltf_scene::{GltfScene, PlacedNode, SceneCamera};
 
 /// The attachments of a file's nodes, and the clips that move them.
 ///
-/// Any time can follow any other: the state is a function of the time and of the playing clips. In
-/// the steady state nothing is allocated.
+/// Times may be requested in any order: the state depends only on the time and the playing clips.
+/// In the steady state nothing is allocated.
 pub struct SceneAnimator {
     rig: Rig,
     clips: Vec<Clip>,
     parts: Parts,
     playing: Playing,
     pose: Pose,
-    /// The pose that a fade goes to.
+    /// The target pose of a fade.
     other: Pose,
-    /// The pose in which a fade was interrupted by another.
+    /// The pose in which a fade was interrupted by another fade.
     mix: Pose,
-    /// The transform from each node's space to the world's.
+    /// The transform from each node's space to the world.
     world: Vec<Affine3A>,
-    /// The nodes that the playing clips move, parents first.
+    /// The nodes that the playing clips move, parents before children.
     moving: Vec<RigNodeId>,
-    /// True for each node that is one of them.
+    /// True for each node in `moving`.
     is_moving: Vec<bool>,
-    /// The indices of the parts that change with them.
+    /// The indices of the parts that change with these nodes.
     movers: Movers,
     /// True until the first update.
     is_new: bool,
-    /// The lights as they were shown last.
+    /// The lights as last shown.
     lights: Vec<PunctualLight>,
     changes: SceneUpdate,
 }
 
 impl SceneAnimator {
-    /// Takes the animation out of a loaded file, and returns it with the scene, the cameras and the
-    /// notes. Nothing plays at first.
+    /// Separates the animation of a loaded file from its scene, cameras and notes, and returns all
+    /// of them. No clip plays at first.
     pub fn of(imported: GltfScene) -> (Scene, Self, Vec<SceneCamera>, Vec<Note>) {
         let GltfScene { scene, rig, clips, skins, placements, cameras, notes, .. } = imported;
         let pose = Pose::new(&rig);
@@ -77,7 +77,7 @@ impl SceneAnimator {
             pose,
             world,
         };
-        // Skinned objects have no pose of rest before the first update sets it.
+        // Skinned objects have no rest pose before the first update sets it.
         animator.find_movers();
         (scene, animator, cameras, notes)
     }
@@ -87,14 +87,14 @@ impl SceneAnimator {
         &self.clips
     }
 
-    /// Returns the duration of a clip in seconds; `None` for one that does not exist or has no
+    /// Returns the duration of a clip in seconds; `None` if the clip does not exist or has no
     /// duration.
     pub fn duration_s(&self, clip: usize) -> Option<f32> {
         self.clips.get(clip).map(Clip::duration_s).filter(|seconds| *seconds > 0.0)
     }
 
-    /// Returns the clip that moves a camera: of several the one with the camera's name, else the
-    /// first.
+    /// Returns the clip that moves a camera. If there are several, it is the clip with the camera's
+    /// name, else the first.
     pub fn clip_of(&self, camera: &SceneCamera) -> Option<usize> {
         let above = self.above(camera.node);
         let mut moving = self.clips.iter().enumerate().filter(|(_, clip)| moves_any(clip, &above));
@@ -117,7 +117,7 @@ impl SceneAnimator {
         std::iter::successors(Some(node), parent).collect()
     }
 
-    /// Returns true if `node` is moved by the clips that play.
+    /// Returns true if the playing clips move `node`.
     pub fn moves(&self, node: RigNodeId) -> bool {
         self.is_moving.get(node.0 as usize) == Some(&true)
     }
@@ -128,23 +128,23 @@ impl SceneAnimator {
         placed.filter(|(placed, _)| matches!(placed, PlacedNode::Object(_))).count()
     }
 
-    /// Returns as many of the clips as can play at once, in their order: no two animate the same
-    /// property of the same node, and the earlier one plays where they would. `first` comes before
-    /// all others.
+    /// Returns clips that can play together, in their order: no two of them animate the same
+    /// property of the same node. A clip is left out if an earlier clip animates one of its
+    /// properties. `first` takes precedence over all others.
     pub fn compatible(&self, first: Option<usize>) -> Vec<usize> {
         playing::compatible(&self.clips, first)
     }
 
-    /// Returns a camera for images of `size` pixels at the time that was posed last.
+    /// Returns a camera for images of `size` pixels at the time of the last [`Self::pose`].
     pub fn seen_by(&self, camera: &SceneCamera, size: [u32; 2]) -> cull::Camera {
         let world = self.world.get(camera.node.0 as usize).copied().unwrap_or(Affine3A::IDENTITY);
         camera.seen_from(&world, size)
     }
 
-    /// Plays these clips from now on, each in a loop from the time 0 on; from `seconds` on they
-    /// replace the clips that played, over `fade_s` seconds. Of two that animate the same property,
-    /// the later one wins. A new fade starts from the pose of an unfinished one. Takes time in
-    /// proportion to the scene.
+    /// Plays these clips in loops that begin at time 0. From `seconds` on, they replace the clips
+    /// that played before, in a fade of `fade_s` seconds. Of two clips that animate the same
+    /// property, the later one wins. A new fade starts from the pose of an unfinished fade. The
+    /// time is proportional to the size of the scene.
     pub fn play(&mut self, clips: &[usize], seconds: f64, fade_s: f64) {
         if self.playing.weight(seconds) < 1.0 {
             self.pose(seconds);
@@ -154,7 +154,7 @@ impl SceneAnimator {
         self.find_movers();
     }
 
-    /// Poses all nodes at a time.
+    /// Computes the pose of all nodes at a time.
     pub fn pose(&mut self, seconds: f64) {
         self.pose.reset(&self.rig);
         let weight = self.playing.weight(seconds);
@@ -178,10 +178,11 @@ impl SceneAnimator {
         self.change(seconds, None)
     }
 
-    /// Returns the changes for a host that draws only these views before the next update. An object
-    /// that none of them can show, whichever of the clips play and however they are mixed, moves
-    /// but takes no pose until a view can show it. The bound of this ([`animation::Extents`]) holds
-    /// for the clips of the file, and not for poses from elsewhere.
+    /// Returns the changes from the last update to a time, for a host that draws only these views
+    /// before the next update. If no view can show an object, in any mix of the clips, the object
+    /// moves but is not posed until a view can show it. The bound behind this decision
+    /// ([`animation::Extents`]) is valid for the file's clips only, not for poses from other
+    /// sources.
     pub fn changes_in(&mut self, seconds: f64, views: &[CullView]) -> &SceneUpdate {
         self.change(seconds, Some(views))
     }
@@ -196,18 +197,17 @@ impl SceneAnimator {
             self.parts.change(*mover, &self.rig, &self.pose, views, changes);
         }
         if self.playing.settles(seconds) | std::mem::take(&mut self.is_new) {
-            // The nodes of clips that played before are at rest again, and are not visited any
-            // more.
+            // The nodes of the previous clips are at rest again and need no more visits.
             self.find_movers();
         }
         &self.changes
     }
 
-    /// Returns a box around everything visible during the clips that play now, from a bounded
-    /// number of samples in time; the origin alone if there is nothing. `scene` is the one that
-    /// came with this animator.
+    /// Returns a box around everything visible while the current clips play, from a limited number
+    /// of samples in time; the origin if there is nothing. `scene` must be the scene of this
+    /// animator's file.
     ///
-    /// Resets the shown state, so it is for use before a renderer shows anything.
+    /// Resets the shown state, so call it before a renderer shows anything.
     pub fn bounds_playing(&mut self, scene: &Scene) -> Aabb {
         extent::bounds_playing(self, scene)
     }

@@ -1,4 +1,4 @@
-//! A file that was read and checked: the invariants that later stages rely on.
+//! A checked file: the invariants on which later stages rely.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::ControlFlow;
@@ -24,96 +24,94 @@ use crate::{
 /// A glTF file that was read and checked.
 ///
 /// # Guarantees
-/// The shown scene is the one that the file names, else its first one; a file without scenes gets
-/// one of all nodes without a parent. Elements of the document's lists that it does not reach are
-/// *empty*: they keep their index, refer to nothing (an empty view to the first buffer, if there is
-/// one), and are not described below. Their faults are in the notes. So are those of broken parts
-/// of the scene ([`BrokenParts`](crate::BrokenParts)): nodes, primitives, textures and animations
-/// that are left out are empty, too, nothing refers to other elements that are left out, and
-/// unreadable images are replaced by placeholders. For all other elements:
+/// The shown scene is the scene that the file names, else its first one. A file without scenes gets
+/// a scene of all nodes without a parent. Elements that the shown scene does not reach are *empty*.
+/// They keep their index, refer to nothing (an empty view refers to the first buffer, if there is
+/// one), and are not covered by the list below. Their faults are in the notes. Broken parts of the
+/// scene ([`BrokenParts`](crate::BrokenParts)) are in the notes, too: nodes, primitives, textures
+/// and animations that are left out are empty, nothing refers to other elements that are left out,
+/// and unreadable images are replaced by placeholders. For all other elements:
 /// - **Indices.** Every index of core glTF 2.0 and of
 ///   [`SUPPORTED_EXTENSIONS`](crate::SUPPORTED_EXTENSIONS) is in range: accessors, views, buffers,
 ///   nodes, meshes, skins, joints, cameras, lights, materials, textures, samplers, images, scenes,
 ///   targets and samplers of animations. So the methods of `gltf` that look them up do not panic.
-///   No enumerated value is unknown, every camera has the values of its type, every spot light its
-///   cone. Attributes with names unknown to glTF were removed, those of applications (`_NAME`) too.
-///   So were animation channels without a node, or of a node that is not shown. Skins and weights
-///   of nodes without a mesh were removed. Joints may be nodes that are empty.
-/// - **Nodes** are a forest: each is a child of at most one other, none its own ancestor; nodes of
-///   the scene are roots (files may name others: the notes say which). It can be 100,000 deep: do
-///   not walk it by recursion. All numbers of nodes, cameras, lights and materials in the JSON are
-///   finite; their meaning is not checked (a matrix may be singular, a scale 0, a rotation of
-///   length 0, a field of view 0).
-/// - **Accessors** have at least one element and, where they have a view, lie within it and the
-///   view within its buffer, sparse ones with both their parts; sparse indices are increasing and
-///   below the count. Where an accessor has bounds (`min`, `max`) they hold its elements,
-///   normalised ones as integers. An accessor may have no view (zeros), a sparse one no base. The
-///   readers of `gltf` get some of these wrong: read them by [`Source::floats`] and
-///   [`Source::integers`], which read all. Compressed views are decompressed.
+///   All enumerated values are known, every camera has the values of its type, and every spot light
+///   has its cone. Attributes with names unknown to glTF or of applications (`_NAME`) were removed.
+///   So were animation channels without a node or of a node that is not shown, and skins and
+///   weights of nodes without a mesh. Joints may be empty nodes.
+/// - **Nodes** are a forest: each node is a child of at most one other, and none is its own
+///   ancestor. The nodes of the scene's list are roots; the notes say which other nodes the file
+///   listed. The forest can be 100,000 levels deep, so do not walk it by recursion. All numbers of
+///   nodes, cameras, lights and materials in the JSON are finite. Their meaning is not checked: a
+///   matrix may be singular, and a scale, the length of a rotation, or a field of view may be 0.
+/// - **Accessors** have at least one element. An accessor lies within its view and the view within
+///   its buffer; for sparse accessors, so do both parts. Sparse indices are increasing and below
+///   the count. If an accessor has bounds (`min`, `max`), they hold its elements; bounds of
+///   normalised elements are integers. An accessor may have no view (zeros), and a sparse one no
+///   base. The readers of `gltf` get some of these wrong: use [`Source::floats`] and
+///   [`Source::integers`], which support all of them. Compressed views are decompressed.
 /// - **Primitives.** All attributes of a primitive and of its morph targets have the same count,
-///   and their types are allowed by the specification or `KHR_mesh_quantization`. `POSITION` may
-///   be missing (draw nothing then). Indices are unsigned scalars, and every one of them is below
-///   the count, save the greatest of their type: where there is no such vertex, that begins a new
-///   strip. Their number need not fit the mode: ignore the incomplete last line or
-///   triangle. All primitives of a mesh have the same number of morph
-///   targets; weights of a mesh or of a node with it are as many as there are targets. `JOINTS_n`
-///   come with `WEIGHTS_n`.
-/// - **Skins** have at least one joint, and at least as many inverse bind matrices (4x4 floats) as
-///   joints, if they have any. The values of `JOINTS_n` are below the number of joints of every
-///   skin that the mesh is drawn with.
-/// - **Animations.** Inputs are float scalars; outputs have the type of the target's path, and as
-///   many elements as the interpolation and the number of morph targets demand.
-/// - **Limits.** The parts of the scene are within the limits. Vertices are counted as the lesser
-///   of a primitive's vertices and its indices, so drop those that no index refers to; once for
-///   each mesh, but once for each *node* where it is posed (by a skin or morph targets). A
-///   point, and a segment of a line, counts as a box.
+///   and types that the specification or `KHR_mesh_quantization` allows. `POSITION` may be missing:
+///   then draw nothing. Indices are unsigned scalars below the count of vertices. The exception is
+///   the greatest value of their type: if there is no such vertex, it begins a new strip. The
+///   number of indices need not fit the mode: ignore an incomplete last line or triangle. All
+///   primitives of a mesh have the same number of morph targets; the weights of a mesh or its node
+///   have one number per target. `JOINTS_n` come with `WEIGHTS_n`.
+/// - **Skins** have at least one joint. If they have inverse bind matrices (4x4 floats), there is
+///   at least one per joint. The values of `JOINTS_n` are below the number of joints of every skin
+///   with which the mesh is drawn.
+/// - **Animations.** Inputs are float scalars. Outputs have the type of the target's path, and the
+///   number of elements that the interpolation and the number of morph targets require.
+/// - **Limits.** The parts of the scene are within the limits. The vertices of a primitive are
+///   counted as the lesser of its vertices and its indices, so drop vertices to which no index
+///   refers. They count once per mesh, but once per *node* if the mesh is posed (by a skin or morph
+///   targets). A point and a segment of a line count as a box.
 ///
 /// # Not guaranteed
-/// Values in buffers are not checked, save indices and joints: positions, normals, weights,
-/// matrices and keys can be infinite or not numbers, times can run backwards, normals and
-/// quaternions have any length.
+/// Of the values in buffers, only indices and joints are checked. Positions, normals, weights,
+/// matrices and keys may be infinite or NaN, times may decrease, and normals and quaternions may
+/// have any length.
 pub struct Source {
     /// The file's path, for errors.
     pub file: String,
     /// The checked JSON of the file.
     pub document: gltf::Document,
-    /// One entry per image of the document; `None` where no shown material uses it.
+    /// One entry per image of the document; `None` if no shown material uses it.
     pub images: Vec<Option<Image>>,
-    /// The indices of images that could not be read, each replaced by a checkered one.
+    /// The indices of images that could not be read and were replaced by checkers.
     pub placeholders: BTreeSet<usize>,
-    /// One entry per texture of the document: the index of its image, which exists; `None` for
-    /// textures that are not shown, and, with a note, for those with an image in an unsupported
-    /// format.
+    /// One entry per texture of the document: the index of its image. `None` for textures that are
+    /// not shown, and, with a note, for textures whose images have an unsupported format.
     pub texture_images: Vec<Option<usize>>,
-    /// The instancing of each node whose mesh is instanced.
+    /// The instancing of each node with an instanced mesh.
     pub instancing: BTreeMap<usize, Instancing>,
-    /// The deviations that were tolerated so far, for people.
+    /// The deviations that were tolerated so far.
     pub notes: Vec<Note>,
     pub(crate) store: Store,
     pub(crate) losses: Losses,
 }
 
 impl Source {
-    /// Returns the bytes of a buffer, exactly as many as it says; empty if there is no such buffer.
+    /// Returns the bytes of a buffer, with exactly its stated length; empty if it does not exist.
     pub fn buffer(&self, index: usize) -> &[u8] {
         self.store.buffer(index)
     }
 
-    /// Returns all elements of an accessor as floats, normalised integers by their meaning, others
-    /// by their value; `None` if there is no such accessor or its elements do not have `N`
-    /// components. Matrices are in column order, without padding.
+    /// Returns all elements of an accessor as floats. Normalised integers are converted by their
+    /// meaning, others by their value. `None` if the accessor does not exist or its elements do not
+    /// have `N` components. Matrices are in column order, without padding.
     pub fn floats<const N: usize>(&self, accessor: usize) -> Option<Vec<[f32; N]>> {
         self.picked_floats(accessor, None)
     }
 
-    /// Returns all elements of an accessor of unsigned integers. Returns `None` if there is no such
-    /// accessor, its elements do not have `N` components, or they are not unsigned integers.
+    /// Returns all elements of an accessor of unsigned integers. `None` if the accessor does not
+    /// exist, its elements do not have `N` components, or they are not unsigned integers.
     pub fn integers<const N: usize>(&self, accessor: usize) -> Option<Vec<[u32; N]>> {
         self.picked_integers(accessor, None)
     }
 
-    /// Returns the elements of [`Source::floats`] in an increasing list, if there is one: no other
-    /// is read.
+    /// Returns the elements of [`Source::floats`] whose indices are in an increasing list, or all
+    /// without a list. Other elements are not read.
     pub(crate) fn picked_floats<const N: usize>(
         &self,
         accessor: usize,
@@ -125,8 +123,8 @@ impl Source {
         Some(all)
     }
 
-    /// Returns the elements of [`Source::integers`] in an increasing list, if there is one: no
-    /// other is read.
+    /// Returns the elements of [`Source::integers`] whose indices are in an increasing list, or all
+    /// without a list. Other elements are not read.
     pub(crate) fn picked_integers<const N: usize>(
         &self,
         accessor: usize,
@@ -138,29 +136,29 @@ impl Source {
         Some(all)
     }
 
-    /// Returns the number of elements of an accessor, or of those that are picked.
+    /// Returns the number of elements of an accessor, or of picked elements.
     pub(crate) fn count_of(&self, accessor: usize, picks: Option<&[u32]>) -> usize {
         let accessor = self.document.as_json().accessors.get(accessor);
         picks.map_or(accessor.map_or(0, |accessor| accessor.count.0 as usize), <[u32]>::len)
     }
 
-    /// Returns an error about something in this file.
+    /// Returns an error about an object in this file.
     pub fn error(&self, cause: Cause, object: String, reason: String) -> ImportError {
         ImportError { file: self.file.clone(), object, reason, cause }
     }
 }
 
-/// Reads a .gltf or .glb file and everything it refers to. Of the options, the limits and the
-/// treatment of broken parts count.
+/// Reads a .gltf or .glb file and all files that it refers to. Only the limits and the treatment of
+/// broken parts in the options matter.
 ///
 /// # Errors
-/// A file that cannot be read, is no glTF 2.0, requires what is not supported, or is beyond the
-/// limits; the first broken part, where these are refused.
+/// A file that cannot be read, is not glTF 2.0, requires unsupported features, or exceeds the
+/// limits; the first broken part, if broken parts are refused.
 pub fn open(path: &Path, options: &LoadOptions) -> Result<Source, ImportError> {
     open_with_progress(path, options, &mut |_| ControlFlow::Continue(()))
 }
 
-/// Reads like [`open`], with reports of progress.
+/// Reads a file like [`open`], with progress reports.
 pub(crate) fn open_with_progress(
     path: &Path,
     options: &LoadOptions,
@@ -176,7 +174,7 @@ pub(crate) fn file_bytes(path: &Path, options: &LoadOptions) -> Result<Vec<u8>, 
         .map_err(|reason| reason.of("file").in_file(&path.display().to_string()))
 }
 
-/// Reads a file whose bytes are here, with what it refers to.
+/// Reads a file whose bytes are in memory, with the files that it refers to.
 pub(crate) fn read_file_bytes(
     path: &Path,
     bytes: Vec<u8>,
@@ -188,11 +186,11 @@ pub(crate) fn read_file_bytes(
     read_named(file, bytes, Some(folder.unwrap_or(Path::new("."))), options, read_progress)
 }
 
-/// Reads a file whose bytes are here. Files that it refers to are read from `folder`; without a
-/// folder it must not refer to other files.
+/// Reads a file from memory. Files that it refers to are read from `folder`; without a folder it
+/// must not refer to other files.
 ///
 /// # Errors
-/// Those of [`open`].
+/// The errors of [`open`].
 pub fn read(
     bytes: Vec<u8>,
     folder: Option<&Path>,
@@ -201,7 +199,7 @@ pub fn read(
     read_with_progress(bytes, folder, options, &mut |_| ControlFlow::Continue(()))
 }
 
-/// Reads like [`read`], with reports of progress.
+/// Reads a file like [`read`], with progress reports.
 pub(crate) fn read_with_progress(
     bytes: Vec<u8>,
     folder: Option<&Path>,
@@ -244,7 +242,7 @@ struct Parts {
     notes: Vec<Note>,
 }
 
-/// Checks by the first bytes that it may be a scene at all.
+/// Checks by the first bytes that the file may be a scene.
 fn check_kind(bytes: &[u8]) -> Result<(), Reason> {
     if bytes.is_empty() {
         return Err(Reason::not_scene("it is empty"));
@@ -277,8 +275,8 @@ fn check_and_decode(
         (json::parse(&bytes, limits, &mut notes)?, None)
     };
     let json::Parsed { mut root, faults, extension_names } = parsed;
-    // The cost of the JSON is known to be bounded now, so all of it is checked before any file is
-    // opened.
+    // The memory demand of the JSON is bounded at this point, so all of it is checked before any
+    // file is opened.
     check::required(&root, &extension_names, &mut notes)?;
     let mut losses = Losses::new(options.broken_parts);
     check::forest(&mut root, &faults, limits, &mut losses, &mut notes)?;

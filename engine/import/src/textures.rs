@@ -1,4 +1,4 @@
-//! The image of each texture: of those it offers, one whose format is known.
+//! The image of each texture: the first offered image with a supported format.
 
 use gltf::json::{Root, Texture};
 use serde_json::Value;
@@ -8,7 +8,7 @@ use crate::extensions::image_of;
 use crate::notes::Note;
 use crate::verdict::Verdict;
 
-/// Returns the image of each texture that is shown. Textures without one are noted.
+/// Returns the image of each shown texture. Textures without an image are noted.
 pub(crate) fn images_of(root: &Root, verdict: &mut Verdict) -> Vec<Option<usize>> {
     let mut chosen = Vec::with_capacity(root.textures.len());
     for (index, texture) in root.textures.iter().enumerate() {
@@ -25,7 +25,7 @@ pub(crate) fn images_of(root: &Root, verdict: &mut Verdict) -> Vec<Option<usize>
     chosen
 }
 
-/// Returns the extensions by which a texture offers images, in words.
+/// Returns the names of the extensions that offer images for a texture, for a message.
 fn offered(texture: &Texture) -> String {
     let others = texture.extensions.iter().flat_map(|extensions| &extensions.others);
     let names: Vec<String> = others

@@ -1,5 +1,5 @@
-//! The data of a URI of a file: its own text (`data:`), or a file below the scene's folder. Nothing
-//! else is read.
+//! The data of a URI: text in the URI (`data:`), or a file below the scene's folder. Nothing else
+//! is read.
 
 use std::fs::File;
 use std::io::Read;
@@ -21,12 +21,12 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
         .with_decode_allow_trailing_bits(true),
 );
 
-/// The number of bytes of a resource that are wanted.
+/// The number of wanted bytes of a resource.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Wanted {
-    /// The first so many, which must be there.
+    /// The first bytes of the resource, of which there must be this number.
     First(u64),
-    /// All bytes of the resource, however many there are.
+    /// All bytes of the resource.
     All,
 }
 
@@ -60,7 +60,7 @@ fn shorter(there: u64, wanted: u64) -> Reason {
     Reason::malformed(format!("its byteLength is {wanted}, but only {there} there"))
 }
 
-/// Returns the part after `data:`: true if it is base64, and its text.
+/// Returns the part after `data:`, with a flag for base64.
 fn data_part(uri: &str) -> Option<Result<DataPart<'_>, Reason>> {
     let scheme = uri.get(..5)?;
     if !scheme.eq_ignore_ascii_case("data:") {
@@ -74,7 +74,7 @@ fn data_part(uri: &str) -> Option<Result<DataPart<'_>, Reason>> {
     Some(Ok(DataPart { is_base64: is_base64 && header.contains(';'), text }))
 }
 
-/// The bytes of a data URI, as they are written in it.
+/// The text of a data URI, not decoded.
 struct DataPart<'a> {
     is_base64: bool,
     text: &'a str,
@@ -132,7 +132,7 @@ fn relative_path(uri: &str) -> Result<PathBuf, Reason> {
     Ok(relative)
 }
 
-/// Returns the scheme of a URI, as RFC 3986 has it; a drive letter is one too.
+/// Returns the scheme of a URI by RFC 3986; a drive letter counts as a scheme.
 fn scheme(uri: &str) -> Option<&str> {
     let (scheme, _) = uri.split_once(':')?;
     let is_scheme = scheme.starts_with(|first: char| first.is_ascii_alphabetic())
@@ -155,7 +155,7 @@ fn below(
     let unreadable =
         |error: std::io::Error| Reason::unreadable(format!("{shown} cannot be read: {error}"));
     let folder = folder.canonicalize().map_err(unreadable)?;
-    // Symbolic links are followed here, so that the path compared is the path opened.
+    // Resolves symbolic links, so that the path that is checked is the path that is opened.
     let path = folder.join(relative).canonicalize().map_err(unreadable)?;
     if !path.starts_with(&folder) {
         return Err(Reason::forbidden(format!(
@@ -165,7 +165,7 @@ fn below(
     read_file(&path, &shown, wanted, limit)
 }
 
-/// The beginning of a file that replaces one kept elsewhere by Git LFS.
+/// The beginning of a Git LFS pointer, which stands for a file that is stored elsewhere.
 const LFS_POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
 
 fn lfs_pointer(shown: &str) -> Reason {
@@ -174,7 +174,8 @@ fn lfs_pointer(shown: &str) -> Reason {
     ))
 }
 
-/// Reads a regular file, named `shown` in errors; a pipe or a device would never end.
+/// Reads a regular file, named `shown` in errors. Pipes and devices are refused, since they may
+/// never end.
 pub(crate) fn read_file(
     path: &Path,
     shown: &str,
@@ -211,8 +212,8 @@ pub(crate) fn read_file(
     }
     memory::ask(count)?;
     let mut bytes = Vec::with_capacity(count as usize);
-    // The file may have grown since. A pointer takes more bytes to recognise than a small buffer
-    // has.
+    // The file may have grown in the meantime. Recognising a pointer takes more bytes than a small
+    // buffer may have.
     File::open(path)
         .map_err(unreadable)?
         .take(count.max(LFS_POINTER.len() as u64))

@@ -1,5 +1,5 @@
-//! The consequences of faults: a fault in an element that the shown scene uses is held until what
-//! needs the element is left out, and all others are noted.
+//! The consequences of faults. The fault of an element that the shown scene uses is held until the
+//! parts that need the element are left out. All other faults are noted.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,12 +11,12 @@ use crate::losses::Losses;
 use crate::notes::{Note, Notes};
 use crate::reach::{Reach, references};
 
-/// The judge of a file's faults, by what the shown scene uses.
+/// Decides about a file's faults by the elements that the shown scene uses.
 pub(crate) struct Verdict {
     reach: Reach,
-    /// The first fault of each used element: what needs the element is left out.
+    /// The first fault of each used element; the parts that need the element are left out.
     held: BTreeMap<Element, Fault>,
-    /// Elements whose first fault is noted: other faults often follow from it.
+    /// Elements whose first fault is noted: later faults often follow from it.
     noted: BTreeSet<Element>,
     losses: Losses,
     pub(crate) notes: Notes,
@@ -27,17 +27,17 @@ impl Verdict {
         Self { reach, held: BTreeMap::new(), noted: BTreeSet::new(), losses, notes }
     }
 
-    /// Returns true if anything that is shown uses an element.
+    /// Returns true if the shown scene uses an element.
     pub(crate) fn is_used(&self, element: Element) -> bool {
         self.reach.is_used(element)
     }
 
-    /// Follows the references of the shown scene again, after some were taken out of it.
+    /// Follows the references of the shown scene again, after parts were left out.
     pub(crate) fn follow_again(&mut self, root: &Root) {
         self.reach = Reach::of(root);
     }
 
-    /// Judges the outcome of a check of an element. Returns the value if the check passed.
+    /// Judges the result of a check of an element. Returns the value if the check passed.
     ///
     /// # Errors
     /// The fault, if it refuses the file.
@@ -52,7 +52,7 @@ impl Verdict {
         };
         if self.is_used(element) {
             let fault = self.losses.hold(fault)?;
-            // Without its scene nothing of the file can be shown.
+            // Without its scene, nothing of the file can be shown.
             if element.kind == Kind::Scene {
                 return Err(fault);
             }
@@ -66,17 +66,17 @@ impl Verdict {
         Ok(None)
     }
 
-    /// Returns true if an element that is used may be broken.
+    /// Returns true if a used element may be broken.
     pub(crate) fn has_faults(&self) -> bool {
         !self.held.is_empty()
     }
 
-    /// Returns the fault of an element itself.
+    /// Returns the fault of the element itself.
     pub(crate) fn own_fault(&self, element: Element) -> Option<&Fault> {
         self.held.get(&element)
     }
 
-    /// Takes the fault of an element itself. Later ones are not noted.
+    /// Takes the fault of the element itself. Later faults of the element are not noted.
     pub(crate) fn take_fault(&mut self, element: Element) -> Option<Fault> {
         let fault = self.held.remove(&element)?;
         self.noted.insert(element);
@@ -88,13 +88,13 @@ impl Verdict {
         self.noted.contains(&element)
     }
 
-    /// Returns the fault of an element or of one that it needs.
+    /// Returns the fault of an element, or of an element that it needs.
     pub(crate) fn fault_of(&self, root: &Root, element: Element) -> Option<&Fault> {
         if self.held.is_empty() {
             return None;
         }
-        // References of accessors, skins, animations and images lead down to buffers in a few
-        // steps. A fault below often causes the one above.
+        // References of accessors, skins, animations and images reach buffers in a few steps. The
+        // deepest fault often causes the others.
         let mut deepest: Option<(usize, &Fault)> = None;
         let mut pending = vec![(0, element)];
         while let Some((depth, element)) = pending.pop() {
@@ -108,10 +108,10 @@ impl Verdict {
         deepest.map(|(_, fault)| fault)
     }
 
-    /// Returns an error if everything that could be seen was left out.
+    /// Returns an error if every visible part was left out.
     ///
     /// # Errors
-    /// The first fault for which something was left out.
+    /// The first fault because of which something was left out.
     pub(crate) fn refuse_empty(&mut self, root: &Root) -> Result<(), Fault> {
         let meshes = root.meshes.iter().enumerate();
         let mut shown = meshes.filter(|(index, _)| self.is_used(Kind::Mesh.at(*index)));
@@ -123,28 +123,22 @@ impl Verdict {
         self.losses.take_first().map_or(Ok(()), Err)
     }
 
-    /// Notes that something that could be seen is left out for a fault.
-    ///
-    /// # Errors
-    /// The fault, if it refuses the file.
+    /// Notes that a visible part is left out because of a fault.
     pub(crate) fn leave_out(&mut self, fault: Fault, consequence: &str) -> Result<(), Fault> {
         self.losses.leave_out(fault, consequence, &mut self.notes)
     }
 
-    /// Notes that something is shown in another way than it is written, for a fault.
-    ///
-    /// # Errors
-    /// The fault, if it refuses the file.
+    /// Notes that a part is shown differently from the file because of a fault.
     pub(crate) fn repair(&mut self, fault: Fault, consequence: &str) -> Result<(), Fault> {
         self.losses.repair(fault, consequence, &mut self.notes)
     }
 
-    /// Takes the mesh off a node, with all that is about it.
+    /// Removes the mesh of a node, with everything that belongs to it.
     pub(crate) fn remove_mesh(&mut self, index: usize, root: &mut Root) {
         self.losses.remove_mesh(index, root);
     }
 
-    /// Empties a node, but for its name.
+    /// Empties a node except for its name.
     pub(crate) fn empty_node(&mut self, index: usize, root: &mut Root) {
         self.losses.empty_node(index, root);
     }
@@ -166,9 +160,6 @@ impl Verdict {
 }
 
 /// Notes the broken animations, which are not played.
-///
-/// # Errors
-/// Those of [`Verdict::repair`].
 pub(crate) fn note_broken_animations(root: &Root, verdict: &mut Verdict) -> Result<(), Fault> {
     for index in 0..root.animations.len() {
         let element = Kind::Animation.at(index);

@@ -1,5 +1,5 @@
-//! Tests that the memory that files take stays below the limits: one test in a process, whose
-//! allocator counts.
+//! Tests that the memory for loading stays below the limits. The process has a single test, since
+//! its allocator counts.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -29,7 +29,7 @@ fn limits() -> Limits {
     }
 }
 
-/// Returns the most bytes in use while these are read, beyond those in use before.
+/// Returns the most bytes in use while a file is read, beyond the bytes in use before.
 fn peak_of(bytes: Vec<u8>) -> (u64, String) {
     let before = (ALLOCATOR.current_usage() - bytes.len()) as u64;
     ALLOCATOR.reset_peak_usage();
@@ -38,8 +38,8 @@ fn peak_of(bytes: Vec<u8>) -> (u64, String) {
     (ALLOCATOR.peak_usage() as u64 - before, said)
 }
 
-/// Returns `text` repeated between commas at the `@` of `around`, almost as often as the limits
-/// allow.
+/// Returns `around` with the `@` replaced by repetitions of `text` between commas, nearly as many
+/// as the limits allow.
 fn repeated(around: &str, text: &str) -> Vec<u8> {
     let times =
         |count: usize| around.replace('@', &[&format!("{text},").repeat(count), text].concat());

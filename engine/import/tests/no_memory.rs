@@ -1,5 +1,5 @@
-//! Tests that loading without memory ends with a sentence and not with the process: one test in a
-//! process, whose allocator has a limit.
+//! Tests that loading without memory returns an error instead of ending the process. The process
+//! has a single test, since its allocator has a limit.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -16,7 +16,7 @@ static ALLOCATOR: Cap<System> = Cap::new(System, usize::MAX);
 
 const MIB: usize = 1 << 20;
 
-/// Loads with so much memory beyond that in use.
+/// Loads with `free_bytes` bytes of memory beyond those in use.
 fn load_within(bytes: Vec<u8>, free_bytes: usize) -> Result<usize, ImportError> {
     let all = ALLOCATOR.allocated() + free_bytes;
     ALLOCATOR.set_limit(all).expect("less is in use");

@@ -1,5 +1,5 @@
-//! Tests of short files with few parts and many pairs of them: the cost of loading and playing is
-//! bounded by the parts. One test in a process, whose allocator counts.
+//! Tests of short files with few parts and many pairs of parts: the cost of loading and playing is
+//! bounded by the parts. The process has a single test, since its allocator counts.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 static ALLOCATOR: PeakAlloc = PeakAlloc;
 
 const MIB: usize = 1 << 20;
-/// A time far above that of any of these, and far below that of their pairs.
+/// A time far above the time for any of these files, and far below the time for their pairs.
 const LONGEST: Duration = Duration::from_secs(30);
 
 fn load(scene: &GltfFile) -> GltfScene {
@@ -25,7 +25,7 @@ fn load(scene: &GltfFile) -> GltfScene {
     imported.unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Adds a clip of weights or places for each of these nodes, of one key.
+/// Adds a clip of one key for each of these nodes, of weights or translations.
 fn clips(scene: &mut GltfFile, targets: impl Iterator<Item = (usize, &'static str)>) {
     let times = scene.floats("SCALAR", &[0.0, 1.0]);
     let moves = scene.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
@@ -44,7 +44,7 @@ fn roots(scene: &mut GltfFile, nodes: Vec<Value>) {
     scene.set("/nodes", json!(nodes));
 }
 
-/// Returns many morphed nodes, and many clips, each for another node.
+/// Returns many morphed nodes, and many clips for other nodes.
 fn morphs_and_clips(count: usize) -> GltfFile {
     let mut scene = GltfFile::triangle();
     scene.set("/meshes/0/primitives/0/targets", json!([{ "POSITION": 0 }]));
@@ -70,7 +70,7 @@ fn skins_and_channels(depth: usize, meshes: usize) -> GltfFile {
     scene
 }
 
-/// Returns many instances, and many lights among them.
+/// Returns many instances with many lights among them.
 fn instances_and_lights(count: usize) -> GltfFile {
     let mut scene = GltfFile::triangle();
     let places = json!({ "componentType": F32, "type": "VEC3", "count": count });
@@ -85,7 +85,7 @@ fn instances_and_lights(count: usize) -> GltfFile {
     scene
 }
 
-/// Returns so many points, all in one place or each somewhere else.
+/// Returns `count` points, all at one place or all at different places.
 fn points(count: usize, are_apart: bool) -> GltfFile {
     let mut scene = GltfFile::triangle();
     let mut places = json!({ "componentType": F32, "type": "VEC3", "count": count });
@@ -104,15 +104,15 @@ fn points(count: usize, are_apart: bool) -> GltfFile {
 #[test]
 fn pairs_cost_what_their_parts_cost() {
     for (what, scene, most_bytes) in [
-        // A box for each pair would take 384 MB.
+        // A box per pair would take 384 MB.
         ("4,000 morphed nodes, 4,000 clips of others", morphs_and_clips(4000), 64 * MIB),
         ("4,000 morphed nodes, a clip for each", morphs_with_clips(4000), 64 * MIB),
-        // A skeleton for each mesh would take more than 1 GB.
+        // A skeleton per mesh would take more than 1 GB.
         ("2,000 meshes on chains of 20,000", chains::chains(2, 10_000, 2000, 1), 64 * MIB),
         ("300 skins on chains of 20,000", chains::chains(2, 10_000, 300, 300), 640 * MIB),
         ("1,000 meshes, 4,000 joints and clips", skins_and_channels(2000, 1000), 64 * MIB),
         ("20,000 instances, 20,000 lights", instances_and_lights(20_000), 128 * MIB),
-        // Solids took gigabytes.
+        // Solids would take gigabytes.
         ("2,000,000 points in one place", points(2_000_000, false), 160 * MIB),
         ("1,000,000 points", points(1_000_000, true), 160 * MIB),
     ] {

@@ -1,5 +1,4 @@
-//! Tests that an animator allocates when it is made and when clips change, and never in the frame
-//! loop.
+//! Tests that an animator allocates at creation and when clips change, but never in the frame loop.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -19,8 +18,8 @@ use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 #[global_allocator]
 static GLOBAL: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-/// The number of tries: the thread that runs the tests may allocate meanwhile and is counted as
-/// well, but the loop does the same each time.
+/// The number of tries. The thread of the test harness may allocate at the same time and is
+/// counted, too; a loop that allocates does so in every try.
 const TRIES: usize = 10;
 
 /// Returns a triangle on a sliding node, and another one that is morphed.

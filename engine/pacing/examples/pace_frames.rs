@@ -1,5 +1,5 @@
-//! Paces frames on a made-up display of 100 Hz, with 2 ms of work for the CPU and 3 ms for the GPU.
-//! No clock is read: time is a variable.
+//! Paces frames on a simulated display of 100 Hz, with 2 ms of CPU work and 3 ms of GPU work. No
+//! clock is read: time is a variable.
 
 use std::error::Error;
 use std::time::Duration;
@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut newest = now;
     let mut underway = Vec::new();
     for _ in 0..2_000 {
-        // The display reports when it showed a frame.
+        // The display reports the present time of a frame.
         underway.retain(|&(frame, at)| {
             if at <= now {
                 pacer.feedback(frame, Feedback::Shown { at });
@@ -32,9 +32,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             statistics.record(timing);
         }
         match pacer.next(now) {
-            // A program sleeps until then, or until there is feedback.
+            // A real program sleeps until then, or until there is feedback.
             Step::Wait(wait) => now = wait.until,
-            // A program takes its input, records, submits and presents.
+            // A real program reads its input, records, submits and presents.
             Step::Start(plan) => {
                 let start = now;
                 now = now.after(Duration::from_millis(2));

@@ -1,18 +1,19 @@
 //! Estimates of durations: mean and spread of samples, robust against single outliers.
 
-/// The weight of a new sample once there are enough.
+/// The weight of a new sample once there are enough samples.
 const GAIN: f64 = 1.0 / 24.0;
-/// The relative mean deviation of a duration that is not measured well.
+/// The assumed relative mean deviation of a duration that is not measured well.
 const USUAL_SPREAD: f64 = 1.0 / 16.0;
-/// The weight of a guess.
+/// The weight of a guessed value.
 const DRIFT: f64 = 0.1;
-/// The distance of an outlier, in mean deviations; it must also exceed `LEAST_SURPRISE`.
+/// The distance of an outlier from the mean, in mean deviations; it must also exceed
+/// `LEAST_SURPRISE`.
 const SURPRISE: f64 = 8.0;
-/// The least distance of an outlier, as a share of the mean: smaller ones are noise.
+/// The least distance of an outlier, as a share of the mean: smaller distances are noise.
 const LEAST_SURPRISE: f64 = 0.25;
 /// The least distance of an outlier, in nanoseconds.
 const LEAST_SURPRISE_NS: f64 = 200e3;
-/// The number of outliers in a row that become the new level.
+/// The number of consecutive outliers that become the new level.
 const BELIEVED: usize = 3;
 
 /// An estimate of a repeated duration, in nanoseconds.
@@ -36,7 +37,8 @@ impl Estimate {
             self.surprises[self.surprised] = sample;
             self.surprised += 1;
             if self.surprised == BELIEVED {
-                // They may have begun with a stall: the smallest stands for the new level.
+                // The outliers may have begun with a stall, so the smallest is taken as the new
+                // level.
                 let least = self.surprises.iter().copied().fold(f64::INFINITY, f64::min);
                 *self = Self { mean: least, deviation: least / 16.0, count: 4, ..Self::default() };
             }
@@ -46,12 +48,12 @@ impl Estimate {
         self.count = self.count.saturating_add(1);
         let gain = GAIN.max(1.0 / f64::from(self.count));
         self.mean += gain * off;
-        // The first sample has no spread: assume some.
+        // The first sample has no spread, so one is assumed.
         let deviation = if self.count == 1 { sample / 8.0 } else { off.abs() };
         self.deviation += gain * (deviation - self.deviation);
     }
 
-    /// Moves towards a guess: nothing was measured, and the spread is assumed to be usual.
+    /// Moves the mean towards a guess: nothing was measured, and the usual spread is assumed.
     pub(crate) fn drift_to(&mut self, maybe: f64) {
         self.mean += DRIFT * (maybe.clamp(0.0, 10e9) - self.mean);
         self.deviation += GAIN * (USUAL_SPREAD * self.mean - self.deviation);
@@ -62,7 +64,7 @@ impl Estimate {
         self.mean = self.mean.max(least.clamp(0.0, 10e9));
     }
 
-    /// Lowers the mean to this sample's upper bound.
+    /// Lowers the mean to the upper bound of a sample.
     pub(crate) fn lower_to(&mut self, most: f64) {
         self.mean = self.mean.min(most.max(0.0) + self.spread());
     }

@@ -1,13 +1,13 @@
 //! The forecast for queued frames: the times at which the GPU is free and each frame is shown.
 //!
-//! It is computed from all known facts each time, so that a stall leaves no other state behind.
+//! It is computed anew from all known facts each time, so that a stall leaves no state behind.
 
 use crate::estimate::Estimate;
 use crate::frames::{Frames, Record};
 use crate::options::{PresentReports, Presentation};
 use crate::refresh_clock::RefreshClock;
 
-/// The number of refreshes for which an unreported frame holds the next ones back.
+/// The number of refreshes for which a frame without a report delays the next frames.
 const PATIENCE_REFRESHES: f64 = 4.0;
 
 /// The inputs of a forecast.
@@ -15,11 +15,11 @@ pub(crate) struct Knowledge<'a> {
     pub(crate) presentation: &'a Presentation,
     pub(crate) clock: &'a RefreshClock,
     pub(crate) gpu: &'a Estimate,
-    /// The delay from a frame's showing to its report.
+    /// The delay from the present time of a frame to its report.
     pub(crate) report: &'a Estimate,
-    /// True if ticks are reported at all.
+    /// True if the caller reports finished ticks.
     pub(crate) sees_finishes: bool,
-    /// The best known time of showing the last frame that left.
+    /// The best known present time of the last frame that left the queue.
     pub(crate) last_left: f64,
     pub(crate) now: f64,
 }
@@ -60,19 +60,19 @@ impl Knowledge<'_> {
         forecast
     }
 
-    /// Returns the time at which the GPU finishes a frame, if it is free from `gpu_free` on.
+    /// Returns the time at which the GPU finishes a frame if it is free from `gpu_free` on.
     pub(crate) fn finish(&self, record: &Record, gpu_free: f64) -> f64 {
         if let Some(finished) = record.finished {
             return finished;
         }
         let begin = record.queued.unwrap_or(self.now).max(gpu_free);
         let finish = begin + self.gpu.expected();
-        // Not seen finished means not finished, where ticks are reported.
+        // If ticks are reported, a frame without a report is not finished.
         if self.sees_finishes { finish.max(self.now) } else { finish }
     }
 
-    /// Returns the time at which a frame is shown if it finishes at `finish`, after a frame shown
-    /// at `previous`.
+    /// Returns the time at which a frame is shown if it finishes at `finish` and the previous frame
+    /// is shown at `previous`.
     pub(crate) fn shown(&self, record: &Record, finish: f64, previous: f64) -> f64 {
         if let Some(shown) = record.shown {
             return shown;
@@ -85,8 +85,8 @@ impl Knowledge<'_> {
         };
         let mut earliest = finish.max(previous + 0.5 * period);
         if self.presentation.reports == PresentReports::Times {
-            // A showing that long ago would have been reported. After some refreshes without a
-            // report it is no longer waited for: a loop without reports must not stop.
+            // If the frame had been shown that long ago, it would have been reported. After some
+            // refreshes the report is given up, since a loop without reports must not stop.
             let knowing = self.report.expected() + 3.0 * self.report.spread() + 0.5 * period;
             let overdue = (self.now - knowing).min(earliest + PATIENCE_REFRESHES * period);
             earliest = earliest.max(overdue);

@@ -2,43 +2,42 @@
 
 use crate::PacedFrameId;
 
-/// The number of frames that are remembered: more than can be queued, and some for reports that
-/// come late.
+/// The number of frames that are remembered: more than can be queued, plus some for late reports.
 pub(crate) const REMEMBERED: usize = 64;
 
 /// The record of one frame, with times in nanoseconds.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Record {
     pub(crate) start: f64,
-    /// The refresh for which it was planned.
+    /// The refresh for which the frame was planned.
     pub(crate) target: Option<f64>,
-    /// The generation of the clock that predicted it.
+    /// The generation of the clock that predicted the target.
     pub(crate) generation: u32,
-    /// The margin it was given.
+    /// The version of the margin with which it was planned.
     pub(crate) margin: u32,
-    /// True if it started later than wanted, so that its miss teaches nothing about the margin.
+    /// True if it started later than wanted, so that its miss says nothing about the margin.
     pub(crate) compromised: bool,
-    /// The time that its acquire kept the CPU waiting.
+    /// The time for which its acquire blocked.
     pub(crate) waited: f64,
-    /// The number of frames of this swapchain that were queued before.
+    /// The number of frames that were queued to this swapchain before it.
     pub(crate) ordinal: Option<u64>,
     pub(crate) queued: Option<f64>,
     pub(crate) finished: Option<f64>,
-    /// The time at which it was reported to be finished.
+    /// The time at which it was reported finished.
     pub(crate) seen_finished: Option<f64>,
-    /// True if `finished` is a guess between two looks.
+    /// True if `finished` is a guess between two polls.
     pub(crate) found: bool,
     /// The last time at which it was not known to be finished.
     pub(crate) unfinished: f64,
     pub(crate) gpu_timed: bool,
     pub(crate) shown: Option<f64>,
-    /// True once it is no longer queued: shown, replaced, dropped, or given up.
+    /// True once it is no longer queued: it was shown, replaced, dropped, or given up.
     pub(crate) left: bool,
     pub(crate) dropped: bool,
 }
 
 impl Record {
-    /// Returns true if it is neither presented nor dropped yet.
+    /// Returns true if it was neither presented nor dropped yet.
     pub(crate) const fn open(&self) -> bool {
         self.queued.is_none() && !self.left
     }
@@ -48,7 +47,7 @@ impl Record {
 pub(crate) struct Frames {
     records: [Record; REMEMBERED],
     next: u64,
-    /// The oldest queued frame: all before it have left.
+    /// The oldest queued frame: all earlier frames have left.
     oldest_queued: u64,
 }
 
@@ -110,14 +109,14 @@ impl Frames {
         }
     }
 
-    /// Forgets all times, after the clock was set.
+    /// Forgets all times, after the caller's clock was set.
     pub(crate) fn forget_all(&mut self) {
         self.records.fill(Record { left: true, dropped: true, ..Record::default() });
         self.skip_left();
     }
 
-    /// Starts over with a new swapchain: no frame is queued but the one being recorded, and
-    /// ordinals restart.
+    /// Starts over with a new swapchain: only the frame that is being recorded can still be queued,
+    /// and ordinals restart.
     pub(crate) fn restart(&mut self) {
         for record in &mut self.records {
             record.left |= !record.open();
@@ -131,7 +130,7 @@ impl Frames {
         (self.oldest()..self.next).rev().map(|frame| (frame, &self.records[Self::slot(frame)]))
     }
 
-    /// Notes that this frame has left.
+    /// Notes that this frame has left the queue.
     pub(crate) fn leave(&mut self, frame: u64) {
         if let Some(record) = self.record_mut(frame) {
             record.left = true;
@@ -139,7 +138,7 @@ impl Frames {
         self.skip_left();
     }
 
-    /// Notes that this frame and all before it have left.
+    /// Notes that this frame and all earlier frames have left the queue.
     pub(crate) fn leave_through(&mut self, frame: u64) {
         for older in self.oldest_queued..=frame.min(self.next.saturating_sub(1)) {
             self.records[Self::slot(older)].left = true;

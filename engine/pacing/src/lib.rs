@@ -1,33 +1,35 @@
-//! Frame pacing: the time to start each frame, and statistics of how evenly frames came.
+//! Frame pacing: the time at which to start each frame, and statistics of how evenly frames
+//! arrived.
 //!
-//! A frame that starts too early waits to be shown, and its input is old by then; one that starts
+//! A frame that starts too early waits to be shown, so its input is outdated. A frame that starts
 //! too late misses its refresh. A [`Pacer`] learns the refreshes of the display and the durations
-//! of CPU and GPU work. It schedules each frame to be ready for the next refresh that it can reach,
-//! and hardly sooner. It does so as frame pacers of engines and compositors do: predicted times
-//! plus a margin, few frames queued, feedback from the presentation engine where available.
+//! of CPU and GPU work. It schedules each frame to be ready for the next refresh that the frame can
+//! reach, and hardly sooner. The method is common in frame pacers of engines and compositors:
+//! predicted times plus a margin, a short queue, and feedback from the presentation engine where
+//! available.
 //!
-//! Nothing here knows Vulkan, reads a clock, sleeps, starts a thread, or allocates after creation,
-//! and equal calls give equal answers.
+//! The crate is independent of Vulkan. It does not read a clock, sleep, start a thread, or allocate
+//! after creation, and equal calls give equal answers.
 //!
 //! - [`Pacer::next`]: the next action, [`Step::Wait`] or [`Step::Start`].
-//! - [`Pacer::feedback`]: a fact about a frame; all are optional, except that it was queued or
-//!   dropped.
+//! - [`Pacer::feedback`]: a fact about a frame; only the fact that it was queued or dropped is
+//!   required.
 //! - [`Pacer::present_through`]: a new swapchain. [`Pacer::choose`]: new options of the user.
 //! - [`Pacer::completed`]: the timing of each frame, for [`FrameStatistics`].
 //!
 //! # Guarantees
 //!
-//! Shown against a simulated presentation engine in `tests/simulated_display`, at loads of up
-//! to 80 %: at most one refresh in a thousand is missed, never are more frames queued than chosen,
-//! latency is within a refresh of the optimum, and all is well again five frames after a stall. For
-//! stalls of the GPU this requires [`Feedback::Finished`], or [`Feedback::GpuTime`] together with
-//! [`PresentReports::Times`]: a stall found only by polling may be taken for slower work for a
-//! while.
+//! At loads of up to 80 %, tested with a simulated presentation engine in
+//! `tests/simulated_display`: at most one refresh in a thousand is missed, the queue never exceeds
+//! its limit, latency is within a refresh of the optimum, and five frames after a stall the pacing
+//! is regular again. For stalls of the GPU this requires [`Feedback::Finished`], or
+//! [`Feedback::GpuTime`] together with [`PresentReports::Times`]. A stall that is only found by
+//! polling may be taken for slower work for a while.
 //!
 //! With [`PresentReports::Missing`], refreshes are learnt only from acquires that had to wait, once
-//! they are known to wait for the display: if acquires wait for the GPU alone, refreshes stay
-//! unknown. While the phase is searched for, as many frames may be queued as there are images: ask
-//! for no more images than frames may be queued.
+//! the pacer knows that they wait for the display. If acquires wait only for the GPU, refreshes
+//! stay unknown. During a search for the phase, the queue may hold as many frames as there are
+//! images. So create the swapchain with no more images than the queue limit.
 //!
 //! # The loop
 //!

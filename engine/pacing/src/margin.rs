@@ -1,8 +1,8 @@
-//! The margin by which a frame must be ready earlier than predicted, learnt from late frames.
+//! The margin by which a frame must be ready before its refresh, learnt from late frames.
 //!
-//! Each miss adds a step and each frame in time removes a small part of one, so that the share of
+//! Each miss adds a step, and each frame in time subtracts a small part of a step. So the share of
 //! misses settles where both balance: a quantile tracked by stochastic approximation (Robbins and
-//! Monro 1951). It covers delays that no prediction includes, such as an early latch of a
+//! Monro 1951). The margin covers delays that no prediction includes, such as an early latch of a
 //! compositor.
 
 use crate::options::PresentReports;
@@ -10,23 +10,23 @@ use crate::time::MICROSECOND_NS;
 
 /// The step, as a share of a period.
 const STEP: f64 = 1.0 / 16.0;
-/// The number of frames in time that outweigh a miss; it bounds the share of misses when the margin
-/// settles.
+/// The number of frames in time that outweigh a miss; it bounds the share of misses once the margin
+/// has settled.
 const FRAMES_PER_MISS: f64 = 4_000.0;
 const FIRST: f64 = 1.0 / 16.0;
-/// The fixed margin where misses are not reported, with room for unknown delays.
+/// The fixed margin if misses are not reported, with room for unknown delays.
 const BLIND: f64 = 3.0 / 16.0;
 const LEAST: f64 = 1.0 / 64.0;
 const MOST: f64 = 1.5;
 /// The least margin in nanoseconds: no scheduler wakes a thread more precisely.
 const LEAST_NS: f64 = 100.0 * MICROSECOND_NS;
 
-/// The margin in periods, so that it has the same meaning on another display.
+/// The margin in periods, so that it keeps its meaning on another display.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Margin {
     periods: f64,
     misses_in_a_row: u32,
-    /// The number of steps up: a frame with an older margin teaches nothing about the current one.
+    /// The number of increases: a frame with an older margin says nothing about the current one.
     version: u32,
 }
 
@@ -49,7 +49,7 @@ impl Margin {
 
     pub(crate) fn missed(&mut self) {
         self.version = self.version.wrapping_add(1);
-        // Misses in a row mean a constant delay, which is not learnt in small steps.
+        // Consecutive misses indicate a constant delay, for which small steps would be too slow.
         let step = STEP * f64::from(1_u32 << self.misses_in_a_row.min(2));
         self.misses_in_a_row = self.misses_in_a_row.saturating_add(1);
         self.periods = (self.periods + step).min(MOST);
@@ -67,7 +67,7 @@ mod tests {
 
     #[test]
     fn settles_where_misses_are_rare() {
-        // The needed margin is spread evenly over half a period.
+        // The required margin is distributed evenly over half a period.
         let mut margin = Margin::new(PresentReports::Times);
         let mut state = 9_u64;
         let mut misses = 0;

@@ -1,4 +1,4 @@
-//! The user's options, and the caller's description of the swapchain, with their checks.
+//! The user's options and the caller's description of the swapchain, with their checks.
 
 use std::time::Duration;
 
@@ -20,9 +20,9 @@ pub const HIDDEN_INTERVAL: [Duration; 2] = [Duration::from_millis(10), Duration:
 /// The options of the user.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PacerOptions {
-    /// The most frames between their start and their showing, 1 to [`MAX_QUEUE_LIMIT`]. 1 is for
-    /// the lowest latency and needs CPU and GPU together to stay within a refresh; 2 lets them work
-    /// at the same time.
+    /// The most frames between their start and their present time, 1 to [`MAX_QUEUE_LIMIT`]. 1
+    /// gives the lowest latency and needs CPU and GPU work together to stay within a refresh. 2
+    /// lets CPU and GPU work at the same time.
     pub queue_limit: u32,
     /// The limit of frames per second, see [`FRAME_LIMIT_HZ`].
     pub frame_limit_hz: Option<f64>,
@@ -55,28 +55,28 @@ impl PacerOptions {
     }
 }
 
-/// The order in which images get to the screen: the present modes of Vulkan.
+/// The order in which images reach the screen: the present modes of Vulkan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PresentationMode {
-    /// Each image in order, one per refresh.
+    /// Every image in order, one per refresh.
     Fifo,
-    /// Each image in order, one per refresh; a late one is shown at once and tears.
+    /// Every image in order, one per refresh; a late image is shown at once and tears.
     FifoRelaxed,
-    /// The newest at each refresh; older ones are never shown.
+    /// The newest image at each refresh; older images are never shown.
     Mailbox,
-    /// Immediate, with tearing.
+    /// Every image at once, with tearing.
     Immediate,
 }
 
 /// The caller's knowledge of the display. The pacer learns the rest where possible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Refresh {
-    /// No knowledge: the period is learnt from present times or acquires.
+    /// Nothing is known: the period is learnt from present times or acquires.
     Unknown,
     /// An approximate period, from the window system or `refreshDuration`. It may be wrong.
     About(Duration),
-    /// A display that waits for frames: it refreshes no sooner than the shorter and no later than
-    /// the longer period after the refresh before.
+    /// A display with a variable refresh rate, which waits for frames. Each refresh follows the
+    /// previous one after at least the shorter and at most the longer period.
     Variable {
         /// The period of the highest rate.
         min_period: Duration,
@@ -85,16 +85,16 @@ pub enum Refresh {
     },
 }
 
-/// The source of the times at which images are shown.
+/// The source of present times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PresentReports {
     /// Reports by [`Feedback::Shown`](crate::Feedback::Shown) (present wait, display timing).
     Times,
     /// No reports. In [`PresentationMode::Fifo`] the pacer then learns the phase of the display
-    /// from acquires that had to wait. It fills the queue for that now and then. It does so only
-    /// after the waits have proved to be for the display and not for the GPU, which requires
-    /// reports of finished GPU work. Without a display that holds frames back, its refreshes stay
-    /// unknown.
+    /// from acquires that had to wait. It sometimes fills the queue for that purpose, but only
+    /// after it has established that acquires wait for the display and not for the GPU. This
+    /// requires reports of finished GPU work. If the display does not hold frames back, its
+    /// refreshes stay unknown.
     Missing,
 }
 
@@ -102,13 +102,13 @@ pub enum PresentReports {
 /// [`Pacer::present_through`](crate::Pacer::present_through).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Presentation {
-    /// Its present mode.
+    /// The swapchain's present mode.
     pub mode: PresentationMode,
-    /// The actual number of its images, 1 to [`MAX_IMAGES`].
+    /// The actual number of images, 1 to [`MAX_IMAGES`].
     pub images: u32,
     /// The knowledge of the display.
     pub refresh: Refresh,
-    /// The reports that will come.
+    /// The reports that the caller will deliver.
     pub reports: PresentReports,
 }
 
@@ -136,8 +136,8 @@ impl Presentation {
         }
     }
 
-    /// Returns the shortest period of a display that waits for frames; `None` for images that tear:
-    /// they never wait.
+    /// Returns the shortest period of a display that waits for frames; `None` for images that tear,
+    /// since they never wait.
     pub(crate) fn variable_ns(&self) -> Option<f64> {
         match self.refresh {
             Refresh::Variable { min_period, .. } if self.mode != PresentationMode::Immediate => {
@@ -147,7 +147,7 @@ impl Presentation {
         }
     }
 
-    /// Returns true if images are shown at refreshes that do not depend on frames.
+    /// Returns true if images are shown at refreshes that are independent of frames.
     pub(crate) fn has_grid(&self) -> bool {
         self.mode != PresentationMode::Immediate && self.variable_ns().is_none()
     }
@@ -161,7 +161,7 @@ impl Presentation {
     }
 }
 
-/// An option or property that is out of range. Nothing has changed when one is returned.
+/// An option or property that is out of range. A call that returns it has changed nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum PacingError {
     /// A queue limit out of range, see [`PacerOptions::queue_limit`].

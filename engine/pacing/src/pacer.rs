@@ -1,4 +1,4 @@
-//! The pacer: a state machine that is asked for the next action and receives feedback.
+//! The pacer: a state machine that returns the next action and receives feedback.
 
 mod api;
 mod presented;
@@ -17,30 +17,31 @@ use crate::time::{MILLISECOND_NS, SECOND_NS, Time};
 use presented::{Silence, TimingCursor};
 use trial::Trial;
 
-/// The longest sleep, so that a caller can look after its window.
+/// The longest sleep, so that the caller can handle events of its window.
 const LONGEST_WAIT_NS: f64 = SECOND_NS;
-/// The shortest sleep that is worth it.
+/// The shortest useful sleep.
 const SHORTEST_WAIT_NS: f64 = 1e4;
-/// The number of times that a frame is aimed at another refresh.
+/// The number of times that a frame is rescheduled to another refresh.
 const MOST_OVERSLEPT: u32 = 2;
-/// The distance beyond which times going back are of another clock.
+/// The step backwards in time from which on the clock must have been set.
 const BACKWARDS_NS: f64 = 100.0 * MILLISECOND_NS;
 
-/// A frame pacer: it starts each frame as late as possible for the next refresh that it can reach,
-/// with a bounded number of queued frames. See the crate's page for the loop.
+/// A frame pacer: it starts each frame as late as possible for the next refresh that the frame can
+/// reach, with a bounded number of queued frames. The crate's page shows the loop.
 ///
-/// A pure state machine: equal calls give equal answers; it allocates nothing after creation.
+/// The pacer is a pure state machine: equal calls give equal answers. It does not allocate after
+/// creation.
 #[derive(Clone, Debug)]
 pub struct Pacer {
     options: PacerOptions,
     presentation: Presentation,
     clock: RefreshClock,
-    /// The lateness of the end of a sleep.
+    /// The lateness of wake-ups after a sleep.
     wake: Estimate,
     /// The time from start to submission, without the wait for an image.
     cpu: Estimate,
     gpu: Estimate,
-    /// The delay from a frame's showing to its report.
+    /// The delay from the present time of a frame to its report.
     report: Estimate,
     margin: Margin,
     frames: Frames,
@@ -49,13 +50,13 @@ pub struct Pacer {
     now: Option<f64>,
     /// The start of the last frame.
     last_start: Option<f64>,
-    /// The newest frame that has left, and the best known time of its showing.
+    /// The newest frame that has left the queue, and its best known present time.
     last_left: (u64, f64),
     /// The end of the last sleep for a deadline.
     slept_until: Option<f64>,
     /// The number of sleeps for this frame that ended too late for its refresh.
     overslept: u32,
-    /// The earliest start that keeps the limit.
+    /// The earliest start that the frame limit allows.
     limit_due: f64,
     dropped_in_a_row: u32,
     silence: Silence,
@@ -68,29 +69,29 @@ pub struct Pacer {
     sees_finishes: bool,
     sees_acquires: bool,
     newest_report: Option<f64>,
-    /// The number of frames in a row that were shown after their refresh.
+    /// The number of consecutive frames that were shown after their refresh.
     late_in_a_row: u32,
-    /// The least GPU time that is assumed: frames that relied on less were late.
+    /// The least GPU time that is assumed: frames planned with less were late.
     gpu_floor: f64,
     timing_cursor: TimingCursor,
 }
 
-/// The state of the phase search, which fills the queue so that acquires wait: without reports,
-/// these waits are the only sign of refreshes.
+/// The state of the phase search, which fills the queue so that acquires have to wait. Without
+/// reports, these waits are the only sign of refreshes.
 #[derive(Clone, Copy, Debug, Default)]
 struct PhaseSearch {
     active: bool,
-    /// The number of frames since it began, or since it ended.
+    /// The number of frames since the search began, or since it ended.
     frames: u32,
 }
 
 /// The state of the rate search. It starts some frames half a period earlier to check that the
-/// display is really that slow: frames too heavy for the display, while the period was learnt, make
-/// it look like a multiple.
+/// display is really as slow as it seems. If frames were too heavy for the display while the period
+/// was learnt, the learnt period may be a multiple of the true one.
 #[derive(Clone, Copy, Debug)]
 struct RateSearch {
     remaining: u32,
-    /// The number of frames until the next search, and the number for the one after.
+    /// The number of frames until the next search, and the number until the following one.
     pause: u32,
     next_pause: u32,
 }
@@ -105,7 +106,7 @@ impl RateSearch {
 }
 
 impl Pacer {
-    /// Creates a pacer without any knowledge.
+    /// Creates a pacer that has not learnt anything yet.
     ///
     /// # Errors
     /// An option or a property of the swapchain that is out of range.
@@ -144,7 +145,7 @@ impl Pacer {
         })
     }
 
-    /// Changes the user's options, from the next frame on.
+    /// Changes the user's options from the next frame on.
     ///
     /// # Errors
     /// An option that is out of range; then nothing changes.
@@ -157,8 +158,9 @@ impl Pacer {
         Ok(())
     }
 
-    /// Changes to a new swapchain, or to new knowledge of the display. Frames queued in the old one
-    /// no longer count; learnt times of CPU, GPU and display are kept where they can still be true.
+    /// Changes to a new swapchain, or to new knowledge of the display. Frames queued to the old
+    /// swapchain no longer count. Learnt times of CPU, GPU and display are kept where they can
+    /// still be valid.
     ///
     /// # Errors
     /// A property that is out of range; then nothing changes.
@@ -198,25 +200,24 @@ impl Pacer {
         &self.presentation
     }
 
-    /// Returns the display's refresh period, once it is known; the shortest one for a display that
-    /// waits for frames.
+    /// Returns the display's refresh period once it is known; the shortest period for a display
+    /// that waits for frames.
     #[must_use]
     pub fn refresh_period(&self) -> Option<Duration> {
         self.period_ns().map(|period| Duration::from_nanos(period.round() as u64))
     }
 
-    /// Returns the number of frames that were started and are not known to have been shown or
-    /// dropped.
+    /// Returns the number of frames that were started and are not known to be shown or dropped.
     #[must_use]
     pub fn queued_frames(&self) -> usize {
         self.frames.queued().count()
     }
 
-    /// Returns the action at `now`: to sleep, or to start a frame. It is cheap, and may be called
-    /// at any time.
+    /// Returns the action at `now`: to sleep, or to start a frame. The call is cheap and allowed at
+    /// any time.
     ///
-    /// A frame that was started before and neither [queued](crate::Feedback::Queued) nor
-    /// [dropped](crate::Feedback::Dropped) since counts as dropped.
+    /// The last started frame counts as dropped if it was neither [queued](crate::Feedback::Queued)
+    /// nor [dropped](crate::Feedback::Dropped) since.
     pub fn next(&mut self, now: Time) -> Step {
         let now = self.advance(now.to_ns());
         if let Some(newest) = self.frames.next().checked_sub(1)
@@ -263,22 +264,22 @@ impl Pacer {
         })
     }
 
-    /// Returns true if the frame should start although it would now reach only a later refresh than
-    /// planned: after a few such sleeps the clock is too coarse to aim with, and a frame at some
-    /// time is better than none.
+    /// Returns true if the frame should start although it can now only reach a later refresh than
+    /// planned. After a few sleeps that ended too late, the clock is too coarse to aim for a
+    /// refresh, and a frame at any time is better than none.
     fn gives_up_aiming(&mut self, now: f64) -> bool {
         if self.slept_until.is_none_or(|until| now < until) {
             return false;
         }
         self.slept_until = None;
-        // Late frames ahead of it are a reason to wait longer.
+        // If the GPU is still at work on earlier frames, waiting longer is right.
         let waits_for_gpu = self.sees_finishes
             && self.frames.newest_first().next().is_some_and(|(_, r)| r.finished.is_none());
         self.overslept += u32::from(!waits_for_gpu);
         self.overslept > MOST_OVERSLEPT && self.limit_due <= now
     }
 
-    /// Returns a sleep, or first a shorter one until the GPU should be done.
+    /// Returns a sleep, or a shorter sleep that ends when the GPU should be finished.
     fn look_then_sleep(&mut self, now: f64, until: f64, reason: WaitReason) -> Step {
         match self.poll_due(now) {
             Some((at, frame)) if at < until && reason != WaitReason::Hidden => {
@@ -291,12 +292,12 @@ impl Pacer {
     fn sleep(&mut self, now: f64, until: f64, reason: WaitReason) -> Step {
         let until = until.clamp(now + SHORTEST_WAIT_NS, now + LONGEST_WAIT_NS);
         self.slept_until = (reason == WaitReason::Deadline).then_some(until);
-        // Far from the origin, nanoseconds are finer than predictions: always some time ahead.
+        // Far from the origin, times are coarser than a nanosecond: always sleep some time.
         let until = Time::from_ns(until).max(Time::from_ns(now).after(Duration::from_micros(1)));
         Step::Wait(Wait { until, reason })
     }
 
-    /// Returns the current time: never before the last one, unless the clock was evidently set.
+    /// Returns the current time, which is never earlier than the last one unless the clock was set.
     fn advance(&mut self, now: f64) -> f64 {
         let last = self.now.unwrap_or(now);
         if now < last - BACKWARDS_NS {
@@ -337,7 +338,7 @@ impl Pacer {
         }
     }
 
-    /// Returns a period for uses that need any plausible one.
+    /// Returns a period for uses that accept any plausible value.
     fn some_period_ns(&self) -> f64 {
         self.period_ns().or(self.presentation.hint_ns()).unwrap_or(SECOND_NS / 60.0)
     }
@@ -352,7 +353,7 @@ impl Pacer {
             return;
         }
         record.dropped = true;
-        // A frame that was presented and then dropped is no reason to hold back.
+        // A frame that was presented and then dropped does not hold the next frames back.
         if record.queued.is_none() {
             self.dropped_in_a_row = self.dropped_in_a_row.saturating_add(1);
         }

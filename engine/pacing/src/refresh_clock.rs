@@ -1,11 +1,11 @@
 //! The clock of the display's refreshes: their period and phase, learnt from noisy times of past
 //! refreshes.
 //!
-//! Learning takes a handful of samples, finds the period of which all their distances are
-//! multiples, and fits a line. From then on a Kalman filter over (phase, period) follows (R. E.
-//! Kalman 1960). Unlike a plain phase-locked loop it is right for samples that are thousands of
-//! refreshes apart, and it quantifies the uncertainty of a prediction. Samples off the grid are
-//! left out; if they persist, learning starts again.
+//! Learning uses a handful of samples: it finds the period of which all their distances are
+//! multiples, and fits a line. From then on a Kalman filter over (phase, period) tracks the clock
+//! (R. E. Kalman 1960). Unlike a plain phase-locked loop, it is right for samples that are
+//! thousands of refreshes apart, and it quantifies the uncertainty of a prediction. Samples off the
+//! grid are left out; if they persist, learning starts again.
 
 use crate::time::MICROSECOND_NS;
 
@@ -13,21 +13,21 @@ use crate::time::MICROSECOND_NS;
 const WINDOW: usize = 12;
 /// The fewest samples to learn from.
 const ENOUGH: usize = 5;
-/// The root mean square distance from the grid allowed while learning, as a share of a period.
+/// The largest root mean square distance from the grid while learning, as a share of a period.
 const FIT: f64 = 0.09;
-/// The variance of phase per refresh, in periods squared: displays are steadier, compositors are
-/// not.
+/// The variance of phase per refresh, in periods squared. Displays are steadier than that,
+/// compositors are not.
 const PHASE_DRIFT: f64 = 1e-8;
 /// The variance of the period per refresh, in periods squared.
 const PERIOD_DRIFT: f64 = 1e-15;
-/// The least standard deviation of a sample that is plausible, in nanoseconds.
+/// The least plausible standard deviation of a sample, in nanoseconds.
 const LEAST_NOISE_NS: f64 = 5.0 * MICROSECOND_NS;
-/// The number of errors of one sign in a row that are not noise.
+/// The number of consecutive errors of one sign that cannot be noise.
 const ONE_SIDED: i32 = 12;
-/// The weight of an outlier in good samples, and the discord that ends the lock.
+/// The weight of an outlier relative to good samples, and the sum of weights that ends the lock.
 const OUTLIER_WEIGHT: u32 = 4;
 const DISCORD: u32 = 12;
-/// The number of samples before the last one that prove the last one wrong.
+/// The number of samples earlier than the last one that prove the last one wrong.
 const STALE: u32 = 6;
 
 /// The known grid of refreshes.
@@ -42,7 +42,8 @@ struct Lock {
     period_variance: f64,
     /// The variance of a sample.
     noise: f64,
-    /// The number of samples in a row that came later than predicted; negative for earlier.
+    /// The number of consecutive samples that were later than predicted; negative if they were
+    /// earlier.
     one_sided: i32,
 }
 
@@ -54,9 +55,9 @@ pub(crate) struct RefreshClock {
     count: usize,
     lock: Option<Lock>,
     discord: u32,
-    /// The number of samples in a row that lay before the last one.
+    /// The number of consecutive samples that lay before the last one.
     stale: u32,
-    /// The number of times the grid was learnt again.
+    /// The number of times that the grid was learnt anew.
     generation: u32,
 }
 
@@ -73,10 +74,10 @@ impl RefreshClock {
         }
     }
 
-    /// Takes the time of a refresh. Times not after the last one are ignored.
+    /// Notes the time of a refresh. Times that are not after the last one are ignored.
     pub(crate) fn observe(&mut self, at: f64) {
         if self.count > 0 && at <= self.samples[self.count - 1] {
-            // One time from far ahead must not silence all that follow.
+            // A single time far in the future must not suppress all later ones.
             self.stale += 1;
             if self.stale >= STALE {
                 self.forget(None);
@@ -101,7 +102,7 @@ impl RefreshClock {
             if self.discord < DISCORD {
                 return;
             }
-            // The newest samples led here; older ones are of another grid.
+            // The newest samples caused this; older ones belong to another grid.
             self.lock = None;
             self.samples.copy_within(self.count.saturating_sub(ENOUGH)..self.count, 0);
             self.count = self.count.min(ENOUGH);
@@ -111,7 +112,7 @@ impl RefreshClock {
         self.learn();
     }
 
-    /// Doubts the period, whose predictions fail: learns from the newest samples again.
+    /// Learns the period from the newest samples again, because its predictions fail.
     pub(crate) fn doubt(&mut self) {
         let before = self.period();
         self.lock = None;
@@ -121,7 +122,7 @@ impl RefreshClock {
         self.generation += u32::from(!same);
     }
 
-    /// Forgets the phase, and keeps the possible period.
+    /// Forgets the phase, but keeps the period as a hint.
     pub(crate) fn forget(&mut self, hint: Option<f64>) {
         let generation = self.generation + 1;
         *self = Self { generation, ..Self::new(hint.or(self.period()).or(self.hint)) };
@@ -138,15 +139,15 @@ impl RefreshClock {
         Some(lock.anchor + refreshes * lock.period)
     }
 
-    /// Returns the standard deviation of a prediction for about that time.
+    /// Returns the standard deviation of a prediction for a time near `time`.
     pub(crate) fn uncertainty(&self, time: f64) -> Option<f64> {
         let lock = self.lock?;
         let refreshes = ((time - lock.anchor) / lock.period).max(0.0);
         Some(lock.predicted(refreshes).0.sqrt())
     }
 
-    /// Returns a number that changes when the grid is learnt again: earlier predictions are void
-    /// then.
+    /// Returns a number that changes when the grid is learnt anew, which makes earlier predictions
+    /// invalid.
     pub(crate) const fn generation(&self) -> u32 {
         self.generation
     }
@@ -158,15 +159,16 @@ impl RefreshClock {
     }
 
     fn learn(&mut self) {
-        // The newest few first: the first frames of all may have been shown in between refreshes.
+        // The newest few samples first, since the very first frames may have been shown between
+        // refreshes.
         for count in [ENOUGH, self.count] {
             let Some(first) = self.count.checked_sub(count) else { return };
             let samples = &self.samples[first..self.count];
             let steps = samples.windows(2).map(|pair| pair[1] - pair[0]);
             let shortest = steps.clone().fold(f64::INFINITY, f64::min);
             let halves = steps.filter(|step| (2.0 * step / shortest).round() % 2.0 == 1.0).count();
-            // A hint is used where it explains the samples; half a period always does, so it must
-            // be the only explanation.
+            // The hint is used if it explains the samples. Half of the shortest step explains
+            // nearly all samples, so it is tried last.
             self.lock = self
                 .hint
                 .and_then(|hint| fit(samples, hint))
@@ -180,7 +182,7 @@ impl RefreshClock {
 }
 
 impl Lock {
-    /// Returns the variances (phase, covariance, period) so many refreshes on.
+    /// Returns the variances (phase, covariance, period) after this number of refreshes.
     fn predicted(&self, refreshes: f64) -> (f64, f64, f64) {
         let square = self.period * self.period;
         let phase = self.phase_variance
@@ -191,11 +193,11 @@ impl Lock {
         (phase.max(0.0), covariance, self.period_variance + refreshes * square * PERIOD_DRIFT)
     }
 
-    /// Takes a sample in, or returns false if it is off the grid.
+    /// Updates the lock with a sample, or returns false if the sample is off the grid.
     fn follow(&mut self, at: f64) -> bool {
         let refreshes = ((at - self.anchor) / self.period).round();
         if refreshes < 1.0 {
-            // Too soon after the last: another sample of the same refresh, or a finer grid.
+            // Too soon after the last sample: another sample of the same refresh, or a finer grid.
             return at - self.anchor < 0.3 * self.period;
         }
         let expected = self.anchor + refreshes * self.period;
@@ -204,7 +206,7 @@ impl Lock {
         let side = if error > 0.0 { 1 } else { -1 };
         self.one_sided = if self.one_sided * side > 0 { self.one_sided + side } else { side };
         if self.one_sided.abs() >= ONE_SIDED {
-            // This is not noise: the period has changed a little.
+            // This is not noise: the period has changed slightly.
             self.one_sided = 0;
             phase += error * error;
             period += error * error / f64::from(ONE_SIDED).powi(2);
@@ -228,14 +230,15 @@ impl Lock {
     }
 }
 
-/// Returns a line through samples if all of them lie near multiples of about a period.
+/// Returns a line through the samples if all of them lie near multiples of about the period
+/// `about`.
 fn fit(samples: &[f64], about: f64) -> Option<Lock> {
     if !about.is_finite() || about < 100.0 * MICROSECOND_NS {
         return None;
     }
     let origin = samples[0];
     let count = samples.len() as f64;
-    // Steps are rounded one by one, so that an error of the period does not add up.
+    // Steps are rounded individually, so that an error of the period does not add up.
     let mut index = 0.0;
     let mut previous = origin;
     let [mut sum_i, mut sum_t, mut sum_ii, mut sum_it] = [0.0; 4];

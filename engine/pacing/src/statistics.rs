@@ -1,9 +1,9 @@
-//! Statistics of how evenly frames came: percentiles, hitches and histograms over the newest
+//! Statistics of how evenly frames arrived: percentiles, hitches and histograms over the newest
 //! frames.
 //!
-//! All of it is integer arithmetic on nanoseconds, so that a calculation elsewhere from the same
-//! timings gives the same numbers. Percentiles are nearest ranks: the least sample that so many
-//! thousandths of all samples do not exceed.
+//! All computations use integers in nanoseconds, so that another program computes the same numbers
+//! from the same timings. Percentiles are nearest ranks: the n-per-mille percentile is the least
+//! sample that at least n thousandths of all samples do not exceed.
 
 use std::time::Duration;
 
@@ -14,34 +14,35 @@ use crate::options::PacingError;
 pub const MAX_STATISTICS_FRAMES: usize = 1 << 20;
 /// The number of bins of a [`Histogram`].
 pub const HISTOGRAM_BINS: usize = 10;
-/// The number of frames on each side that a frame is compared with to detect a hitch.
+/// The number of frames before and after a frame with which it is compared to detect a hitch.
 pub const HITCH_NEIGHBOURS: usize = 4;
 
-/// The rule by which a long frame is a hitch: both conditions must hold.
+/// The rule by which a long frame counts as a hitch: both conditions must hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct HitchRule {
-    /// The duration that a hitch exceeds.
+    /// The duration that a hitch must exceed.
     pub longer_than: Duration,
-    /// The hundredths of the median of its neighbours that a hitch exceeds, at most
-    /// [`HITCH_NEIGHBOURS`] before it and as many after it.
+    /// The percentage of the median of its neighbours that a hitch must exceed. Neighbours are up
+    /// to [`HITCH_NEIGHBOURS`] frames before it and up to [`HITCH_NEIGHBOURS`] after it.
     pub percent_of_neighbours: u32,
 }
 
 impl Default for HitchRule {
-    /// Returns a rule of 12 ms and 1.8 times the neighbours: a missed refresh at up to 144 Hz.
+    /// Returns a rule of 12 ms and 180 % of the neighbours' median: a missed refresh at up to 144
+    /// Hz.
     fn default() -> Self {
         Self { longer_than: Duration::from_millis(12), percent_of_neighbours: 180 }
     }
 }
 
-/// The distribution of durations, as far as they are known.
+/// The distribution of the known durations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Distribution {
     /// The number of known durations.
     pub samples: usize,
     /// The mean, rounded down to nanoseconds.
     pub mean: Duration,
-    /// The median: half are at most that long.
+    /// The median: half of the durations are at most this long.
     pub median: Duration,
     /// The 95th percentile.
     pub p95: Duration,
@@ -51,8 +52,8 @@ pub struct Distribution {
     pub p99_9: Duration,
     /// The longest of the known durations.
     pub worst: Duration,
-    /// The mean of the longest hundredth of them, at least of one, rounded down to nanoseconds. Its
-    /// reciprocal is known as "1 % low".
+    /// The mean of the longest hundredth of them (at least one duration), rounded down to
+    /// nanoseconds. Its reciprocal is known as "1 % low".
     pub slowest_percent: Duration,
 }
 
@@ -67,9 +68,9 @@ impl Distribution {
 /// The numbers of frames that took 0, 1, 2… refreshes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Histogram {
-    /// The frames by refreshes; the last bin has all that took more.
+    /// The number of frames by refreshes; the last bin counts all higher numbers.
     pub frames: [u32; HISTOGRAM_BINS],
-    /// The number of frames for which it is not known.
+    /// The number of frames with an unknown number of refreshes.
     pub unknown: u32,
 }
 
@@ -87,25 +88,25 @@ impl Histogram {
 pub struct Summary {
     /// The number of frames covered.
     pub frames: usize,
-    /// The times from showing to showing.
+    /// The times between present times.
     pub present_intervals: Option<Distribution>,
-    /// The times from start to start.
+    /// The times between starts.
     pub start_intervals: Option<Distribution>,
-    /// The times from start to showing.
+    /// The times from start to present time.
     pub latencies: Option<Distribution>,
-    /// The number of refreshes that should have shown a new frame and did not.
+    /// The number of refreshes that should have shown a new frame but did not.
     pub missed_refreshes: Option<u64>,
-    /// The number of hitches among the intervals from showing to showing.
+    /// The number of hitches among the intervals between present times.
     pub hitches: Option<u32>,
-    /// The number of hitches among the intervals from start to start.
+    /// The number of hitches among the intervals between starts.
     pub start_hitches: Option<u32>,
-    /// Intervals from showing to showing, in refreshes.
+    /// The intervals between present times, in refreshes.
     pub refreshes: Histogram,
-    /// Latencies in refreshes.
+    /// The latencies in refreshes.
     pub latency_refreshes: Histogram,
 }
 
-/// The newest frames, up to a fixed number. It allocates at creation, never after.
+/// The newest frames, up to a fixed number. Allocates only at creation.
 #[derive(Clone, Debug)]
 pub struct FrameStatistics {
     ring: Box<[FrameTiming]>,
@@ -119,10 +120,10 @@ pub struct FrameStatistics {
 type Span = fn(&FrameTiming) -> Option<Duration>;
 
 impl FrameStatistics {
-    /// Creates statistics over so many newest frames.
+    /// Creates statistics over the newest `frames` frames.
     ///
     /// # Errors
-    /// A number out of 1 to [`MAX_STATISTICS_FRAMES`].
+    /// A number outside of 1 to [`MAX_STATISTICS_FRAMES`].
     pub fn new(frames: usize, rule: HitchRule) -> Result<Self, PacingError> {
         if !(1..=MAX_STATISTICS_FRAMES).contains(&frames) {
             return Err(PacingError::StatisticsFrames(frames));
@@ -131,7 +132,7 @@ impl FrameStatistics {
         Ok(Self { ring, next: 0, count: 0, rule, sorted: Vec::with_capacity(frames) })
     }
 
-    /// Takes a frame in; the oldest goes if there are too many.
+    /// Adds a frame, which replaces the oldest one if the statistics are full.
     pub fn record(&mut self, timing: FrameTiming) {
         self.ring[self.next] = timing;
         self.next = (self.next + 1) % self.ring.len();
@@ -143,12 +144,12 @@ impl FrameStatistics {
         (self.next, self.count) = (0, 0);
     }
 
-    /// Returns the frames held, oldest first, for graphs.
+    /// Returns the stored frames, oldest first, for example for graphs.
     pub fn frames(&self) -> impl ExactSizeIterator<Item = &FrameTiming> {
         (0..self.count).map(|age| self.at(age))
     }
 
-    /// Returns the summary of the frames held. It sorts them, so call it for a report, or a few
+    /// Returns the summary of the stored frames. It sorts them, so call it for a report, or a few
     /// times per second for a display.
     pub fn summary(&mut self) -> Summary {
         let mut summary = Summary { frames: self.count, ..Summary::default() };
@@ -197,7 +198,7 @@ impl FrameStatistics {
                 neighbours[count] = near;
                 count += 1;
             }
-            // A single frame has no neighbours to compare with.
+            // A single frame has no neighbours.
             if count == 0 {
                 continue;
             }
@@ -216,7 +217,7 @@ fn nanos(duration: Duration) -> u64 {
     u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)
 }
 
-/// Returns the least sample that so many thousandths do not exceed.
+/// Returns the least sample that at least this many thousandths of all samples do not exceed.
 fn rank(sorted: &[u64], thousandths: usize) -> u64 {
     sorted[(sorted.len() * thousandths).div_ceil(1_000).max(1) - 1]
 }

@@ -1,11 +1,11 @@
-//! Points in time on the caller's clock. Nothing in this crate reads that clock.
+//! Points in time on the caller's clock. This crate never reads that clock.
 
 use std::time::Duration;
 
-/// A point in time in nanoseconds on one monotonic clock of the caller's choice, from any origin.
+/// A point in time in nanoseconds, on a monotonic clock of the caller's choice with any origin.
 ///
-/// All times given to one [`Pacer`](crate::Pacer) must be of the same clock; the caller converts
-/// reports of the presentation engine from another clock.
+/// All times given to a [`Pacer`](crate::Pacer) must be from the same clock. The caller converts
+/// times that the presentation engine reports on another clock.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Time(u64);
 
@@ -13,39 +13,39 @@ impl Time {
     /// The origin of the clock.
     pub const ZERO: Self = Self(0);
 
-    /// Returns the time so many nanoseconds after the origin.
+    /// Returns the time `nanos` nanoseconds after the origin.
     #[must_use]
     pub const fn from_nanos(nanos: u64) -> Self {
         Self(nanos)
     }
 
-    /// Returns the time after the origin by a duration such as `Instant::elapsed`, at most the last
-    /// representable time (584 years).
+    /// Returns the time after the origin by a duration, for example from `Instant::elapsed`. The
+    /// result is at most the last representable time (584 years).
     #[must_use]
     pub fn from_origin(elapsed: Duration) -> Self {
         Self(u64::try_from(elapsed.as_nanos()).unwrap_or(u64::MAX))
     }
 
-    /// Returns the nanoseconds since the origin.
+    /// Returns the number of nanoseconds since the origin.
     #[must_use]
     pub const fn as_nanos(self) -> u64 {
         self.0
     }
 
-    /// Returns the duration since `earlier`; zero if this is not after it.
+    /// Returns the duration since `earlier`; zero if `earlier` is later.
     #[must_use]
     pub const fn since(self, earlier: Self) -> Duration {
         Duration::from_nanos(self.0.saturating_sub(earlier.0))
     }
 
-    /// Returns the time later by a duration, at most the last representable time.
+    /// Returns the time after this one by a duration, at most the last representable time.
     #[must_use]
     pub fn after(self, duration: Duration) -> Self {
         Self(self.0.saturating_add(u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX)))
     }
 
-    /// Returns nanoseconds for predictions: exact up to 104 days from the origin, within 64 ns for
-    /// a decade.
+    /// Returns nanoseconds for predictions: exact up to 104 days from the origin, and within 64 ns
+    /// for a decade.
     pub(crate) const fn to_ns(self) -> f64 {
         self.0 as f64
     }
@@ -56,7 +56,7 @@ impl Time {
     }
 }
 
-/// Returns a span in nanoseconds as predictions use it.
+/// Returns a duration in nanoseconds for predictions.
 pub(crate) fn ns(duration: Duration) -> f64 {
     duration.as_nanos() as f64
 }

@@ -1,4 +1,4 @@
-//! Tests that pacing and statistics allocate when they are made, and never in the frame loop.
+//! Tests that pacing and statistics allocate only at creation, and never in the frame loop.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -18,8 +18,8 @@ use stats_alloc::{INSTRUMENTED_SYSTEM, Region, Stats, StatsAlloc};
 #[global_allocator]
 static GLOBAL: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-/// The number of tries: the thread that runs the tests may allocate meanwhile and is counted as
-/// well, but the loop does the same each time.
+/// The number of tries. The thread of the test harness may allocate at the same time and is
+/// counted, too; a loop that allocates does so in every try.
 const TRIES: usize = 10;
 
 #[test]
@@ -29,7 +29,7 @@ fn the_loop_does_not_allocate() {
     assert!(tries < TRIES, "it allocates each time");
 }
 
-/// Returns the allocations made after pacer and statistics were made.
+/// Returns the allocations after the pacer and the statistics were created.
 fn run_the_loop() -> Stats {
     let period = Duration::from_micros(16_667);
     let presentation = Presentation {

@@ -1,4 +1,4 @@
-//! Tests of the time at which a frame counts as known, and of unreported frames.
+//! Tests of the time at which a frame's timing is complete, and of frames without a report.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -37,9 +37,9 @@ fn known(pacer: &mut Pacer) -> Vec<u64> {
     std::iter::from_fn(|| pacer.completed()).map(|(frame, _)| frame.0).collect()
 }
 
-/// Checks that in order an unreported image replaced the one before at some time, so that the
-/// duration of both is unknown. The newest of a mailbox may have been replaced before it was ever
-/// shown.
+/// Checks that with images in order, an image without a report replaced the previous one at an
+/// unknown time, so that the duration of both is unknown. The newest image of a mailbox may have
+/// been replaced before it was ever shown.
 #[test]
 fn a_frame_of_unknown_time_did_show_unless_it_was_replaced() {
     for mode in [PresentationMode::Fifo, PresentationMode::FifoRelaxed, PresentationMode::Mailbox] {
@@ -59,8 +59,8 @@ fn a_frame_of_unknown_time_did_show_unless_it_was_replaced() {
     }
 }
 
-/// Checks that, with n images, a frame is waited for until the acquire of the frame n - 1 later,
-/// the last that can reveal its showing, and no longer.
+/// Checks that, with n images, a frame's report is awaited until the acquire of the frame n - 1
+/// later, which is the last that can reveal that the frame was shown.
 #[test]
 fn without_reports_a_frame_is_known_after_the_last_acquire_that_can_tell() {
     for images in 1..5 {
@@ -75,7 +75,7 @@ fn without_reports_a_frame_is_known_after_the_last_acquire_that_can_tell() {
     }
 }
 
-/// Checks that a queued frame is not reported, since it may still be dropped, and then never is.
+/// Checks that a queued frame has no timing yet, since it may be dropped, and has none if it is.
 #[test]
 fn without_reports_a_frame_that_is_still_queued_is_not_known() {
     let mut pacer = pacer(PresentationMode::Immediate, 1, PresentReports::Missing);

@@ -1,4 +1,4 @@
-//! Tests that the pacer does not run ahead of the GPU, however many images there are to fill.
+//! Tests that the pacer does not run ahead of the GPU, whatever the number of images.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -13,8 +13,9 @@ use antumbra_pacing::{
     Refresh, Step, Time,
 };
 
-/// Checks that the queue is filled beyond the limit only for the display. Where acquires must
-/// reveal refreshes, it is filled up to the images; no more than the limit may wait for the GPU.
+/// Checks that the queue is filled beyond the limit only for the display. If acquires must reveal
+/// refreshes, the queue is filled up to the number of images, but at most the limit waits for the
+/// GPU.
 #[test]
 fn no_more_than_the_limit_wait_for_the_gpu() {
     for queue_limit in 1..4 {
@@ -33,7 +34,7 @@ fn no_more_than_the_limit_wait_for_the_gpu() {
         for _ in 0..queue_limit {
             start(&mut pacer, now).expect("the GPU has less to do than allowed");
         }
-        // For a second the GPU is still at work.
+        // The GPU is at work for another second.
         let end = now.after(Duration::from_secs(1));
         while now < end {
             now = start(&mut pacer, now).expect_err("it runs ahead of the GPU");

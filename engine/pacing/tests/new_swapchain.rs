@@ -1,4 +1,4 @@
-//! Tests of the knowledge that is kept and forgotten when a swapchain replaces another.
+//! Tests of the knowledge that is kept and forgotten when the swapchain is replaced.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -22,7 +22,7 @@ fn presentation(mode: PresentationMode, hz: f64) -> Presentation {
     Presentation { mode, images: 3, refresh, reports: PresentReports::Times }
 }
 
-/// A machine that never varies, in nanoseconds.
+/// A machine without any variation, in nanoseconds.
 struct Machine {
     pacer: Pacer,
     now: u64,
@@ -30,11 +30,11 @@ struct Machine {
     gpu: u64,
     /// The time before a refresh by which a frame must be finished.
     latch: u64,
-    /// The lateness of waking to look at the GPU.
+    /// The delay with which the loop wakes to poll the GPU.
     look_late: u64,
     gpu_free: u64,
     last_shown: u64,
-    /// Unreported frames with the end of their work and their showing.
+    /// Frames without a report, with the end of their GPU work and their present time.
     unfinished: Vec<(PacedFrameId, u64)>,
     unseen: Vec<(PacedFrameId, u64)>,
 }
@@ -56,15 +56,15 @@ impl Machine {
         }
     }
 
-    /// Runs so many frames; returns the mean latency of the last fifty, from start to showing, in
-    /// milliseconds.
+    /// Runs `frames` frames. Returns the mean latency of the last fifty, from start to present
+    /// time, in milliseconds.
     fn latency_ms(&mut self, frames: usize) -> f64 {
         let latencies: Vec<u64> = (0..frames).map(|_| self.frame().1).collect();
         let last = &latencies[frames.saturating_sub(50)..];
         last.iter().sum::<u64>() as f64 / last.len() as f64 / MILLISECOND as f64
     }
 
-    /// Sleeps, and takes one frame to its presentation; returns its expected showing, and its
+    /// Sleeps, then starts and presents one frame. Returns its expected present time and its
     /// latency.
     fn frame(&mut self) -> (Option<Time>, u64) {
         loop {
@@ -113,8 +113,8 @@ impl Machine {
     }
 }
 
-/// Checks that a slower GPU in the past is no reason to doubt a faster one with a smaller image,
-/// even where looks are too coarse to show it.
+/// Checks that a slower GPU in the past does not spoil the estimate for a smaller image, even if
+/// polls are too coarse to reveal the speed.
 #[test]
 fn the_gpu_may_be_faster_in_a_new_swapchain() {
     let mut machine = Machine::new();
@@ -127,8 +127,8 @@ fn the_gpu_may_be_faster_in_a_new_swapchain() {
     assert!(after < 6.5, "{after} ms for 3 ms of work, {before} ms before");
 }
 
-/// Checks that nothing is predicted for another display, or another rate of this one, until some of
-/// its refreshes were seen.
+/// Checks that nothing is predicted for another display, or another rate of the same display, until
+/// some of its refreshes were seen.
 #[test]
 fn nothing_is_predicted_of_a_display_that_was_never_seen() {
     let mut machine = Machine::new();
@@ -149,7 +149,7 @@ fn nothing_is_predicted_of_a_display_that_was_never_seen() {
     }
 }
 
-/// Checks that the early latch of a compositor is learnt per mode, by misses, and kept only there.
+/// Checks that the early latch of a compositor is learnt from misses, per present mode.
 #[test]
 fn the_margin_is_learnt_again_for_another_mode() {
     let mut machine = Machine::new();

@@ -1,4 +1,4 @@
-//! Tests that the pacer answers any input with something bounded and does not panic.
+//! Tests that the pacer returns a bounded step for any input, and does not panic.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -111,7 +111,7 @@ proptest! {
                 Word::Next(now) => match pacer.next(Time::from_nanos(now)) {
                     Step::Start(plan) => newest = plan.frame.0,
                     Step::Wait(wait) => {
-                        // The clock may have been held back by 100 ms.
+                        // The pacer may have held the clock back by up to 100 ms.
                         let bound = SECOND + Duration::from_millis(101);
                         prop_assert!(wait.until.since(Time::from_nanos(now)) <= bound);
                     }
@@ -125,7 +125,7 @@ proptest! {
             prop_assert!(pacer.queued_frames() <= 64);
             while pacer.completed().is_some() {}
         }
-        // And it still works: time passes, frames start.
+        // The pacer still works: time passes, and frames start.
         let mut now = Time::from_origin(SECOND * 1_000_000);
         let mut started = 0;
         for _ in 0..20_000 {
@@ -169,7 +169,7 @@ fn a_caller_that_reports_nothing_is_throttled_not_hung() {
     assert!(steps < 3_000, "{steps} steps");
 }
 
-/// Checks that a GPU that never finishes is polled ever more rarely, with any options.
+/// Checks that a GPU that never finishes is polled at growing intervals, with any options.
 #[test]
 fn a_gpu_that_hangs_does_not_make_the_loop_spin() {
     for frame_limit_hz in [None, Some(0.5)] {

@@ -1,5 +1,4 @@
-//! Tests that statistics equal an offline calculation that shares nothing with them, to the
-//! nanosecond.
+//! Tests that statistics equal an independent offline calculation, to the nanosecond.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -18,7 +17,7 @@ use proptest::prelude::*;
 const RULE: HitchRule =
     HitchRule { longer_than: Duration::from_millis(12), percent_of_neighbours: 180 };
 
-/// Returns a percentile by counting, not by sorting.
+/// Returns a percentile by counting, without sorting.
 fn percentile(samples: &[u64], thousandths: u64) -> Duration {
     let enough = |value: u64| {
         let below = samples.iter().filter(|sample| **sample <= value).count() as u64;
@@ -88,7 +87,7 @@ fn known<T: std::fmt::Debug + Clone + 'static>(
 }
 
 fn any_timing() -> impl Strategy<Value = FrameTiming> {
-    // Many alike, so that ties are met.
+    // Many equal values, so that ties occur.
     let span = || {
         let nanos = prop_oneof![0_u64..60_000_000, (0_u64..6).prop_map(|n| n * 8_333_333)];
         known(nanos.prop_map(Duration::from_nanos))
@@ -160,7 +159,7 @@ fn a_hitch_is_long_and_stands_out() {
     assert_eq!(hitches(&[]), None);
     assert_eq!(hitches(&[50]), None);
     assert_eq!(hitches(&[16, 17, 16, 33, 17, 16]), Some(1));
-    // Constantly slow is not a hitch; and nobody sees 5 ms among twos.
+    // A constantly slow rate is not a hitch, and 5 ms among frames of 2 ms are not visible.
     assert_eq!(hitches(&[50; 20]), Some(0));
     assert_eq!(hitches(&[2, 2, 2, 5, 2, 2]), Some(0));
     assert_eq!(hitches(&[7, 7, 7, 14, 7, 7]), Some(1));
@@ -180,7 +179,7 @@ fn known_numbers() {
     assert_eq!(millis(intervals.worst), 1_000);
     assert_eq!(intervals.slowest_percent, Duration::from_micros(995_500));
     assert!((intervals.low_1_percent_hz() - 1.0 / 0.9955).abs() < 1e-9);
-    // An unreported value is unknown, not 0.
+    // A value without a report is unknown, not 0.
     assert_eq!(summary.latencies, None);
     assert_eq!(summary.missed_refreshes, None);
     assert_eq!(summary.refreshes.unknown, 1_000);

@@ -1,5 +1,5 @@
-//! Describes a scene of two meshes and three objects, lets it be checked, breaks it, and describes
-//! a change of it.
+//! Builds a scene of two meshes and three objects, validates it, adds a broken object, and builds
+//! an update.
 
 use std::error::Error;
 
@@ -36,13 +36,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("  {} in {:?}", object.mesh.0, scene.bounds_of(object).ok_or("no such mesh")?);
     }
 
-    // A scene that no renderer could draw is refused before any of it is uploaded.
+    // A scene that no renderer could draw is refused before any upload.
     scene.objects.push(object(7, Vec3::ZERO));
     if let Err(error) = scene.validate() {
         println!("refused: {error}");
     }
 
-    // A renderer applies it between two frames; a clip of an imported file makes the same value.
+    // A renderer applies an update between two frames; clips of imported files produce such
+    // updates.
     let moved = Affine3A::from_translation(Vec3::Y);
     let mut update = SceneUpdate::default();
     update.objects.push(ObjectChange::Move { object: ObjectId(0), transform: moved });

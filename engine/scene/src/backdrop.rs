@@ -1,5 +1,5 @@
-//! Backdrops of the light from all around: a sky that is computed, or a panorama; and the disk of a
-//! sun or moon.
+//! Backdrops of the light from all around: a computed sky or a panorama, and the disk of a sun or
+//! moon.
 
 use std::f32::consts::{PI, TAU};
 
@@ -8,10 +8,10 @@ use glam::{Vec2, Vec3, vec2, vec3};
 use crate::error::SceneError;
 use crate::limits::MAX_PANORAMA_TEXELS;
 
-/// The brightest radiance that is held, so that it fits 16 bits.
+/// The highest radiance that is stored: it fits 16 bits.
 pub(crate) const BRIGHTEST: f32 = 60_000.0;
 
-/// The picture where nothing is drawn.
+/// The picture that is seen where nothing is drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Backdrop {
     /// A sky, computed for each pixel.
@@ -20,15 +20,16 @@ pub enum Backdrop {
     Panorama(Panorama),
 }
 
-/// The disk of a sun or moon in the sky. It is seen and lights nothing: that is what lights are
-/// for, and its texels would be far larger than it is.
+/// The disk of a sun or moon in the sky. The disk is visible but lights nothing: lights do that,
+/// and a texel of the environment would be far larger than the disk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkyDisk {
-    /// Unit vector towards its middle.
+    /// Unit vector towards the middle of the disk.
     pub towards: Vec3,
-    /// Half of the angle that it covers, in radians, above 0 and below 0.5; the sun's is 0.0047.
+    /// Half of the angle that the disk covers, in radians, above 0 and below 0.5; 0.0047 for the
+    /// sun.
     pub radius_rad: f32,
-    /// Its radiance, added to that of the sky.
+    /// The radiance of the disk, added to the sky's.
     pub radiance: [f32; 3],
 }
 
@@ -56,7 +57,7 @@ impl Sky {
         let height = 1.0 - (1.0 - direction.y.max(0.0)).powi(4);
         let near = direction.dot(self.towards_sun).max(0.0);
         let above = horizon.lerp(zenith, height) + glow * (0.6 * near.powi(8) + near.powi(64));
-        // The ground lies in haze towards the horizon, so that there is no edge.
+        // Haze hides the ground towards the horizon, so that there is no edge.
         ground.lerp(above, (1.0 + direction.y.min(0.0)).powi(5))
     }
 }
@@ -70,13 +71,13 @@ pub struct Panorama {
 }
 
 impl Panorama {
-    /// Makes a panorama of linear radiance, as [`Environment::of_equirectangular`] takes it.
+    /// Creates a panorama of linear radiance, in the layout of [`Environment::of_equirectangular`].
     ///
     /// [`Environment::of_equirectangular`]: crate::Environment::of_equirectangular
     ///
     /// # Errors
-    /// [`SceneError::BrokenEnvironment`] for a size of 0 or of another number of pixels, and for a
-    /// value that is not finite.
+    /// [`SceneError::BrokenEnvironment`] for a size of 0, for a number of pixels that does not
+    /// match the size, and for a value that is not finite.
     pub fn new(size: [u32; 2], pixels: &[[f32; 3]]) -> Result<Self, SceneError> {
         Self::of_at_most(MAX_PANORAMA_TEXELS, size, pixels)
     }
@@ -125,15 +126,15 @@ impl Panorama {
         })
     }
 
-    /// Returns its size in pixels.
+    /// Returns the size in pixels.
     #[must_use]
     pub fn size(&self) -> [u32; 2] {
         self.size
     }
 
-    /// Returns the texels of each level, the largest first: rows from the top of three numbers of
-    /// nine bits, red in the lowest ones, that share an exponent of five, as Vulkan's
-    /// `E5B9G9R9_UFLOAT_PACK32` has them.
+    /// Returns the texels of each level, the largest level first, in rows from the top. A texel has
+    /// the layout of Vulkan's `E5B9G9R9_UFLOAT_PACK32`: three numbers of nine bits, red in the
+    /// lowest bits, with a shared exponent of five bits.
     #[must_use]
     pub fn levels(&self) -> &[Vec<u32>] {
         &self.levels
@@ -167,8 +168,8 @@ fn half_size(size: [u32; 2]) -> [u32; 2] {
     size.map(|side| (side / 2).max(1))
 }
 
-/// Returns the next level of a picture: means of all pixels that a texel touches, so that what has
-/// an odd size does not move.
+/// Returns the next level of a picture. Each texel is the mean of all pixels that it touches, so
+/// that pictures of an odd size do not shift.
 fn half_of(size: [u32; 2], pixels: &[[f32; 3]]) -> Vec<[f32; 3]> {
     let [width, height] = half_size(size);
     let touched = |place: u32, of: u32, from: u32| {
@@ -194,14 +195,14 @@ fn half_of(size: [u32; 2], pixels: &[[f32; 3]]) -> Vec<[f32; 3]> {
     halved
 }
 
-/// The bits of each number of a shared exponent.
+/// The bits of each number that shares an exponent.
 const MANTISSA_BITS: i32 = 9;
 
 /// The exponent whose bits are 0.
 const EXPONENT_BIAS: i32 = 15;
 
-/// Returns a radiance in 32 bits, what is out of range as the nearest that is not (Vulkan, "RGB to
-/// Shared Exponent Conversion").
+/// Returns a radiance in 32 bits, clamped to the range of the format (Vulkan, "RGB to Shared
+/// Exponent Conversion").
 fn shared_exponent(radiance: [f32; 3]) -> u32 {
     let parts = radiance.map(|part| part.clamp(0.0, BRIGHTEST));
     let largest = parts.into_iter().fold(0.0, f32::max);

@@ -1,23 +1,21 @@
-//! Checks that the surfaces of a scene belong to it and can be drawn: with a scene that passes, no
+//! Checks that the surfaces of a scene belong to it and can be drawn: for a scene that passes, no
 //! shader reads out of bounds or meets a value that is not finite.
 
 use super::error::SceneError;
 use super::surface::{MorphTarget, SkinWeights, SkinnedMesh, Surfaces};
 use super::{Scene, bounds_of_transformed};
 
-/// The slack of the sum of a vertex's weights, which are rounded to as little as eight bits each,
-/// eight of them or more.
+/// The tolerance of the sum of a vertex's weights, which may be rounded to eight bits each.
 const WEIGHT_SLACK: f32 = 1.0 / 32.0;
 
 /// A part of the surfaces.
 #[derive(Clone, Copy)]
 struct Part {
     kind: &'static str,
-    /// The place among its kind.
+    /// The index among parts of its kind.
     index: usize,
 }
 
-/// Returns a part of the surfaces.
 fn part_of(kind: &'static str, index: usize) -> Part {
     Part { kind, index }
 }
@@ -30,10 +28,7 @@ fn are_finite<const N: usize>(numbers: &[f32; N]) -> bool {
     numbers.iter().all(|number| number.is_finite())
 }
 
-/// Finds the first fault in the surfaces of a scene whose meshes and objects are right.
-///
-/// # Errors
-/// [`SceneError::BrokenSurfaces`].
+/// Finds the first fault in the surfaces of a scene whose meshes and objects have been checked.
 pub(super) fn check_surfaces(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
     if surfaces.meshes.len() != scene.meshes.len() {
         return broken(
@@ -72,7 +67,7 @@ pub(super) fn check_surfaces(scene: &Scene, surfaces: &Surfaces) -> Result<(), S
     check_skinned_meshes(scene, surfaces)
 }
 
-/// Returns for each mesh true if it is one of sprites.
+/// Returns for each mesh true if it is a mesh of sprites.
 pub(super) fn sprite_meshes(scene: &Scene) -> Vec<bool> {
     let mut are_sprites = vec![false; scene.meshes.len()];
     for sprites in scene.surfaces.iter().flat_map(|surfaces| &surfaces.sprites) {
@@ -151,7 +146,7 @@ fn check_levels(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
 }
 
 fn check_skinned_meshes(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
-    // The object of each mesh that one has, and whether it is the only one.
+    // The number of objects of each mesh: a skinned mesh may have one.
     let mut users = vec![0_u32; scene.meshes.len()];
     for object in scene.objects.iter().chain(&surfaces.transparent) {
         if let Some(users) = users.get_mut(object.mesh.0 as usize) {

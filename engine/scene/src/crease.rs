@@ -1,16 +1,16 @@
-//! Normals of triangles that have none: smooth, but for creases.
+//! Normals for triangles that have none: smooth except at creases.
 
 use glam::Vec3;
 
-/// The angle between two faces from which on their edge is a crease, in radians: 30 degrees, as CAD
-/// programs have it.
+/// The angle between two faces from which on their edge is a crease, in radians: 30 degrees, as in
+/// CAD programs.
 pub const CREASE_RAD: f32 = std::f32::consts::FRAC_PI_6;
 
 /// Triangles whose vertices have normals. A position has a vertex for each smooth surface that
 /// meets there.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CreasedTriangles {
-    /// The position of each vertex, as an index into those that were given.
+    /// The position of each vertex, as an index into the given positions.
     pub origins: Vec<u32>,
     /// The unit normal of each vertex; zero where its triangles have no area.
     pub normals: Vec<Vec3>,
@@ -23,17 +23,18 @@ pub struct CreasedTriangles {
 struct Edge {
     low: u32,
     high: u32,
-    /// Three times its triangle, and the corner where it begins.
+    /// Three times the index of the triangle, plus the corner where the edge begins.
     corner: u32,
 }
 
-/// Gives triangles that share positions their normals: faces that meet at less than `crease_rad`
-/// (radians) are one smooth surface, whose normals are the means of its faces' by the angles of
-/// their corners. An edge of one face, of more than two, or of two with opposite windings is a
-/// crease. Takes time in proportion to the triangles, times the logarithm of their number.
+/// Computes the normals of triangles that share positions. Faces that meet at less than
+/// `crease_rad` (radians) belong to one smooth surface. Its normals are the means of the normals of
+/// its faces, weighted by the angles of their corners. An edge is a crease if it has one face, more
+/// than two faces, or two faces with opposite windings. The time is proportional to `n log n` for
+/// `n` triangles.
 ///
-/// Positions that an index names and the list lacks are the origin. At most 2^30 triangles count;
-/// the rest is left out.
+/// An index beyond the list of positions stands for the origin. Triangles after the first 2^30 are
+/// left out.
 pub fn creased(positions: &[Vec3], triangles: &[[u32; 3]], crease_rad: f32) -> CreasedTriangles {
     let triangles = triangles.get(..triangles.len().min(1 << 30)).unwrap_or_default();
     let at = |vertex: u32| positions.get(vertex as usize).copied().unwrap_or_default();
@@ -82,7 +83,8 @@ pub fn creased(positions: &[Vec3], triangles: &[[u32; 3]], crease_rad: f32) -> C
     made
 }
 
-/// Returns the angle between two vectors of any length, 0 if one of them has none.
+/// Returns the angle between two vectors of any length; a vector without length counts as
+/// perpendicular.
 fn angle_between(a: Vec3, b: Vec3) -> f32 {
     a.normalize_or_zero().dot(b.normalize_or_zero()).clamp(-1.0, 1.0).acos()
 }

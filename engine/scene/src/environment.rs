@@ -1,5 +1,5 @@
-//! The light from all around: a sky or a picture, as what matt and glossy surfaces get of it, and
-//! as the backdrop that is seen.
+//! The light from all around: a sky or a picture, as it lights matt and glossy surfaces, and as it
+//! is seen as the backdrop.
 //!
 //! Directions lie on the square of an octahedron (Cigolle et al., "A Survey of Efficient
 //! Representations for Independent Unit Vectors", 2014). Each level holds the mean radiance around
@@ -24,7 +24,7 @@ const RADIANCE_SIZE: [u32; 2] = [1024, 512];
 /// The number of directions that a lobe is sampled with.
 const LOBE_SAMPLES: u32 = 64;
 
-/// The light from all around a scene, in the units of its ambient light.
+/// The light from all around a scene, in the units of the scene's ambient light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Environment {
     /// [`GLOSSY_LEVELS`] squares and one for matt surfaces, each of [`ENVIRONMENT_SIDE`] rows.
@@ -36,30 +36,31 @@ pub struct Environment {
 }
 
 impl Environment {
-    /// Makes the light of a sky.
+    /// Creates the light of a sky.
     ///
     /// # Errors
-    /// [`SceneError::BrokenEnvironment`] for a colour or direction that is no number.
+    /// [`SceneError::BrokenEnvironment`] for a colour or direction that is not finite.
     pub fn of_sky(sky: &Sky) -> Result<Self, SceneError> {
         let texels = levels_of(|direction| sky.radiance(direction))?;
         Ok(Self { texels, backdrop: Backdrop::Sky(*sky), disk: None })
     }
 
-    /// Makes the light of an equirectangular picture: linear radiance, rows from the top, which is
-    /// straight above; the middle of a row looks along -z, and its right quarter along +x. It is
-    /// seen with all its pixels, up to [`MAX_PANORAMA_TEXELS`](crate::limits::MAX_PANORAMA_TEXELS)
-    /// and the limits of the device; larger ones are seen at a half of their size, or a quarter.
+    /// Creates the light of an equirectangular picture of linear radiance. The first row is
+    /// straight above; the middle of a row looks along -z, and its right quarter along +x. The
+    /// picture is shown with all its pixels, up to
+    /// [`MAX_PANORAMA_TEXELS`](crate::limits::MAX_PANORAMA_TEXELS) and the limits of the device.
+    /// Larger pictures are shown at a half or a quarter of their size.
     ///
     /// # Errors
-    /// [`SceneError::BrokenEnvironment`] for a size of 0 or of another number of pixels, and for a
-    /// value that is not finite.
+    /// [`SceneError::BrokenEnvironment`] for a size of 0, for a number of pixels that does not
+    /// match the size, and for a value that is not finite.
     pub fn of_equirectangular(size: [u32; 2], pixels: &[[f32; 3]]) -> Result<Self, SceneError> {
         let panorama = Panorama::new(size, pixels)?;
         let texels = levels_of(|direction| panorama.radiance(direction))?;
         Ok(Self { texels, backdrop: Backdrop::Panorama(panorama), disk: None })
     }
 
-    /// Makes the light of a radiance by direction, a unit vector.
+    /// Creates the light of a radiance that is a function of the direction, a unit vector.
     ///
     /// # Errors
     /// [`SceneError::BrokenEnvironment`] for a radiance that is not finite.
@@ -71,10 +72,11 @@ impl Environment {
         Ok(Self { texels, backdrop: Backdrop::Panorama(panorama), disk: None })
     }
 
-    /// Returns the same with a disk in the sky.
+    /// Returns the environment with a disk in the sky.
     ///
     /// # Errors
-    /// [`SceneError::BrokenEnvironment`] for a disk that is no number, or has no direction or size.
+    /// [`SceneError::BrokenEnvironment`] for a disk without direction or size, or with a value that
+    /// is not finite.
     pub fn with_disk(self, disk: SkyDisk) -> Result<Self, SceneError> {
         let is_bright = disk.radiance.iter().all(|part| (0.0..=BRIGHTEST).contains(part));
         let has_size = disk.radius_rad > 0.0 && disk.radius_rad < 0.5;
@@ -85,7 +87,7 @@ impl Environment {
         Ok(Self { disk: Some(disk), ..self })
     }
 
-    /// Returns what is seen where nothing is drawn.
+    /// Returns the backdrop that is seen where nothing is drawn.
     #[must_use]
     pub fn backdrop(&self) -> &Backdrop {
         &self.backdrop
@@ -103,8 +105,8 @@ impl Environment {
         &self.texels
     }
 
-    /// Returns the texels of each level with a border of one texel, for samplers that know no
-    /// octahedron: the side, and the texels, level by level.
+    /// Returns the side of a level with a border of one texel, and the texels, level by level.
+    /// Samplers that do not support octahedral maps need the border.
     #[must_use]
     pub fn bordered(&self) -> (u32, Vec<[f32; 3]>) {
         let side = i64::from(ENVIRONMENT_SIDE);
@@ -118,14 +120,15 @@ impl Environment {
         (ENVIRONMENT_SIDE + 2, levels.flat_map(rows).collect())
     }
 
-    /// Returns what a matt surface with this normal gets, as the radiance of a sky that is the same
-    /// all around.
+    /// Returns the light of a matt surface with this normal, as the radiance of a uniform sky that
+    /// would light it equally.
     #[must_use]
     pub fn matt(&self, normal: Vec3) -> Vec3 {
         self.level(GLOSSY_LEVELS, normal)
     }
 
-    /// Returns what a surface of a roughness mirrors from a direction.
+    /// Returns the radiance that a surface of a roughness reflects, where `direction` is the
+    /// mirrored one.
     #[must_use]
     pub fn glossy(&self, direction: Vec3, roughness: f32) -> Vec3 {
         let place = roughness.clamp(0.0, 1.0) * (GLOSSY_LEVELS - 1) as f32;
@@ -166,7 +169,7 @@ fn levels_of(radiance: impl Fn(Vec3) -> Vec3) -> Result<Vec<[f32; 3]>, SceneErro
     Ok(texels)
 }
 
-/// Returns the place of a texel's middle in the square, each coordinate from -1 to 1.
+/// Returns the place of a texel's centre in the square, each coordinate from -1 to 1.
 fn texel_place(x: u32, y: u32) -> Vec2 {
     (vec2(x as f32, y as f32) + 0.5) * (2.0 / ENVIRONMENT_SIDE as f32) - 1.0
 }
@@ -191,8 +194,8 @@ fn signs(place: Vec2) -> Vec2 {
     vec2(sign(place.x), sign(place.y))
 }
 
-/// Returns the mix of the four texels around a direction. Beyond its edge the square goes on at the
-/// same edge, mirrored.
+/// Returns the mix of the four texels around a direction. Beyond each edge the square continues
+/// with its mirror image along the same edge.
 fn sampled(direction: Vec3, texel: impl Fn(usize) -> Vec3) -> Vec3 {
     let side = ENVIRONMENT_SIDE as i64;
     let place = (place_of(direction) + 1.0) * (0.5 * ENVIRONMENT_SIDE as f32) - 0.5;
@@ -208,7 +211,7 @@ fn sampled(direction: Vec3, texel: impl Fn(usize) -> Vec3) -> Vec3 {
     row(y).lerp(row(y + 1), share.y)
 }
 
-/// Returns the texel that lies where one beyond an edge would.
+/// Returns the texel that continues the square at a place beyond an edge.
 fn wrapped(place: [i64; 2], side: i64) -> [i64; 2] {
     let [x, y] = place;
     let last = side - 1;
@@ -226,7 +229,8 @@ fn wrapped(place: [i64; 2], side: i64) -> [i64; 2] {
 /// Directions around +y and their weights.
 type Lobe = Vec<(Vec3, f32)>;
 
-/// Returns even directions of the upper half, and their heights as numbers of 0 to 1.
+/// Returns evenly spread directions of the upper half, each as a number of 0 to 1 that its height
+/// follows from, and an angle around the axis.
 fn spiral() -> impl Iterator<Item = (f32, f32)> {
     const GOLDEN: f32 = 2.399_963_2;
     (0..LOBE_SAMPLES)

@@ -16,12 +16,12 @@ pub enum SceneError {
     BrokenSurfaces {
         /// The kind of part: a mesh, a material, a light...
         part: &'static str,
-        /// Its place among its kind.
+        /// The index among parts of its kind.
         index: usize,
         /// The fault, as the end of a sentence.
         fault: &'static str,
     },
-    /// Light from all around that is none.
+    /// An environment that cannot be used.
     #[error("the environment cannot be used: {fault}")]
     BrokenEnvironment {
         /// The fault, as the end of a sentence.
@@ -30,7 +30,7 @@ pub enum SceneError {
     /// An object that cannot be drawn.
     #[error("object {index} cannot be drawn: {fault}")]
     BrokenObject {
-        /// Its place in [`Scene::objects`](crate::Scene::objects).
+        /// The index in [`Scene::objects`](crate::Scene::objects).
         index: usize,
         /// The fault, as the end of a sentence.
         fault: &'static str,

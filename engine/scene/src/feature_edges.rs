@@ -1,9 +1,9 @@
-//! The feature edges of a mesh, as a drawing in CAD shows them, and its smooth edges, among which
-//! its silhouettes are.
+//! The feature edges of a mesh, as CAD drawings show them, and its smooth edges. The view decides
+//! which smooth edges are silhouettes.
 //!
-//! Vertices of equal positions count as one, a triangle and its back as one face. No decision
-//! depends on the winding: the fold of an edge is measured between the two directions from the edge
-//! into its faces.
+//! Vertices at equal positions count as one vertex, a triangle and its back as one face. No
+//! decision depends on the winding: the fold of an edge is measured between the two directions from
+//! the edge into its faces.
 
 use std::collections::HashSet;
 use std::ops::Range;
@@ -12,11 +12,11 @@ use glam::{Affine3A, DVec3, Vec3};
 
 use crate::mesh::Mesh;
 
-/// The fold, in radians, up to which two faces are one plane: their edge is never a silhouette but
-/// where they are seen edge-on, and then the edges around them are, too.
+/// The fold, in radians, up to which two faces count as one plane. Their edge could be a silhouette
+/// only where they are seen edge-on, and there the edges around them are silhouettes, too.
 const FLAT_RAD: f64 = 1.0e-4;
 
-/// The height of a triangle over its longest side below which it has no plane.
+/// The ratio of a triangle's height to its longest side below which it has no plane.
 const SLIVER: f64 = 1.0e-7;
 
 /// The rules by which edges are features.
@@ -25,7 +25,7 @@ pub struct EdgeRules {
     /// The angle between the planes of two faces above which their edge is a crease, and the turn
     /// above which a chain ends, in degrees: from 0 to 180.
     pub crease_degrees: f32,
-    /// True if flat edges are kept as smooth ones: those of a mesh that is bent later.
+    /// True if flat edges are kept as smooth ones, for meshes that are bent later.
     pub keeps_flat: bool,
 }
 
@@ -35,58 +35,58 @@ impl Default for EdgeRules {
     }
 }
 
-/// The triangles whose edges are wanted.
+/// The triangles whose edges are searched.
 #[derive(Clone, Copy, Debug)]
 pub struct EdgeSource<'a> {
     /// The positions of the vertices (metres).
     pub positions: &'a [Vec3],
-    /// Three vertices for each triangle. One that names a vertex that is not there is left out.
+    /// Three vertices per triangle. Triangles with an invalid index are left out.
     pub triangles: &'a [u32],
-    /// The face of the model that each triangle is a part of; empty if that is not known. Edges
-    /// between different ones are features.
+    /// The face of the model that each triangle belongs to; empty if that is not known. Edges
+    /// between different faces are features.
     pub faces: &'a [u32],
 }
 
-/// The reason why an edge is a feature, or none.
+/// The reason why an edge is a feature, or that it is none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum EdgeKind {
-    /// Its faces fold by more than the crease angle.
+    /// The edge's faces fold by more than the crease angle.
     Crease,
-    /// It has a single face.
+    /// The edge has a single face.
     Border,
-    /// It has more than two faces.
+    /// The edge has more than two faces.
     NonManifold,
-    /// It lies between different faces of the model.
+    /// The edge lies between different faces of the model.
     FaceBorder,
-    /// It is none of these: a feature of no view but those in which it is a silhouette.
+    /// The edge is none of these: it is visible only in views in which it is a silhouette.
     Smooth,
 }
 
 /// An edge of triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EdgeSegment {
-    /// Its ends, in the direction of its chain: the first vertex at each position.
+    /// The first end in the direction of the chain: the first vertex at its position.
     pub from: u32,
     /// The other end.
     pub to: u32,
     /// The reason why it is a feature.
     pub kind: EdgeKind,
-    /// The third corner of a face at it, which is in the plane of that face.
+    /// A corner of the first face that is not on the edge: with the edge it spans the face's plane.
     pub left: u32,
-    /// The same of another face, if there is one.
+    /// The corner of the second face, if there is one.
     pub right: Option<u32>,
 }
 
-/// The segments of one edge of a model, from corner to corner, or all around.
+/// The segments of one edge of a model, from corner to corner or around a closed loop.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EdgeChain {
-    /// Its segments, in their order.
+    /// The segments, in order.
     pub segments: Range<u32>,
-    /// True if its end is its beginning.
+    /// True if the chain ends where it begins.
     pub is_closed: bool,
 }
 
-/// The edges of a mesh: features, chain by chain, and smooth ones behind them.
+/// The edges of a mesh: features, chain by chain, followed by the smooth edges.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FeatureEdges {
     segments: Vec<EdgeSegment>,
@@ -102,7 +102,7 @@ struct Corners {
     c: u32,
 }
 
-/// A triangle without a plane: the ends of its longest side, and the corner on that.
+/// A triangle without a plane: the ends of its longest side, and the corner that lies on this side.
 #[derive(Clone, Copy)]
 struct Sliver {
     from: u32,
@@ -110,7 +110,7 @@ struct Sliver {
     to: u32,
 }
 
-/// A face at an edge, which is the vertices' names in the upper and lower half.
+/// A face at an edge. The edge is the names of its vertices, in the upper and the lower half.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct EdgeFace {
     edge: u64,
@@ -119,7 +119,8 @@ struct EdgeFace {
 }
 
 impl FeatureEdges {
-    /// Finds the edges of triangles. The result depends on nothing but them and their order.
+    /// Finds the edges of triangles. The result depends only on the triangles, their order and the
+    /// rules.
     pub fn new(source: &EdgeSource<'_>, rules: &EdgeRules) -> Self {
         let names = welded(source.positions);
         let finder = Finder { source, names: &names };
@@ -147,7 +148,7 @@ impl FeatureEdges {
         Self::new(&source, rules)
     }
 
-    /// Returns all segments: those of the chains in their order, then the smooth ones.
+    /// Returns all segments: the segments of the chains in their order, then the smooth ones.
     pub fn segments(&self) -> &[EdgeSegment] {
         &self.segments
     }
@@ -158,8 +159,8 @@ impl FeatureEdges {
         self.segments.get(..end).unwrap_or_default()
     }
 
-    /// Returns the segments that are no features: silhouettes where a view sees both of their faces
-    /// on one side of them.
+    /// Returns the smooth segments. Such a segment is a silhouette where both of its faces lie on
+    /// one side of it in the view.
     pub fn smooth(&self) -> &[EdgeSegment] {
         self.segments.get(self.features().len()..).unwrap_or_default()
     }
@@ -169,14 +170,14 @@ impl FeatureEdges {
         &self.chains
     }
 
-    /// Returns the number of the chain of a segment; `None` for a smooth one.
+    /// Returns the index of the chain of a segment; `None` for a smooth segment.
     pub fn chain_of(&self, segment: u32) -> Option<u32> {
         let chain = self.chains.partition_point(|chain| chain.segments.end <= segment);
         self.chains.get(chain).map(|_| chain as u32)
     }
 
-    /// Returns the length of a chain (metres) under the transform of its object: of a whole edge of
-    /// the model, however many triangles it is cut into. 0 for a chain that is not there.
+    /// Returns the length of a chain (metres) under the transform of its object, 0 for an invalid
+    /// index. The chain is a whole edge of the model, regardless of the number of its segments.
     pub fn chain_length(&self, chain: u32, positions: &[Vec3], transform: &Affine3A) -> f64 {
         let segments = self.chains.get(chain as usize).map(|chain| chain.segments.clone());
         let segments = segments.map(|range| range.start as usize..range.end as usize);
@@ -189,9 +190,9 @@ impl FeatureEdges {
     }
 }
 
-/// Returns the first vertex at the position of each.
+/// Returns the first vertex at the position of each vertex.
 fn welded(positions: &[Vec3]) -> Vec<u32> {
-    // Also the negative zero.
+    // A negative zero equals zero.
     let key = |position: &Vec3| position.to_array().map(|part| (part + 0.0).to_bits());
     let mut sorted: Vec<_> = (0..).zip(positions).map(|(id, at)| (key(at), id)).collect();
     sorted.sort_unstable();
@@ -220,7 +221,7 @@ impl Finder<'_> {
         self.source.positions.get(vertex as usize).copied().unwrap_or_default().as_dvec3()
     }
 
-    /// Returns the triangles that have three corners, a triangle and its back once.
+    /// Returns the triangles that have three distinct corners; a triangle and its back count once.
     fn triangles(&self) -> Vec<Corners> {
         let name = |vertex: &u32| self.names.get(*vertex as usize).copied();
         let mut sorted: Vec<([u32; 3], u32)> = Vec::new();
@@ -241,8 +242,8 @@ impl Finder<'_> {
         sorted.into_iter().map(named).collect()
     }
 
-    /// Returns the faces at all edges, edge by edge. A triangle without a plane has no face: the
-    /// one beyond its longest side takes its place at the other two.
+    /// Returns the faces at all edges, edge by edge. A triangle without a plane has no face. At its
+    /// two short sides, the face beyond its longest side takes its place.
     fn faces(&self) -> Vec<EdgeFace> {
         let mut faces = Vec::new();
         let mut slivers = Vec::new();
@@ -325,7 +326,7 @@ impl Finder<'_> {
             let into = self.place(corner) - start;
             (into - along * into.dot(along)).normalize_or_zero()
         });
-        // The angle by its sine, too: a cosine alone has half of the digits near 0.
+        // From the sine, too: the cosine alone loses half of the digits near 0.
         left.cross(right).length().atan2(-left.dot(right))
     }
 }
@@ -354,7 +355,7 @@ impl<'a> Chains<'a> {
     fn ordered(mut self) -> (Vec<EdgeSegment>, Vec<EdgeChain>) {
         let mut segments = Vec::with_capacity(self.segments.len());
         let mut chains = Vec::new();
-        // First those with an end, from an end on; what is left goes around.
+        // First the chains with an end, from that end on; the rest are closed loops.
         for is_closed in [false, true] {
             for id in 0..self.segments.len() as u32 {
                 for vertex in self.ends(id) {
@@ -388,7 +389,7 @@ impl<'a> Chains<'a> {
         self.segments.get(id as usize).map_or([0; 2], |segment| [segment.from, segment.to])
     }
 
-    /// Returns the segment with which the chain of one goes on at a vertex, if it does.
+    /// Returns the segment that continues the chain of segment `id` at a vertex, if there is one.
     fn next(&self, id: u32, vertex: u32) -> Option<u32> {
         let first = self.at.partition_point(|(at, _)| *at < vertex);
         let mut here = self.at.iter().skip(first).take_while(|(at, _)| *at == vertex);

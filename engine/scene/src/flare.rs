@@ -1,4 +1,4 @@
-//! Lens flares: which lights have one, and what a renderer needs to draw it.
+//! Lens flares: the lights that have one, and the values that a renderer draws it with.
 
 use glam::Vec3;
 
@@ -19,27 +19,27 @@ pub enum FlarePlace {
 pub struct LensFlare {
     /// The place of the light.
     pub place: FlarePlace,
-    /// The radius of the light, at least 0: in metres, or in radians where it is infinitely far
-    /// away. Nothing within it hides the light, such as the glass of a lamp.
+    /// The radius of the light, at least 0: in metres, or in radians for an infinitely distant
+    /// light. Objects within this radius, such as the glass of a lamp, do not hide the light.
     pub radius: f32,
     /// Linear red, green and blue that the middle of the glow adds to the image, as displayed.
     pub colour: [f32; 3],
-    /// The radius of the glow, 0 to 4: in halves of the height of the image.
+    /// The radius of the glow, 0 to 4: in multiples of half the image's height.
     pub glow: f32,
-    /// The strength of the ghosts, 0 to 4: 1 is their usual one.
+    /// The strength of the ghosts, 0 to 4: 1 is the usual strength.
     pub ghosts: f32,
 }
 
 /// The radius of the sun as seen from the earth (radians).
 const SUN_RADIUS_RAD: f32 = 0.00465;
 
-/// The radius of a light that is a point by its description (metres): that of a lamp.
+/// The radius of a lamp (metres), for point lights, whose description has no size.
 const LAMP_RADIUS_M: f32 = 0.1;
 
 impl LensFlare {
-    /// Returns the flare of a light: of a directional one that of a sun, of a point light that of a
-    /// lamp. `None` for a light that is dark, and for a spot: whether it shines into the lens
-    /// depends on the place of the eye, which its owner knows.
+    /// Returns the flare of a light: a sun's for a directional light, a lamp's for a point light.
+    /// `None` for a dark light and for a spot, since only its owner knows whether the eye is in its
+    /// cone.
     #[must_use]
     pub fn of_light(light: &PunctualLight) -> Option<Self> {
         let brightest = light.colour.into_iter().fold(0.0, f32::max);
@@ -55,11 +55,11 @@ impl LensFlare {
         (is_lit && flare.check().is_ok()).then_some(flare)
     }
 
-    /// Refuses a flare that cannot be drawn.
+    /// Checks that a flare can be drawn.
     ///
     /// # Errors
     /// The reason, for a message: values that are not finite, a direction without length, a
-    /// negative radius or colour, a glow or ghosts outside of their range.
+    /// negative radius or colour, a glow or ghosts out of range.
     pub fn check(&self) -> Result<(), &'static str> {
         let is_placed = match self.place {
             FlarePlace::At(point) => point.is_finite(),

@@ -1,4 +1,4 @@
-//! Images of textures, as texels or as blocks that GPUs sample as they are.
+//! Images of textures, as texels or as compressed blocks.
 
 mod block_format;
 mod unpack;
@@ -21,16 +21,18 @@ pub struct Image {
 /// The texels of an image.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Texels {
-    /// Four channels of eight bits: rows from the top without gaps. Mip maps are made of them.
+    /// Four channels of eight bits: rows from the top without gaps. Mip maps are generated from
+    /// them.
     Rgba8(Vec<u8>),
-    /// Compressed blocks. Devices without their format, and texture pages, take them
-    /// [unpacked](Image::rgba8), at four bytes per texel.
+    /// Compressed blocks. For texture pages, and for devices that do not support the format, they
+    /// are [unpacked](Image::rgba8) to four bytes per texel.
     Blocks {
         /// The format of the blocks.
         format: BlockFormat,
-        /// The mip maps from the whole image on, at least that one: each half as wide and high as
-        /// the one before, rounded down, never below one texel. Rows of blocks from the top without
-        /// gaps; blocks may reach beyond the edges. Nothing smaller than the last one is sampled.
+        /// The mip maps, starting with the whole image: each half as wide and high as the one
+        /// before, rounded down, but at least one texel. Rows of blocks from the top without gaps;
+        /// blocks may reach beyond the edges. Mip maps after the last one do not exist for the
+        /// sampler.
         levels: Vec<Vec<u8>>,
     },
 }
@@ -41,7 +43,7 @@ impl Image {
         Self { name: name.into(), size, texels: Texels::Rgba8(rgba8) }
     }
 
-    /// Checks that there are as many bytes as the size says.
+    /// Checks that the number of bytes matches the size.
     ///
     /// # Errors
     /// The fault, as the end of a sentence.
@@ -72,7 +74,7 @@ impl Image {
         self.size.map(|side| side.checked_shr(level).unwrap_or(0).max(1))
     }
 
-    /// Returns the bytes of a row of a mip map: of texels, or of blocks.
+    /// Returns the number of bytes of a row of a mip map: a row of texels, or of blocks.
     pub fn row_bytes(&self, level: u32) -> usize {
         let [width, _] = self.level_size(level);
         match &self.texels {
@@ -84,9 +86,9 @@ impl Image {
         }
     }
 
-    /// Returns the whole image, which passes [`Image::check`], with four bytes per texel: blocks
-    /// are unpacked, on the CPU. The channels that they lack are 0, alpha 255; broken blocks are
-    /// magenta.
+    /// Returns the whole image with four bytes per texel, unpacked on the CPU if it has blocks. The
+    /// image must pass [`Image::check`]. Channels that the format lacks are 0, alpha is 255; broken
+    /// blocks are magenta.
     pub fn rgba8(&self) -> Cow<'_, [u8]> {
         match &self.texels {
             Texels::Rgba8(bytes) => Cow::Borrowed(bytes),
@@ -107,8 +109,8 @@ impl Image {
         Self::of_rgba8(self.name, self.size, rgba8)
     }
 
-    /// Returns true if it holds red and green alone, as normal maps of two channels do: their third
-    /// channel follows from these.
+    /// Returns true if the image has only red and green, like normal maps of two channels, whose
+    /// third channel is computed.
     pub fn has_two_channels(&self) -> bool {
         matches!(self.texels, Texels::Blocks { format: BlockFormat::Bc5, .. })
     }
@@ -149,7 +151,7 @@ mod tests {
 
     #[test]
     fn blocks_are_unpacked_to_the_size_of_the_image() {
-        // Two colours, white and black, and the first of them for all texels.
+        // Two colours, white and black; all texels choose the first.
         let white = [255, 255, 0, 0, 0, 0, 0, 0];
         let mut image = blocks([5, 3], BlockFormat::Bc1, &[]);
         image.texels = Texels::Blocks { format: BlockFormat::Bc1, levels: vec![white.repeat(2)] };

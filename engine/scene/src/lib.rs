@@ -78,10 +78,10 @@ pub use surface::{
 pub use update::{LightMove, ObjectChange, PoseUpdate, SceneUpdate, TransparentMove};
 pub use words::counted;
 
-/// The default of the vertical field of view, in radians.
+/// The default vertical field of view, in radians.
 pub const FOV_Y_RAD: f32 = 60.0 * PI / 180.0;
 
-/// The default of the distance of the near plane, in metres.
+/// The default distance of the near plane, in metres.
 pub const NEAR_M: f32 = 0.2;
 
 /// One directional light, and the ambient light. All colours are linear.
@@ -93,7 +93,7 @@ pub struct Light {
     pub sun: [f32; 3],
     /// Light on surfaces that face up.
     pub ambient_above: [f32; 3],
-    /// Light on surfaces that face down; in between, mix by the normal's y.
+    /// Light on surfaces that face down; other surfaces mix both lights by their normal's y.
     pub ambient_below: [f32; 3],
     /// The colour of the background.
     pub sky: [f32; 3],
@@ -111,8 +111,8 @@ impl Light {
         }
     }
 
-    /// Returns a sky that fits this light: about its colour, and below as bright as its ambient
-    /// light.
+    /// Returns a sky that fits this light: about the colour of its background, with a ground as
+    /// bright as its ambient light.
     #[must_use]
     pub fn sky_around(&self) -> Sky {
         let sky = Vec3::from_array(self.sky);
@@ -134,16 +134,16 @@ pub struct Scene {
     pub name: String,
     /// The meshes that objects name.
     pub meshes: Vec<Mesh>,
-    /// The objects, neighbours near each other.
+    /// The objects; neighbours in the list should be near each other.
     pub objects: Vec<Object>,
     /// The sun, the ambient light and the colour of the sky.
     pub light: Light,
-    /// The surfaces; `None` where vertices hold the whole appearance.
+    /// The surfaces; `None` if the vertices hold the whole appearance.
     pub surfaces: Option<Surfaces>,
 }
 
 impl Scene {
-    /// Returns a scene of one object, at the place of its mesh.
+    /// Returns a scene of one object without a transform.
     pub fn single(mesh: Mesh) -> Self {
         let transform = Affine3A::IDENTITY;
         let tint = u32::MAX;
@@ -156,9 +156,10 @@ impl Scene {
         }
     }
 
-    /// Returns the scene with [`Surfaces`], so that punctual lights shine on it: the colours of its
-    /// vertices on a matt material, and its sun as a directional light that is as bright. Tints of
-    /// objects and the ambient light stay as they are. Surfaces that are there stay, too.
+    /// Returns the scene with [`Surfaces`], so that punctual lights shine on it. The vertex colours
+    /// become a matt material, and the sun becomes a directional light of equal brightness. Tints
+    /// of objects and the ambient light stay as they are. A scene that has surfaces is returned
+    /// unchanged.
     #[must_use]
     pub fn with_surfaces(mut self) -> Self {
         if self.surfaces.is_none() {
@@ -174,19 +175,19 @@ impl Scene {
         self.meshes.get(object.mesh.0 as usize)
     }
 
-    /// Returns the box around an object in the world, in metres: the box of its mesh's box, exact
-    /// for quarter turns, larger than necessary for others. `None` if the object's mesh is not in
-    /// the scene.
+    /// Returns the box around an object in the world, in metres: the box around its transformed
+    /// mesh box. The result is exact for quarter turns and larger than necessary for other
+    /// rotations. `None` if the object's mesh is not in the scene.
     ///
     /// Each bound is computed in the order of operations of `transform * position` (after J. Arvo,
-    /// "Transforming Axis-Aligned Bounding Boxes", Graphics Gems), so a vertex transformed in that
-    /// order never lies outside; one that is transformed in another order, or with fused
-    /// multiplication, may by the last place.
+    /// "Transforming Axis-Aligned Bounding Boxes", Graphics Gems), so a vertex that is transformed
+    /// in the same order never lies outside. A vertex that is transformed in another order, or with
+    /// fused multiplication, may lie outside by the last place.
     pub fn bounds_of(&self, object: &Object) -> Option<Aabb> {
         Some(bounds_of_transformed(&self.mesh_of(object)?.bounds, &object.transform))
     }
 
-    /// Returns the number of triangles of all its objects.
+    /// Returns the number of triangles of all objects.
     pub fn triangles(&self) -> u64 {
         let mut of_mesh: Vec<u64> = self.meshes.iter().map(Mesh::triangles).collect();
         for sprites in self.surfaces.iter().flat_map(|surfaces| &surfaces.sprites) {
@@ -200,10 +201,8 @@ impl Scene {
 
     /// Checks that a renderer can draw the scene.
     ///
-    /// # Errors
-    /// The first fault: a mesh with indices that do not fit its vertices, or with infinities or
-    /// NaN; an object without a mesh, or with such a transform; a part of its surfaces that does
-    /// not belong to it, or has such a value.
+    /// The first fault: a mesh with indices beyond its vertices; an object without a mesh; a part
+    /// of the surfaces that does not belong to the scene; a value anywhere that is infinite or NaN.
     pub fn validate(&self) -> Result<(), SceneError> {
         for mesh in &self.meshes {
             let broken = |fault| Err(SceneError::BrokenMesh { mesh: mesh.name.clone(), fault });

@@ -22,7 +22,7 @@ pub struct Vertex {
 
 const _: () = assert!(size_of::<Vertex>() == 20);
 
-/// Triangles that many objects may share. Counter-clockwise seen from outside.
+/// Triangles that several objects may share. Counter-clockwise seen from outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
     /// The name, for people.
@@ -33,15 +33,14 @@ pub struct Mesh {
     pub indices: Vec<u32>,
     /// The tight box around the vertices, in the space of the mesh, in metres.
     pub bounds: Aabb,
-    /// True if the back of each triangle is a triangle of its own, as in meshes of double-sided
-    /// materials.
+    /// True if the back of each triangle is a triangle of its own, as for double-sided materials.
     pub has_backs: bool,
 }
 
 impl Mesh {
-    /// Returns a mesh of triangles, three corners each: a corner is its position (metres, y is up)
-    /// and its linear red, green and blue. Triangles are counter-clockwise seen from outside;
-    /// surplus corners are left out.
+    /// Returns a mesh of triangles. Three corners make a triangle; a corner is a position (metres,
+    /// y is up) and a linear colour (red, green, blue). Triangles are counter-clockwise seen from
+    /// outside; surplus corners are left out.
     pub fn of_triangles(name: &str, corners: &[([f32; 3], [f32; 3])]) -> Self {
         let (triangles, _) = corners.as_chunks::<3>();
         let vertices = triangles.iter().flat_map(|triangle| {
@@ -63,23 +62,23 @@ impl Mesh {
         }
     }
 
-    /// Returns the number of its triangles; a triangle and its back are one.
+    /// Returns the number of triangles; a triangle and its back count once.
     pub fn triangles(&self) -> u64 {
         self.triangles_of(self.indices.len())
     }
 
-    /// Returns the number of triangles in `indices` of its indices.
+    /// Returns the number of triangles of the mesh that `indices` indices make.
     pub fn triangles_of(&self, indices: usize) -> u64 {
         let sides = if self.has_backs { 2 } else { 1 };
-        // A coarser level may keep a triangle and not its back.
+        // A coarser level may keep a triangle without its back.
         (indices as u64 / 3).div_ceil(sides)
     }
 }
 
-/// A mesh somewhere in the world.
+/// An instance of a mesh in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Object {
-    /// The mesh that it shows, of its scene.
+    /// The mesh, one of the scene's.
     pub mesh: MeshId,
     /// The transform from the mesh's space to the world's, in metres; y is up.
     pub transform: Affine3A,

@@ -1,13 +1,14 @@
-//! Pieces: large meshes as several that lie side by side, so that culling has something to cull.
+//! Cuts large meshes into pieces that lie side by side, so that each can be culled individually.
 
 use cull::ObjectId;
 use glam::Vec3;
 
 use crate::{MeshId, Object, ObjectChange, SceneUpdate};
 
-/// Sorts triangles with these middles into pieces of at most `most`, by their numbers, ascending in
-/// each. They are halved along the longest side of the box around their middles, again and again:
-/// so a piece has at least half as many as another one, but for one triangle.
+/// Sorts triangles with these middles into pieces of at most `most` triangles, as ascending
+/// indices. A set is halved along the longest side of the box around its middles until all pieces
+/// are small enough. So each piece has at least half as many triangles as any other, except for one
+/// triangle.
 pub fn spatial_pieces(middles: &[Vec3], most: usize) -> Vec<Vec<u32>> {
     let most = most.max(1);
     let at = |triangle: u32| middles.get(triangle as usize).copied().unwrap_or_default();
@@ -36,12 +37,12 @@ pub fn spatial_pieces(middles: &[Vec3], most: usize) -> Vec<Vec<u32>> {
     pieces
 }
 
-/// The sizes of meshes that are cut, and of their pieces.
+/// The sizes from which meshes are cut, and of their pieces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PieceLimits {
     /// The triangles above which a mesh is cut. Default: 65,536.
     pub cut_above: usize,
-    /// The most triangles of a piece. Default: 8,192; a piece has at least 4,096 then.
+    /// The most triangles of a piece. Default: 8,192, which gives pieces of at least 4,096.
     pub piece: usize,
 }
 
@@ -51,24 +52,24 @@ impl Default for PieceLimits {
     }
 }
 
-/// The pieces of each object of a scene before it was cut: of each *part*. Most have one.
+/// The pieces of each object of a scene before it was cut (a *part*). Most parts have one piece.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PieceMap {
-    /// The first piece of each part, and the end of the last one's.
+    /// The first piece of each part, then the end of the last part's pieces.
     pub(crate) firsts: Vec<u32>,
     /// The meshes of the pieces of each mesh.
     pub(crate) meshes: Vec<Vec<MeshId>>,
 }
 
 impl PieceMap {
-    /// Returns the part that a piece belongs to, as its id before the cut: what is picked is it.
-    /// `None` for objects that came later.
+    /// Returns the part that a piece belongs to, by its id before the cut, for example to select
+    /// the part when a piece is picked. `None` for objects that were added later.
     pub fn part_of(&self, piece: ObjectId) -> Option<ObjectId> {
         let part = self.firsts.partition_point(|first| *first <= piece.0).checked_sub(1)?;
         (part + 1 < self.firsts.len()).then_some(ObjectId(part as u32))
     }
 
-    /// Returns the pieces of a part, by its id before the cut; none if there was no such part.
+    /// Returns the pieces of a part, by its id before the cut; none if the part does not exist.
     pub fn pieces_of(&self, part: ObjectId) -> impl Iterator<Item = ObjectId> + use<> {
         let at = |place: usize| self.firsts.get(place).copied();
         let next = (part.0 as usize).checked_add(1).and_then(at).unwrap_or_default();
@@ -76,8 +77,8 @@ impl PieceMap {
         (first..next).map(ObjectId)
     }
 
-    /// Returns changes of parts as changes of all of their pieces. An added object becomes one for
-    /// each piece of its mesh, whose ids the renderer returns in this order.
+    /// Returns changes of parts as changes of all of their pieces. An added object becomes one
+    /// object per piece of its mesh; the renderer returns their ids in this order.
     #[must_use]
     pub fn in_pieces(&self, mut update: SceneUpdate) -> SceneUpdate {
         let changes = std::mem::take(&mut update.objects);

@@ -1,24 +1,31 @@
-//! Boxes around skinned meshes, from nothing but their pose.
+//! Boxes around skinned meshes, computed from their pose alone.
 //!
-//! A skinned vertex is a mix of the points to which its joints take it. The weights are not
-//! negative and 1 together, so it lies in the hull of these points. The union of the boxes that
-//! hold these points holds all vertices in any pose: of one clip, of mixed ones, of inverse
-//! kinematics, of physics. A joint takes all vertices that follow it by one matrix, so for each
-//! joint one box is enough, found when the mesh is loaded; a pose costs a few operations per joint
-//! and per morph target, and none per vertex.
+//! A skinned vertex is a mix of the points to which its joints move it. The weights are not
+//! negative and their sum is 1, so the vertex lies in the hull of these points. The union of boxes
+//! around these points therefore holds all vertices in any pose: of one clip, of mixed clips, of
+//! inverse kinematics, of physics. A joint moves all vertices that follow it by one matrix, so one
+//! box per joint is enough. These boxes are computed when the mesh is loaded. A pose then costs a
+//! few operations per joint and per morph target, and none per vertex.
 //!
-//! Morph targets move a vertex by the sum of weights times displacements before joints do. Each
-//! term lies in its weight times the box of all displacements of the target, so the sum lies in the
-//! sum of these boxes, for weights of either sign. Targets that move different vertices would add
-//! up although no vertex adds them up; so the sum is also bounded by the largest weight times the
-//! largest sum of displacements that any vertex has, and the box is the intersection of both
-//! bounds.
+//! Morph targets displace a vertex by the weighted sum of their displacements, before joints move
+//! it. Each term lies in the box of all displacements of its target, times its weight. So the sum
+//! lies in the sum of these boxes, for weights of either sign. This bound is too large for targets
+//! that move different vertices, since it adds up displacements that no vertex has in common. So
+//! the sum is also bounded by the largest weight times the largest sum of displacements of any
+//! vertex, and the box is the intersection of both bounds.
 //!
 //! # Rounding
 //! A GPU computes vertices in single precision, in any order and with or without fused
-//! multiplication; so does this. Each operation adds at most `u = 2^-24` of its result. Let `S` be
-//! the sum of the magnitudes of all terms of a coordinate: `sum over axes of |matrix| * P +
-//! |translation|`, where `P` is the largest magnitude of a position at rest and of the displacements that targets add to it. No partial sum is larger than `S`, and a term goes through `t + 1` operations for `t` targets, `n + 1` for `n` influences, and 5 for the product with the mixed matrix. So a vertex is off by less than `(t + n + 7) * u * S`, and this box by less than `(t + 7) * u * S`. The margin is `2 * u` instead of `u`, which covers the terms of higher order and the rounding of the margin itself. Weights that are 1 together only up to `e` scale a mix by at most `1 + e`, and move it by at most `e * S`. (Numbers below the least normal one may be flushed to zero: some 1e-38 m, which the proxies' own margin exceeds.)
+//! multiplication; this module does, too. Each operation adds at most `u = 2^-24` of its result.
+//! Let `S` be the sum of the magnitudes of all terms of a coordinate: `sum over axes of |matrix| *
+//! P + |translation|`. `P` is the largest magnitude of a position at rest plus the displacements
+//! that targets add to it. No partial sum is larger than `S`. A term goes through `t + 1`
+//! operations for `t` targets, `n + 1` for `n` influences, and 5 for the product with the mixed
+//! matrix. So the error of a vertex is less than `(t + n + 7) * u * S`, and the error of this box
+//! is less than `(t + 7) * u * S`. The margin uses `2 * u` instead of `u`, which covers the terms
+//! of higher order and the rounding of the margin. Weights whose sum differs from 1 by at most `e`
+//! scale a mix by at most `1 + e`, and move it by at most `e * S`. (Numbers below the least normal
+//! one may be flushed to zero: some 1e-38 m, which the margin of proxies exceeds.)
 
 use cull::Aabb;
 use glam::{Affine3A, Vec3, Vec3A};
@@ -38,7 +45,7 @@ pub struct PoseBounds {
     parts: Vec<Part>,
     /// For each morph target the box of its displacements.
     displacements: Vec<Aabb>,
-    /// The largest sums of displacements of one vertex, along each axis and against it.
+    /// The largest sums of displacements of any one vertex, along each axis and against it.
     most_added: [Vec3; 2],
     /// The number of operations that round, here and on the GPU.
     roundings: f32,
@@ -46,24 +53,23 @@ pub struct PoseBounds {
     weight_error: f32,
 }
 
-/// The vertices that one matrix moves.
+/// The vertices that one joint moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Part {
-    /// The joint; `None` for a mesh without a skin: it stays where it is.
+    /// The joint; `None` for a mesh without a skin, which stays in place.
     joint: Option<u16>,
     /// The box of the vertices that follow it, at rest, in the space of the mesh.
     bounds: Aabb,
 }
 
 impl PoseBounds {
-    /// Returns the boxes of a mesh with its skin and targets.
+    /// Returns the boxes of a mesh with its skin and morph targets.
     pub fn of(mesh: &Mesh, skinned_mesh: &SkinnedMesh) -> Self {
         let positions = mesh.vertices.iter().map(|vertex| Vec3::from(vertex.position));
         Self::new(positions, skinned_mesh.skin.as_ref(), &skinned_mesh.targets)
     }
 
-    /// Computes the boxes from all vertices of a mesh at rest, its morph targets and its skin,
-    /// once.
+    /// Computes the boxes from all vertices of a mesh at rest, its morph targets and its skin.
     pub fn new(
         positions: impl Iterator<Item = Vec3>,
         skin: Option<&SkinWeights>,
@@ -82,9 +88,9 @@ impl PoseBounds {
         Self { parts, displacements, most_added, roundings, weight_error }
     }
 
-    /// Returns the box of the mesh in a pose, in the space to which `joints` transform it: no
-    /// vertex leaves it, with the rounding of any GPU. `None` if it reaches beyond the coordinates
-    /// that can be drawn, or a joint is missing.
+    /// Returns the box of the mesh in a pose, in the space to which `joints` transform it. No
+    /// vertex lies outside, including the rounding of any GPU. `None` if the box reaches beyond the
+    /// coordinates that can be drawn, or if a joint is missing.
     pub fn bounds(&self, joints: &[Affine3A], weights: &[f32]) -> Option<Aabb> {
         let (added, added_size) = self.added(weights.iter().map(|weight| [*weight; 2]));
         let mut all = if self.parts.is_empty() { NOTHING } else { Aabb::EMPTY };
@@ -95,7 +101,7 @@ impl PoseBounds {
                 None => &Affine3A::IDENTITY,
             };
             let moved = bounds_of_transformed(&sum(bounds, &added), matrix);
-            // A value that is no number would be lost in the union.
+            // The union would lose a NaN.
             if !moved.is_finite() {
                 return None;
             }
@@ -112,20 +118,19 @@ impl PoseBounds {
         bounds.is_usable().then_some(bounds)
     }
 
-    /// Returns for each joint that a vertex follows the box of these vertices before joints move
-    /// them, in the space of the mesh, for all weights of morph targets within the given ranges;
-    /// for the mesh as a whole where it has no skin.
+    /// Returns each joint that vertices follow, with the box of these vertices before the joint
+    /// moves them, in the space of the mesh, for all weights of morph targets within the given
+    /// ranges. A mesh without a skin has one box without a joint.
     pub fn parts(&self, weights: &[[f32; 2]]) -> impl Iterator<Item = (Option<u16>, Aabb)> {
         let (added, _) = self.added(weights.iter().copied());
         self.parts.iter().map(move |part| (part.joint, sum(&part.bounds, &added)))
     }
 
-    /// Returns the box of the summed displacements of all targets, and the sum of the magnitudes of
-    /// each.
+    /// Returns the box of the summed displacements of all targets, and the sum of their magnitudes.
     fn added(&self, weights: impl Iterator<Item = [f32; 2]>) -> (Aabb, Vec3) {
         let mut all = NOTHING;
         let mut size = Vec3::ZERO;
-        // The largest weights that are positive, and negative.
+        // The largest positive and the largest negative weight.
         let mut plus = 0.0_f32;
         let mut minus = 0.0_f32;
         for (displacements, weights) in self.displacements.iter().zip(weights) {
@@ -161,12 +166,12 @@ fn most_added(targets: &[MorphTarget]) -> [Vec3; 2] {
     most
 }
 
-/// Returns the box of all sums of a point of the one and a point of the other.
+/// Returns the box of all sums of a point of `a` and a point of `b`.
 fn sum(a: &Aabb, b: &Aabb) -> Aabb {
     Aabb::new(a.min + b.min, a.max + b.max)
 }
 
-/// Returns the box around points; without any, of no size at the origin.
+/// Returns the box around points; without points, a box of no size at the origin.
 fn around(points: impl Iterator<Item = Vec3>) -> Aabb {
     let all = points.fold(Aabb::EMPTY, |all, point| all.union(&Aabb::new(point, point)));
     if all.is_empty() { NOTHING } else { all }
@@ -183,7 +188,7 @@ fn followed(positions: impl Iterator<Item = Vec3>, skin: &SkinWeights) -> (Vec<P
         let mut together = 0.0;
         for (joint, weight) in joints.as_flattened().iter().zip(weights.as_flattened()) {
             together += f64::from(*weight);
-            // The GPU does not look at others either.
+            // The GPU skips joints of weight 0, too.
             if let Some(bounds) = boxes.get_mut(usize::from(*joint)).filter(|_| *weight != 0.0) {
                 *bounds = bounds.union(&Aabb::new(at, at));
             }

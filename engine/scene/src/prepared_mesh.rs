@@ -1,13 +1,12 @@
-//! Meshes that a renderer takes while it runs.
+//! Meshes that a renderer can add while it runs.
 
 use cull::Aabb;
 
 use super::error::SceneError;
 use super::{LodLevel, Mesh, Scene, SurfaceMesh, Surfaces};
 
-/// A mesh that was checked, with its surface and its coarser levels: all that a renderer uploads
-/// for it. It is made on any thread, so that nothing is left to do between two frames but to hand
-/// it over.
+/// A checked mesh with its surface and its coarser levels: everything that a renderer uploads for
+/// it. It can be prepared on any thread, so that a frame only has to pass it to the renderer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PreparedMesh {
     mesh: Mesh,
@@ -25,7 +24,7 @@ impl PreparedMesh {
     }
 
     /// Checks a mesh for a scene with [`Surfaces`], with any number of coarser levels. Its material
-    /// is one of the scene that it is added to.
+    /// must belong to the scene to which the mesh is added.
     ///
     /// # Errors
     /// [`SceneError::BrokenMesh`], [`SceneError::BrokenSurfaces`].
@@ -67,22 +66,22 @@ impl PreparedMesh {
         &self.mesh
     }
 
-    /// Returns its surface; `None` where its vertices hold the whole appearance.
+    /// Returns the surface; `None` if the vertices hold the whole appearance.
     pub fn surface(&self) -> Option<&SurfaceMesh> {
         self.surface.as_ref()
     }
 
-    /// Returns its coarser levels, the finest first.
+    /// Returns the coarser levels, the finest first.
     pub fn levels(&self) -> &[LodLevel] {
         &self.levels
     }
 
-    /// Returns the tight box around its vertices, in its space, in metres.
+    /// Returns the tight box around the vertices, in the space of the mesh, in metres.
     pub fn bounds(&self) -> Aabb {
         self.mesh.bounds
     }
 
-    /// Returns the number of its indices, those of the coarser levels included.
+    /// Returns the number of indices, including the indices of the coarser levels.
     pub fn index_count(&self) -> usize {
         self.mesh.indices.len() + self.levels.iter().map(|level| level.indices.len()).sum::<usize>()
     }

@@ -1,10 +1,10 @@
-//! Textures that a renderer takes while it runs.
+//! Textures that a renderer can add while it runs.
 
 use super::error::SceneError;
 use super::image::{Image, Texels};
 use super::surface::{Encoding, Sampler};
 
-/// An image that was checked, with the meaning of its bytes and its sampler.
+/// A checked image with the meaning of its bytes and its sampler.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PreparedTexture {
     image: Image,
@@ -13,11 +13,11 @@ pub struct PreparedTexture {
 }
 
 impl PreparedTexture {
-    /// Checks an image. Mip maps that the sampler does not take are left out.
+    /// Checks an image. Mip maps that the sampler does not use are left out.
     ///
     /// # Errors
-    /// [`SceneError::BrokenSurfaces`] for one without pixels, or with another number of bytes than
-    /// its size says.
+    /// [`SceneError::BrokenSurfaces`] for an image without pixels, or with a number of bytes that
+    /// does not match its size.
     pub fn new(mut image: Image, encoding: Encoding, sampler: Sampler) -> Result<Self, SceneError> {
         let broken = |fault| SceneError::BrokenSurfaces { part: "image", index: 0, fault };
         image.check().map_err(broken)?;
@@ -38,12 +38,12 @@ impl PreparedTexture {
         Self { image: self.image.unpacked(), ..self }
     }
 
-    /// Returns the meaning of its bytes.
+    /// Returns the meaning of the image's bytes.
     pub fn encoding(&self) -> Encoding {
         self.encoding
     }
 
-    /// Returns its sampling.
+    /// Returns the sampler.
     pub fn sampler(&self) -> Sampler {
         self.sampler
     }

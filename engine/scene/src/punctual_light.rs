@@ -20,16 +20,16 @@ pub enum LightKind {
     },
 }
 
-/// The picture that a spot projects, as a slide does: its colours are multiplied with the light's.
+/// The picture that a spot projects, like a slide: its colours are multiplied with the light's.
 ///
-/// The square of the picture stands across the direction of the light, and the edge of the cone
-/// touches its four sides. Who looks along the light sees it upright and not mirrored.
+/// The picture is a square perpendicular to the direction of the light. The edge of the cone
+/// touches its four sides. Seen along the light, the picture is upright and not mirrored.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightCookie {
-    /// The texture, one of the scene's; its alpha plays no part.
+    /// The texture, one of the scene's; its alpha is ignored.
     pub texture: TextureId,
-    /// The direction in the world towards its upper edge. The part along the light plays no part;
-    /// where there is no other, some direction is taken.
+    /// The direction in the world towards the upper edge. The component along the light is ignored;
+    /// if no other component is left, the direction is arbitrary.
     pub up: Vec3,
 }
 
@@ -42,8 +42,8 @@ pub struct PunctualLight {
     pub colour: [f32; 3],
     /// The intensity in lux or candela, by its kind.
     pub intensity: f32,
-    /// The distance to which it shines, in metres; `None`, as one that is not above 0, is as far as
-    /// it can be distinguished from darkness.
+    /// The distance to which it shines, in metres. With `None`, or a value that is not above 0, it
+    /// shines as far as its light differs visibly from darkness.
     pub range_m: Option<f32>,
     /// The position in the world.
     pub position: Vec3,
@@ -54,11 +54,11 @@ pub struct PunctualLight {
 }
 
 impl PunctualLight {
-    /// Returns the reason why a scene with so many textures cannot have its picture.
+    /// Checks that the picture fits the light and a scene with `texture_count` textures.
     ///
     /// # Errors
-    /// A picture of a light that is no spot, a texture that the scene does not have, a direction
-    /// that is not finite.
+    /// The reason, for a picture of a light that is not a spot, a texture that the scene does not
+    /// have, or a direction that is not finite.
     pub fn check_cookie(&self, texture_count: usize) -> Result<(), &'static str> {
         let Some(LightCookie { texture, up }) = self.cookie else { return Ok(()) };
         if !matches!(self.kind, LightKind::Spot { .. }) {

@@ -1,4 +1,4 @@
-//! Triangles that enclose something, by the even-odd rule: a ray from outside meets an even number
+//! Triangles that enclose a volume, by the even-odd rule: a ray from outside crosses an even number
 //! of them.
 
 use std::collections::{HashMap, HashSet};
@@ -6,18 +6,19 @@ use std::collections::{HashMap, HashSet};
 /// The kind of surface that triangles make.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Shell {
-    /// There are border edges: nothing is enclosed.
+    /// The surface has border edges, so nothing is enclosed.
     #[default]
     Open,
-    /// Every edge has an even number of triangles, whichever way they wind.
+    /// Every edge has an even number of triangles, whatever their winding.
     Closed,
-    /// The same if the back of each triangle, which is a triangle of its own, is left out.
+    /// Every edge has an even number of triangles if the back of each triangle, a triangle of its
+    /// own, is left out.
     ClosedTwice,
 }
 
 impl Shell {
     /// Returns the kind of triangles, each three indices of positions. Vertices at equal positions
-    /// are one; triangles without an area, or with an index that no position has, are none.
+    /// count as one; triangles without an area or with an invalid index are ignored.
     #[must_use]
     pub fn of(positions: &[[f32; 3]], indices: &[u32]) -> Self {
         let places = welded(positions);
@@ -58,7 +59,7 @@ impl Shell {
     }
 }
 
-/// Returns the number of the place of each position.
+/// Returns a number for each position, equal for equal positions.
 fn welded(positions: &[[f32; 3]]) -> Vec<u32> {
     let mut known = HashMap::new();
     let mut place = |position: &[f32; 3]| {

@@ -3,18 +3,18 @@
 use cull::Aabb;
 use glam::{DVec3, Vec3};
 
-/// The least signed_volume, positive or negative, of triangles that enclose the contents of their
-/// box, rather than lie in it like a sheet: long thin bottles have little more.
+/// The least `signed_volume`, positive or negative, of triangles that enclose the volume of their
+/// box instead of lying in it like a sheet: long thin bottles have little more.
 pub const ENCLOSING: f32 = 0.05;
 
-/// The share of its area by which a surface may be open: the areas of a closed surface add up to
-/// nothing, those of half a ball to half of them.
+/// The ratio of a surface's summed area vector to its area up to which it counts as closed: 0 for a
+/// closed surface, 0.5 for half a ball.
 const OPEN: f64 = 0.55;
 
 /// Returns the degree to which counter-clockwise triangles face away from the middle of their box:
-/// 1 if all face straight away, as those of a ball, -1 if all face the middle, 0 for sheets, for
-/// surfaces more open than half a ball, and for triangles with their backs. Values that are no
-/// numbers do not count.
+/// 1 if all face straight away, as on a ball; -1 if all face the middle; 0 for sheets, for surfaces
+/// more open than half a ball, and for triangles with their backs. Triangles with a coordinate that
+/// is not finite are ignored.
 pub fn signed_volume(bounds: &Aabb, triangles: impl IntoIterator<Item = [Vec3; 3]>) -> f32 {
     let middle = bounds.centre().as_dvec3();
     let mut outwards = 0.0;

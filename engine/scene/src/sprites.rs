@@ -1,17 +1,16 @@
-//! Sprites: points and lines, of which a scene may have millions: 16 bytes per end, and no
-//! triangles of their own.
+//! Sprites: points and lines. A scene may have millions of them: each end takes 16 bytes, and there
+//! are no triangles.
 
 use cull::Aabb;
 use glam::Vec3;
 
 use super::mesh::MeshId;
 
-/// The most sprites of a mesh: their numbers are exact as floating-point numbers, and boxes stay
-/// small.
+/// The most sprites of a mesh: single precision holds their indices exactly, and boxes stay small.
 pub const MAX_SPRITES: usize = 1 << 16;
 
-/// The growth of the box around the ends to that around the sprites, per metre of the radius: a
-/// little more than the half diagonal of a square with half sides of 1.
+/// The distance by which the box around the ends grows to hold the sprites, per metre of the
+/// radius: a little more than half the diagonal of a square with sides of 2.
 const REACH: f32 = 1.4143;
 
 /// A point, or an end of a line.
@@ -45,20 +44,20 @@ impl SpriteShape {
     }
 }
 
-/// A mesh of points or lines: squares and bars that face the camera. The mesh itself has neither
-/// vertices nor triangles, and its bounds are [`Sprites::bounds`]. No transparent object may have
-/// it.
+/// A mesh of points or lines, drawn as squares and bars that face the camera. The mesh itself has
+/// neither vertices nor triangles, and its bounds are [`Sprites::bounds`]. Transparent objects must
+/// not use it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sprites {
-    /// The mesh of the scene that they stand for.
+    /// The mesh of the scene that the sprites stand for.
     pub mesh: MeshId,
-    /// The shape of all of them: points or lines.
+    /// The shape of all sprites of the mesh: points or lines.
     pub shape: SpriteShape,
     /// Half of their width, in the space of the mesh, in metres.
     pub radius_m: f32,
-    /// The places of points, or both ends of each line.
+    /// The positions of points, or both ends of each line.
     pub ends: Vec<SpriteEnd>,
-    /// A unit vector for each end, for lit materials; or none.
+    /// A unit vector per end, for lit materials; empty for unlit ones.
     pub normals: Vec<[f32; 3]>,
 }
 
@@ -103,7 +102,8 @@ impl Sprites {
     }
 }
 
-/// Packs a linear colour of `0.0..=1.0`: the square root of each part in 8 bits, red in the lowest.
+/// Packs a linear colour of `0.0..=1.0`: the square root of each part in 8 bits, red in the lowest
+/// ones.
 pub fn pack_sprite_colour(linear: [f32; 3]) -> f32 {
     let bits = |part: f32| (part.clamp(0.0, 1.0).sqrt() * 255.0).round() as u32;
     let [red, green, blue] = linear.map(bits);

@@ -32,19 +32,19 @@ pub struct LightId(pub u32);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SkinnedMeshId(pub u32);
 
-/// The second half of a vertex, 40 bytes: the attributes that only shading needs.
+/// The second half of a vertex, 40 bytes: the attributes that only shading reads.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct SurfaceVertex {
-    /// Unit normal as snorm16; the last is 32767 if the mesh has both sides of each triangle, else
-    /// 0. With both, it may be mirrored in some frames and not in others.
+    /// Unit normal as snorm16; the last is 32767 if the mesh has both sides of each triangle, and 0
+    /// otherwise. With both sides, the normal may be mirrored in some frames.
     pub normal: [i16; 4],
     /// Unit tangent as snorm16; the last is the bitangent's sign, -32767 or 32767.
     pub tangent: [i16; 4],
     /// Two sets of texture coordinates.
     pub uv: [[f32; 2]; 2],
-    /// **Linear** red, green, blue, alpha as unorm16: a factor of the base colour, as the object's
-    /// tint is by the share in [`Vertex::colour`](super::Vertex::colour).
+    /// **Linear** red, green, blue, alpha as unorm16: a factor of the base colour. The share in
+    /// [`Vertex::colour`](super::Vertex::colour) mixes in the object's tint.
     pub colour: [u16; 4],
 }
 
@@ -55,18 +55,18 @@ const _: () = assert!(size_of::<SurfaceVertex>() == 40);
 pub struct SurfaceMesh {
     /// The second halves of the mesh's vertices.
     pub vertices: Vec<SurfaceVertex>,
-    /// The material that all of its triangles have.
+    /// The material of all its triangles.
     pub material: MaterialId,
 }
 
-/// The way a surface covers the background.
+/// The way in which a surface covers the background.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Alpha {
-    /// Full cover, whatever its alpha is.
+    /// Full cover, regardless of its alpha.
     Opaque,
     /// Full cover where its alpha is at least the cutoff, none elsewhere.
     Mask {
-        /// The least alpha that covers.
+        /// The least alpha that counts as full cover.
         cutoff: f32,
     },
     /// Cover in proportion to its alpha.
@@ -76,11 +76,11 @@ pub enum Alpha {
 /// A texture, and the coordinates of a surface in it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureUse {
-    /// The texture that is sampled, of the scene's.
+    /// The sampled texture, one of the scene's.
     pub texture: TextureId,
     /// The set of texture coordinates: 0 or 1.
     pub uv_set: u8,
-    /// The transform of those to coordinates in the texture.
+    /// The transform of texture coordinates to coordinates in the texture.
     pub transform: Affine2,
 }
 
@@ -111,10 +111,10 @@ pub struct Material {
     pub emission: [f32; 3],
     /// Factor of the emitted light; sRGB.
     pub emission_texture: Option<TextureUse>,
-    /// The way it covers the background.
+    /// The way in which it covers the background.
     pub alpha: Alpha,
-    /// True if its back is drawn too. Meshes of such materials have their backs as triangles of
-    /// their own, so that one pipeline draws all.
+    /// True if its back is drawn, too. Meshes with such materials have their backs as triangles of
+    /// their own, so that one pipeline draws both sides.
     pub is_double_sided: bool,
     /// True if its colour is the base colour in any light.
     pub is_unlit: bool,
@@ -133,11 +133,11 @@ impl Material {
         uses.into_iter().flatten()
     }
 
-    /// Checks that a scene with so many textures can have the material.
+    /// Checks that a scene with `texture_count` textures can use the material.
     ///
     /// # Errors
-    /// The first fault, as the end of a sentence: a texture or a set of texture coordinates that is
-    /// not there, a number that is not finite.
+    /// The first fault, as the end of a sentence: a texture or a set of texture coordinates that
+    /// does not exist, or a number that is not finite.
     pub fn check(&self, texture_count: usize) -> Result<(), &'static str> {
         for texture in self.textures() {
             if texture.texture.0 as usize >= texture_count {
@@ -197,11 +197,11 @@ pub enum Encoding {
 /// The colour beyond the edges of a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Wrap {
-    /// The texture again.
+    /// The texture repeats.
     Repeat,
-    /// The texture again, mirrored.
+    /// The texture repeats, mirrored every other time.
     Mirror,
-    /// Its last pixel.
+    /// The last pixel at the edge continues.
     Clamp,
 }
 
@@ -219,11 +219,11 @@ pub enum Filter {
 pub struct Sampler {
     /// The colours beyond its edges, across and down.
     pub wrap: [Wrap; 2],
-    /// The filter where it is enlarged.
+    /// The filter where the texture is magnified.
     pub magnified: Filter,
-    /// The filter where it is made smaller.
+    /// The filter where the texture is minified.
     pub minified: Filter,
-    /// The filter between the levels of its mip maps; `None` takes the largest alone.
+    /// The filter between the levels of mip maps; with `None`, only the largest level is sampled.
     pub between_levels: Option<Filter>,
 }
 
@@ -241,7 +241,7 @@ impl Default for Sampler {
 /// An image and its sampling.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Texture {
-    /// The image that is sampled, of the scene's.
+    /// The sampled image, one of the scene's.
     pub image: ImageId,
     /// The meaning of its bytes.
     pub encoding: Encoding,
@@ -254,15 +254,16 @@ pub struct Texture {
 pub struct SkinWeights {
     /// The number of joints.
     pub joint_count: u32,
-    /// The joints: for each vertex as many groups of four as there are sets.
+    /// The joints: `sets` groups of four per vertex.
     pub joints: Vec<[u16; 4]>,
-    /// Their weights, which together are 1 for each vertex.
+    /// The weights of the joints; the sum per vertex is 1.
     pub weights: Vec<[f32; 4]>,
-    /// Groups of four per vertex.
+    /// The number of groups of four joints per vertex.
     pub sets: u32,
 }
 
-/// The displacements of each vertex by a morph target. A list is empty or as long as the mesh's.
+/// The displacements of each vertex by a morph target. A list is empty or has an element per
+/// vertex.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MorphTarget {
     /// The displacements of positions.
@@ -273,20 +274,20 @@ pub struct MorphTarget {
     pub tangents: Vec<[f32; 3]>,
 }
 
-/// A mesh of a single object whose vertices move: morphed first, then skinned.
+/// A mesh of a single object whose vertices move: they are morphed first, then skinned.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkinnedMesh {
     /// The mesh; the scene holds it at rest.
     pub mesh: MeshId,
-    /// Its skin, if it has one.
+    /// The skin, if the mesh has one.
     pub skin: Option<SkinWeights>,
-    /// Its morph targets.
+    /// The morph targets.
     pub targets: Vec<MorphTarget>,
 }
 
 impl SkinnedMesh {
-    /// Returns a number for each of so many vertices: those with the same number are always moved
-    /// alike from the same place, having the same joints, weights and displacements.
+    /// Returns a number for each of `vertices` vertices. Vertices with equal numbers have the same
+    /// joints, weights and displacements: if they start at one place, they always move together.
     pub fn motions(&self, vertices: usize) -> Vec<u32> {
         let mut known = HashMap::new();
         let motion_of = |vertex: usize| {
@@ -311,7 +312,7 @@ impl SkinnedMesh {
     }
 }
 
-/// A coarser level of detail of a mesh, of the same vertices.
+/// A coarser level of detail of a mesh, which uses the same vertices.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LodLevel {
     /// Three indices for each triangle.
@@ -333,8 +334,8 @@ pub struct Surfaces {
     pub images: Vec<Image>,
     /// The lights beside the ambient one.
     pub lights: Vec<PunctualLight>,
-    /// Objects whose material is [`Alpha::Blend`]; none of
-    /// [`Scene::objects`](super::Scene::objects) is.
+    /// Objects whose material is [`Alpha::Blend`]; [`Scene::objects`](super::Scene::objects) must
+    /// not contain any.
     pub transparent: Vec<Object>,
     /// The skinned meshes.
     pub skinned_meshes: Vec<SkinnedMesh>,
@@ -343,9 +344,10 @@ pub struct Surfaces {
     /// Coarser levels of each mesh, the finest first; empty, or one list for each mesh of the
     /// scene.
     pub levels: Vec<Vec<LodLevel>>,
-    /// Factor of all light before tone mapping; 1 shows a white surface under a lux of pi as white.
+    /// Factor of all light before tone mapping; at 1, a white surface under pi lux appears white.
     pub exposure: f32,
-    /// The light from all around, and the sky; `None` takes the [ambient light](super::Light).
+    /// The light from all around, and the sky; with `None` the [ambient light](super::Light) is
+    /// used.
     pub environment: Option<super::Environment>,
 }
 

@@ -1,11 +1,10 @@
-//! Tests of the smallest scene, and that surfaces that cannot be drawn are refused by name.
+//! Tests of the smallest scene, and of error messages that name the surface that cannot be drawn.
 
 use glam::{Affine2, Affine3A, Vec2, Vec3};
 
 use super::*;
 
-/// Returns a triangle with a skin of two joints and a morph target, as an object and as a
-/// transparent one's mesh.
+/// Returns a scene with a skinned and morphed triangle, as an object and as a transparent object.
 fn scene() -> Scene {
     let vertex = |x: f32, y: f32| Vertex {
         position: [x, y, 0.0],

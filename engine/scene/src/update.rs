@@ -14,49 +14,49 @@ pub enum ObjectChange {
     Move {
         /// The id of the object in the scene.
         object: ObjectId,
-        /// Its new transform.
+        /// The new transform.
         transform: Affine3A,
     },
-    /// The object is removed; its id may be given to another.
+    /// The object is removed; its id may be reused.
     Remove {
         /// The id of the object in the scene.
         object: ObjectId,
     },
-    /// The object is added. The update returns its id.
+    /// The object is added. The renderer's update returns its id.
     Add {
-        /// The new object. Its mesh is one of the scene's.
+        /// The new object. Its mesh belongs to the scene.
         object: Object,
     },
 }
 
-/// A transparent object in another place.
+/// A new transform of a transparent object.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TransparentMove {
     /// The transparent object that moves.
     pub transparent: TransparentId,
-    /// The transform from its space to the world's.
+    /// The transform from the object's space to the world.
     pub transform: Affine3A,
 }
 
-/// A light in another place, or of another colour.
+/// A new place, colour or strength of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightMove {
     /// The light that changes.
     pub light: LightId,
-    /// Its new state, of the same kind.
+    /// The new state; the kind of light must stay the same.
     pub to: PunctualLight,
 }
 
-/// The new pose of a skinned mesh. The renderer finds the box of its object from it, see
+/// The new pose of a skinned mesh. The renderer computes the box of its object from the pose, see
 /// [`PoseBounds`](super::PoseBounds).
 #[derive(Clone, Debug, PartialEq)]
 pub struct PoseUpdate {
     /// The skinned mesh that takes the pose.
     pub skinned_mesh: SkinnedMeshId,
-    /// Its joints' matrices, in [`SceneUpdate::joints`], which meshes with the same joints share;
-    /// none without a skin.
+    /// The matrices of its joints, in [`SceneUpdate::joints`]; empty without a skin. Meshes with
+    /// the same joints may share them.
     pub joints: Range<usize>,
-    /// Its morph targets' weights, in [`SceneUpdate::weights`]; none without targets.
+    /// The weights of its morph targets, in [`SceneUpdate::weights`]; empty without targets.
     pub weights: Range<usize>,
 }
 
@@ -71,14 +71,14 @@ pub struct SceneUpdate {
     pub lights: Vec<LightMove>,
     /// Skinned meshes in another pose.
     pub poses: Vec<PoseUpdate>,
-    /// Matrices of joints: from the mesh's space at rest to its space now.
+    /// Matrices of joints: from the mesh's space at rest to its current space.
     pub joints: Vec<Affine3A>,
     /// Weights of morph targets.
     pub weights: Vec<f32>,
 }
 
 impl SceneUpdate {
-    /// Forgets all changes and keeps the memory.
+    /// Removes all changes and keeps the memory.
     pub fn clear(&mut self) {
         self.objects.clear();
         self.transparent.clear();
@@ -88,7 +88,7 @@ impl SceneUpdate {
         self.weights.clear();
     }
 
-    /// Returns true if nothing changes.
+    /// Returns true if there are no changes.
     pub fn is_empty(&self) -> bool {
         self.objects.is_empty()
             && self.transparent.is_empty()

@@ -1,5 +1,5 @@
-//! Surfaces for scenes whose vertices hold the whole appearance: the same look under punctual
-//! lights.
+//! Surfaces for scenes whose vertices hold the whole appearance, so that they look the same under
+//! punctual lights.
 
 use std::f32::consts::PI;
 
@@ -9,12 +9,12 @@ use super::mesh::{Mesh, unpack_normal};
 use super::punctual_light::{LightKind, PunctualLight};
 use super::surface::{Material, MaterialId, SurfaceMesh, SurfaceVertex, Surfaces};
 
-/// The share of light that a matt dielectric's surface lets through to its colour: the rest is
-/// mirrored.
+/// The share of light that a matt dielectric transmits to its diffuse colour; the rest is
+/// reflected.
 pub(super) const LET_THROUGH: f32 = 1.0 - 0.04;
 
-/// Returns the surfaces of meshes without any: their vertex colours, matt, under a sun that shines
-/// so on surfaces that face it.
+/// Returns surfaces for meshes without any: a matt material in the vertex colours, and a sun that
+/// is as bright as `sun` on surfaces that face it.
 pub(super) fn of_vertex_colours(meshes: &[Mesh], towards_sun: Vec3, sun: [f32; 3]) -> Surfaces {
     let matt =
         Material { name: "matt".to_owned(), metallic: 0.0, roughness: 1.0, ..Material::default() };
@@ -26,8 +26,7 @@ pub(super) fn of_vertex_colours(meshes: &[Mesh], towards_sun: Vec3, sun: [f32; 3
     }
 }
 
-/// Returns the sun as a punctual light, which shines on a matt surface as brightly; `None` if it
-/// does not shine.
+/// Returns the sun as a punctual light that lights a matt surface equally; `None` if it is dark.
 fn sun_of(towards_sun: Vec3, sun: [f32; 3]) -> Option<PunctualLight> {
     let strongest = sun.into_iter().fold(0.0, f32::max);
     let direction = -towards_sun.try_normalize()?;

@@ -1,4 +1,4 @@
-//! Words of messages for people.
+//! Words for messages.
 
 /// Returns a count with the words that fit it: "1 light has" or "5 lights have".
 ///

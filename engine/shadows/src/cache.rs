@@ -1,18 +1,18 @@
-//! The cache of shadow maps: which of them a frame must draw again, and with which casters.
+//! The cache of shadow maps: decides which maps a frame must draw again, and with which casters.
 //!
-//! A map is the nearest depth of all casters that its face sees. It stays right until the face
-//! itself changes, or a caster that it sees, or saw: then it is drawn again. Where few casters
-//! change again and again, the others are kept in a layer of their own, of which the map is a copy
-//! with the moving casters on top. Nearest depths have no order, so that is the same map to the
-//! bit.
+//! A map holds the nearest depth of all casters that its face sees. It stays valid until the face
+//! changes, or a caster that the face sees or saw. Then the map is drawn again. Where a few casters
+//! change in many frames, the other casters are kept in a layer of their own. The map is then a
+//! copy of this layer with the moving casters drawn on top. The nearest depth does not depend on
+//! the order of casters, so the map is the same to the bit.
 //!
-//! Nobody says which casters move: the changes of the hierarchy do.
+//! Moving casters need not be marked: the cache finds them from the changes of the hierarchy.
 //!
-//! A map of a single frame need not hold casters whose shadows are not visible in this frame
-//! ([`FaceWork::Cull`]). So a map that must be drawn is drawn in that way first, and whole only
-//! after the frames in which that has cost about as much: a face that changes again by then, such
-//! as a cascade of a walking eye, is never drawn whole, and no map costs more than about twice of
-//! what would have been best (the rule of renting skis).
+//! A map that is used in a single frame can leave out casters whose shadows are not visible in this
+//! frame ([`FaceWork::Cull`]). So an outdated map is first drawn without them. It is drawn with all
+//! casters only after the culled frames have cost about as much. A face that changes again before
+//! then, such as a cascade of a walking eye, is never drawn with all casters. No map costs more
+//! than about twice the optimum (the ski rental problem).
 
 use std::collections::HashMap;
 
@@ -26,37 +26,37 @@ use crate::plan::{FaceWork, PlannedFace, PlannedLight, ShadowPlan};
 use crate::sun_distance::sun_distance_m;
 use crate::tiles::{Tile, TilePool};
 
-/// The frames after its last change in which a caster counts as moving.
+/// The number of frames after its last change in which a caster counts as moving.
 const RESTLESS_FRAMES: u64 = 32;
 
 /// The casters of a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Casters<'a> {
-    /// The hierarchy over them.
+    /// The hierarchy over all casters.
     pub hierarchy: &'a Hierarchy,
-    /// The changes since the frame before; `None` if they are not known.
+    /// The changes since the previous frame; `None` if they are not known.
     pub changes: Option<&'a [BoxChange]>,
 }
 
 /// The views of a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct ShadowViews<'a> {
-    /// The eye of each.
+    /// The eye of each view.
     pub eyes: &'a [Vec3],
     /// The bits of the device's sub-pixel grid (Vulkan's `subPixelPrecisionBits`).
     pub sub_pixel_bits: u32,
-    /// The share that culled maps drew of the triangles of all their casters of late, if the
-    /// executor can tell which casters shadow something visible: in frames of one view, whose depth
-    /// is complete before anything samples the maps.
+    /// The share of its casters' triangles that a culled map drew in recent frames. `None` if the
+    /// executor cannot tell which casters shadow something visible. It can in frames of one view
+    /// whose depth is complete before anything samples the maps.
     pub drawn_share: Option<f32>,
 }
 
-/// The most frames in a row in which a map of a face at rest is drawn with some of its casters.
+/// The most consecutive frames in which the map of an unchanged face is culled.
 const CULLED_FRAMES_MAX: f32 = 15.0;
 
 impl ShadowViews<'_> {
-    /// Returns the frames in which a map is drawn with some of its casters before it is drawn
-    /// whole: one less than those that cost as much. `None` if maps are always drawn whole.
+    /// Returns the number of frames in which a map is culled before it is drawn whole: one less
+    /// than the number that costs as much as a whole map. `None` if maps are always drawn whole.
     fn culled_frames(&self) -> Option<u32> {
         self.drawn_share
             .map(|share| (share.recip().floor() - 1.0).clamp(0.0, CULLED_FRAMES_MAX) as u32)
@@ -68,29 +68,30 @@ impl ShadowViews<'_> {
 struct Map {
     tile: Tile,
     face: Face,
-    /// True while the texels are what they should be.
+    /// True if the texels are valid.
     is_drawn: bool,
-    /// True if the face of the frame before was another one.
+    /// True if the face has changed since the previous frame.
     is_restless: bool,
-    /// The frames in which this face was drawn with some of its casters, since it last changed or
-    /// was drawn whole.
+    /// The number of frames in which this face was drawn culled, since it last changed or was drawn
+    /// whole.
     culled_frames: u32,
-    /// The casters that the resting layer leaves out, ascending, if there is such a layer.
+    /// The casters that the resting layer leaves out, ascending; `None` without such a layer.
     moving: Option<Vec<ObjectId>>,
     /// The newest frame with this face.
     used: u64,
 }
 
-/// The maps of all lights, from frame to frame.
+/// The maps of all lights, kept from frame to frame.
 #[derive(Debug)]
 pub struct ShadowCache {
     options: ShadowOptions,
     tiles: TilePool,
     maps: HashMap<FaceId, Map>,
-    /// The sides of each light's maps: the one they should have, and the one they have.
+    /// The sides of each light's maps: the wanted side, and the current one.
     sides: HashMap<ShadowLightId, [u32; 2]>,
-    /// The distance of directional lights where the options leave it open (metres), by the scene
-    /// of the first frame: a change would be seen as a jump of all shadows.
+    /// The distance of directional lights (metres) if the options do not set it. It is computed
+    /// from the scene of the first frame and then kept, since a change would be visible as a jump
+    /// of all shadows.
     sun_distance_m: Option<f32>,
     /// True if maps may have a layer of resting casters.
     keeps_resting: bool,
@@ -99,16 +100,16 @@ pub struct ShadowCache {
     frame: u64,
     /// True from a plan until it was submitted.
     is_pending: bool,
-    /// The frames in which a map may be drawn with some of its casters before it is drawn whole,
-    /// if that may be.
+    /// The number of frames in which a map may be culled before it is drawn whole; `None` if maps
+    /// must not be culled.
     culled_frames: Option<u32>,
-    /// True if the maps of a light got another size since the last look for room.
+    /// True if the wanted size of a light's maps has changed since the last search for room.
     has_changed: bool,
     faces: Vec<Face>,
 }
 
 impl ShadowCache {
-    /// Creates a cache without maps, for options that were [checked](ShadowOptions::check).
+    /// Creates a cache without maps. The options must have been [checked](ShadowOptions::check).
     #[must_use]
     pub fn new(options: ShadowOptions) -> Self {
         Self {
@@ -133,35 +134,35 @@ impl ShadowCache {
         &self.options
     }
 
-    /// Forgets the contents of all maps: the next plan draws them again.
+    /// Marks the contents of all maps as invalid: the next plan draws them again.
     pub fn forget(&mut self) {
         for map in self.maps.values_mut() {
             (map.is_drawn, map.moving, map.culled_frames) = (false, None, 0);
         }
     }
 
-    /// Plans with so many layers at most from now on, and forgets all maps: there was no memory for
-    /// more.
+    /// Limits later plans to `layers_max` layers and forgets all maps. Call it if allocating more
+    /// layers failed.
     pub fn limit_layers(&mut self, layers_max: u32) {
         self.tiles = TilePool::new(self.options.layer_side(), layers_max);
         self.maps.clear();
         self.sides.clear();
     }
 
-    /// Plans no layers of resting casters from now on, and forgets all maps: there was no memory
-    /// for them.
+    /// Makes later plans without layers of resting casters and forgets all maps. Call it if
+    /// allocating these layers failed.
     pub fn keep_no_resting_casters(&mut self) {
         self.keeps_resting = false;
         self.forget();
     }
 
-    /// Notes that the newest plan was submitted. A plan that never is makes the next one draw all
-    /// maps again.
+    /// Notes that the newest plan was submitted. If this is never called for a plan, the next plan
+    /// draws all maps again.
     pub fn submitted(&mut self) {
         self.is_pending = false;
     }
 
-    /// Plans the maps of a frame. Lights that are not usable have none.
+    /// Plans the maps of a frame. Lights that are not usable get none.
     pub fn plan(
         &mut self,
         lights: &[ShadowLight],
@@ -209,7 +210,7 @@ impl ShadowCache {
         changed.is_some_and(|changed| *changed + RESTLESS_FRAMES > self.frame)
     }
 
-    /// Gives the tiles of lights and views back that are gone.
+    /// Returns the tiles of removed lights and views to the pool.
     fn release_unused(&mut self, lights: &[ShadowLight]) {
         let Self { maps, tiles, sides, frame, has_changed, .. } = self;
         let mut has_more_room = std::mem::take(has_changed);
@@ -223,7 +224,7 @@ impl ShadowCache {
             has_more_room |= !is_used;
             is_used
         });
-        // Those that were made smaller try again, once for each time that there is more room.
+        // Lights with smaller maps try again, once each time that there is more room.
         let is_whole = |[wanted, side]: &[u32; 2]| !has_more_room || wanted == side;
         sides.retain(|light, light_sides| {
             is_whole(light_sides) && there.binary_search(light).is_ok()
@@ -250,7 +251,7 @@ impl ShadowCache {
         plan.lights.push(PlannedLight { light: light.id, faces: first..plan.faces.len() });
     }
 
-    /// Finds tiles for all faces of a light: of the size that it should have, else smaller ones.
+    /// Finds tiles for all faces of a light: of the wanted size if possible, else smaller ones.
     /// Returns their side, and lists the faces.
     fn place(
         &mut self,
@@ -278,13 +279,13 @@ impl ShadowCache {
             side /= 2;
         }
         faces.clear();
-        // Until there is more room.
+        // No maps until there is more room.
         self.sides.insert(light.id, [wanted, 0]);
         None
     }
 
-    /// Takes tiles for those faces of a light that have none of this size. Returns false, and
-    /// leaves the light without tiles, if there is not enough room.
+    /// Takes tiles of this size for all faces of a light that have none. Returns false, and leaves
+    /// the light without tiles, if there is not enough room.
     fn take_tiles(&mut self, faces: &[Face], side: u32) -> bool {
         let Self { maps, tiles, frame, .. } = self;
         for face in faces {
@@ -295,7 +296,7 @@ impl ShadowCache {
                 maps.remove(&face.id);
             }
         }
-        // Looked at first, so that no layer is opened for a light that does not fit.
+        // Checked first, so that no layer is opened for a light that does not fit.
         let missing = faces.iter().filter(|face| !maps.contains_key(&face.id)).count();
         if missing > tiles.room(side) {
             for face in faces {
@@ -353,7 +354,7 @@ impl ShadowCache {
         self.maps.insert(face.id, map);
     }
 
-    /// Decides about one map, and notes what it then holds.
+    /// Decides the work for a map, and updates the map's state accordingly.
     fn work(&self, map: &mut Map, casters: &Casters<'_>, plan: &mut ShadowPlan) -> FaceWork {
         let face = map.face;
         if !map.is_drawn {
@@ -376,7 +377,8 @@ impl ShadowCache {
             |moving: &[ObjectId]| changed.iter().all(|object| moving.binary_search(object).is_ok());
         let restless =
             |moving: &[ObjectId]| moving.iter().filter(|object| self.is_restless(**object)).count();
-        // A layer without many casters that rest by now is not worth its copy any more.
+        // A resting layer that leaves out many casters that are at rest by now is not worth its
+        // copy.
         let fits = |moving: &&Vec<ObjectId>| {
             is_left_out(moving) && moving.len() <= 2 * restless(moving) + 8
         };
@@ -386,7 +388,8 @@ impl ShadowCache {
         self.draw_layers(map, changed, casters, plan)
     }
 
-    /// Draws a map in two layers, or in one if most of its casters move: that is not worth keeping.
+    /// Draws a map in two layers, or in one if most of its casters move: then two layers do not pay
+    /// off.
     fn draw_layers(
         &self,
         map: &mut Map,
@@ -438,7 +441,7 @@ fn all(face: &Face, casters: &Casters<'_>, plan: &mut ShadowPlan) -> std::ops::R
     first..plan.casters.len()
 }
 
-/// Adds those of some objects that a face sees to a plan.
+/// Adds the casters among `objects` that a face sees to a plan.
 fn some(
     face: &Face,
     casters: &Casters<'_>,

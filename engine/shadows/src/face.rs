@@ -1,4 +1,4 @@
-//! Faces: the views in which lights are drawn.
+//! Faces: the views from which lights are drawn.
 
 use std::f32::consts::PI;
 
@@ -11,26 +11,27 @@ use glam::{DVec3, Vec3};
 use crate::light::{LightShape, ShadowLight, ShadowLightId, WIDEST_CONE_RAD};
 use crate::options::ShadowOptions;
 
-/// The identity of a face: a light's own number for it, and for directional lights the view of the
-/// scene that it belongs to.
+/// The identity of a face: the light, the number of the face, and for directional lights the view
+/// of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FaceId {
     /// The light.
     pub light: ShadowLightId,
     /// The view of the scene; 0 for lights that are not directional.
     pub view: u32,
-    /// The cascade from the nearest on, or the side of the cube (+x, -x, +y, -y, +z, -z).
+    /// The number of the cascade, from the nearest on, or of the side of the cube (+x, -x, +y, -y,
+    /// +z, -z).
     pub number: u32,
 }
 
 /// One view from a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Face {
-    /// Its identity.
+    /// The identity of the face.
     pub id: FaceId,
     /// The light's view: depth is reversed; the image is as large as the face's map.
     pub view: CullView,
-    /// The sphere that its shadows matter in, of a local light: centre and radius in metres.
+    /// The sphere in which a local light's shadows matter: centre and radius in metres.
     pub reach: Option<(Vec3, f32)>,
 }
 
@@ -70,18 +71,18 @@ impl Face {
 /// The distance of the near plane of a local light, in metres.
 const NEAR_M: f32 = 0.02;
 
-/// The share by which a local light's map reaches beyond its cone or side of the cube, for filters
-/// at the edge.
+/// The share by which a local light's map reaches beyond its cone or side of the cube, so that
+/// filters have texels at the edge.
 const BORDER: f32 = 1.0 / 8.0;
 
 /// The ratio of the reaches of two neighbouring cascades.
 pub(crate) const CASCADE_RATIO: f32 = 3.0;
 
-/// The steps in which a cascade follows the eye, per its side: so it stays what it is while the eye
-/// moves within a step, and is moved by whole texels.
+/// The number of steps per side in which a cascade follows the eye. The cascade stays unchanged
+/// while the eye moves within a step, and moves by whole texels.
 const STEPS_PER_SIDE: u32 = 16;
 
-/// The six sides of a cube: forwards and up.
+/// The six sides of a cube: forward and up directions.
 const SIDES: [(Vec3, Vec3); 6] = [
     (Vec3::X, Vec3::Y),
     (Vec3::NEG_X, Vec3::Y),
@@ -91,20 +92,20 @@ const SIDES: [(Vec3, Vec3); 6] = [
     (Vec3::NEG_Z, Vec3::Y),
 ];
 
-/// The surroundings of a face.
+/// The scene around a face.
 #[derive(Clone, Copy, Debug)]
 pub struct FaceSurroundings<'a> {
     /// The eyes of the scene's views.
     pub eyes: &'a [Vec3],
     /// The box around the scene.
     pub scene: Aabb,
-    /// The distance from an eye to which directional lights have shadows, in metres.
+    /// The distance from an eye up to which directional lights have shadows, in metres.
     pub sun_distance_m: f32,
     /// The bits of the device's sub-pixel grid (Vulkan's `subPixelPrecisionBits`).
     pub sub_pixel_bits: u32,
 }
 
-/// Returns the number of faces of a light's shape, for so many views of the scene.
+/// Returns the number of faces of a light, for this number of views of the scene.
 #[must_use]
 pub fn face_count(shape: &LightShape, options: &ShadowOptions, views: usize) -> u32 {
     match shape {
@@ -114,7 +115,7 @@ pub fn face_count(shape: &LightShape, options: &ShadowOptions, views: usize) -> 
     }
 }
 
-/// Returns the side in texels that the maps of a light should have.
+/// Returns the wanted side of a light's maps, in texels.
 #[must_use]
 pub fn wanted_side(shape: &LightShape, options: &ShadowOptions) -> u32 {
     match shape {
@@ -124,8 +125,8 @@ pub fn wanted_side(shape: &LightShape, options: &ShadowOptions) -> u32 {
     }
 }
 
-/// Calls `found` with the faces of a light, whose maps have `side` texels, in the order of their
-/// numbers; for a directional light view by view.
+/// Calls `found` for each face of a light whose maps have a side of `side` texels, in the order of
+/// their numbers; for a directional light view by view.
 pub fn faces_of(
     light: &ShadowLight,
     options: &ShadowOptions,
@@ -168,8 +169,8 @@ pub fn faces_of(
     }
 }
 
-/// Returns the distance from the eye to which a cascade reaches, the last of so many to
-/// `distance_m`, in metres.
+/// Returns the distance from the eye to which a cascade reaches, in metres. The last of `cascades`
+/// cascades reaches to `distance_m`.
 #[must_use]
 pub fn cascade_reach_m(distance_m: f32, cascades: u32, number: u32) -> f32 {
     let farther = cascades.saturating_sub(number + 1);
@@ -188,17 +189,17 @@ struct Cascade {
     anchor: Anchor,
 }
 
-/// Returns the place of a cascade: a square of texels around the eye, whose middle is a multiple
-/// of a step of whole texels. It depends on the eye's place and not on its direction, so turning
-/// changes nothing; and it holds the depths of the whole scene, so casters behind the eye are in
-/// it.
+/// Returns the place of a cascade: a square of texels around the eye, whose middle moves in steps
+/// of whole texels. It depends on the eye's position but not on its direction, so turning changes
+/// nothing. It contains the depths of the whole scene, so it holds casters behind the eye.
 ///
-/// The multiples are counted from the origin of the world, wherever the eye is: in double
-/// precision, and along axes that are perpendicular and of unit length in it, since what single
-/// precision lacks of that is many texels in a million metres. The anchor lies near the eye, and
-/// changes with the middle, or as the eye moves by a side of the square along the light.
+/// The steps are counted from the origin of the world, wherever the eye is. They are computed in
+/// double precision, along axes that are perpendicular and of unit length in double precision: the
+/// error of single precision would be many texels at a distance of a million metres. The anchor
+/// lies near the eye. It changes with the middle, and when the eye moves by a side of the square
+/// along the light.
 fn cascade(forward: Vec3, eye: Vec3, reach_m: f32, side: u32, scene: &Aabb) -> Cascade {
-    // The axes that `CullView::new` gives this direction.
+    // The axes that `CullView::new` chooses for this direction.
     let right = forward.cross(forward.any_orthonormal_vector()).normalize();
     let camera_up = right.cross(forward);
     let forward_64 = forward.as_dvec3().normalize();
@@ -212,7 +213,7 @@ fn cascade(forward: Vec3, eye: Vec3, reach_m: f32, side: u32, scene: &Aabb) -> C
     let snapped_m = |along: DVec3, step_m: f64| (along.dot(eye) / step_m).round() * step_m;
     let right_m = snapped_m(right, step_m);
     let up_m = snapped_m(up, step_m);
-    // The scene's depths grow and shrink by steps too, or each moving object would change them.
+    // The scene's depths change in steps, too; otherwise each moving object would change them.
     let centre = scene.centre().as_dvec3();
     let half = scene.half_extent().as_dvec3();
     let centre_m = forward_64.dot(centre);
@@ -310,8 +311,8 @@ mod tests {
         assert!(changes[0] < 60 && changes[3] < 6, "20 m in 400 frames: {changes:?}");
     }
 
-    /// Checks that the texels of the world are the same wherever the eye is, also where single
-    /// precision has whole metres only.
+    /// Checks that texels have the same places in the world wherever the eye is, even where single
+    /// precision resolves only whole metres.
     #[test]
     fn far_away_cascades_are_as_exact_as_near_the_origin() {
         let towards = vec3(0.4, 0.8, -0.3).normalize();

@@ -1,29 +1,28 @@
-//! The offsets of filter samples: jittered and stratified over a disk, the outermost ring first, as
-//! the bytes of a tiled 3D texture (Uralsky, GPU Gems 2, 17.3).
+//! The offsets of filter samples: jittered and stratified over a disk, the outermost ring first,
+//! stored as the bytes of a tiled 3D texture (Uralsky, GPU Gems 2, 17.3).
 
 use std::f32::consts::TAU;
 
-/// Samples of a disk.
+/// The number of samples of a disk.
 pub const DISK_SAMPLES: u32 = 64;
 
-/// Samples of a ring, and rings of a disk.
+/// The number of samples of a ring, and of rings of a disk.
 const RING: u32 = 8;
 
-/// A texture of disks: across and down a tile of different ones, behind each other two samples per
-/// texel.
+/// A 3D texture of disks. Each x and y holds another disk; along z lie its samples, two per texel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct JitterTexture {
-    /// The side of the tile in texels.
+    /// The side of the tile of disks, in texels.
     pub side: u32,
     /// The depth in texels.
     pub depth: u32,
-    /// Four signed 8-bit numbers per texel, the x and y of two samples: from -127 at -1 to 127 at
-    /// 1. Texels follow each other from left to right, then downwards, then backwards.
+    /// Four signed 8-bit numbers per texel, the x and y of two samples: -127 for -1 to 127 for 1.
+    /// The order of texels is x first, then y, then z.
     pub texels: Vec<[i8; 4]>,
 }
 
 impl JitterTexture {
-    /// Makes the texture for a tile of `side` by `side` disks, the same each time.
+    /// Creates the texture for a tile of `side` by `side` disks; the result is deterministic.
     #[must_use]
     pub fn new(side: u32) -> Self {
         let disks: Vec<Vec<[f32; 2]>> = (0..side * side).map(disk).collect();
@@ -55,7 +54,7 @@ fn disk(number: u32) -> Vec<[f32; 2]> {
     samples
 }
 
-/// A small generator of numbers that look random, the same on all machines (PCG, O'Neill 2014).
+/// A small pseudo-random generator, the same on all machines (PCG, O'Neill 2014).
 struct Random(u64);
 
 impl Random {
@@ -97,7 +96,7 @@ mod tests {
 
     #[test]
     fn the_area_is_covered_evenly() {
-        // The share of samples within half the radius is that of the area, a quarter.
+        // A quarter of the samples is within half the radius, like a quarter of the area.
         let inside = (0..256).flat_map(disk).filter(|[x, y]| x * x + y * y < 0.25).count();
         assert_eq!(inside, 256 * 16);
         let (x, y) = (0..256)

@@ -1,9 +1,9 @@
-//! The shadows of lights as pure values: the faces that a light is drawn in, their places in an
-//! image, their casters, and which of them a frame must draw again.
+//! The shadows of lights as pure values: the faces from which a light is drawn, their tiles in an
+//! image, their casters, and the faces that a frame must draw again.
 //!
 //! No Vulkan, no clock, no unsafe code. [`ShadowCache::plan`] makes a [`ShadowPlan`], which an
-//! executor draws; [`JitterTexture`] holds the filter's samples. A [`VolumeMesh`] is what stencil
-//! shadow volumes are extruded from.
+//! executor draws. [`JitterTexture`] holds the samples of filters. Stencil shadow volumes are
+//! extruded from a [`VolumeMesh`].
 //!
 //! ```
 //! # use antumbra_shadows as shadows;

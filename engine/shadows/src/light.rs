@@ -1,22 +1,22 @@
-//! Lights with shadows, as far as their maps depend on them.
+//! Lights with shadows, reduced to the values on which their maps depend.
 
 use std::f32::consts::FRAC_PI_2;
 
 use cull::{Aabb, MAX_COORDINATE};
 use glam::{Vec3, Vec4, vec3};
 
-/// The number of a light, which its owner chooses.
+/// The number of a light, chosen by the caller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ShadowLightId(pub u32);
 
 /// A light that casts shadows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadowLight {
-    /// Its number.
+    /// The light's number.
     pub id: ShadowLightId,
     /// The place and directions of its rays.
     pub shape: LightShape,
-    /// The width of its penumbras in metres, at least 0: how far filters reach.
+    /// The width of its penumbras in metres, at least 0: filters reach as far.
     pub penumbra_m: f32,
 }
 
@@ -25,7 +25,7 @@ pub struct ShadowLight {
 pub enum LightShape {
     /// Parallel rays.
     Sun {
-        /// Unit vector towards it.
+        /// Unit vector towards the sun.
         towards: Vec3,
     },
     /// Rays from a point in a cone.
@@ -48,18 +48,18 @@ pub enum LightShape {
     },
 }
 
-/// The half angle of a cone, in radians, from which on a spot light has six maps like a point
-/// light: one flat map would be mostly border.
+/// The half angle of a cone, in radians, above which a spot light has six maps like a point light:
+/// a single flat map would consist mostly of border.
 pub const WIDEST_CONE_RAD: f32 = 1.1;
 
-/// The margin around a spot's cone per distance, against rounding here and in shaders.
+/// The margin around a spot's cone per distance, against rounding on the CPU and in shaders.
 pub(crate) const CONE_MARGIN: f32 = 1.0e-3;
 
-/// The steps in which the box around what a spot lights is made smaller.
+/// The number of steps in which the box around a spot's lit region is made smaller.
 const CONE_STEPS: usize = 4;
 
 impl LightShape {
-    /// Returns the sphere that a local light's shadows matter in: centre and radius in metres.
+    /// Returns the sphere in which a local light's shadows matter: centre and radius in metres.
     #[must_use]
     pub fn reach(&self) -> Option<(Vec3, f32)> {
         match *self {
@@ -70,7 +70,8 @@ impl LightShape {
         }
     }
 
-    /// Returns a box around all of `receivers` that the light reaches, empty if there is nothing.
+    /// Returns a box around the part of `receivers` that the light reaches; it is empty if there is
+    /// none.
     #[must_use]
     pub fn reached(&self, receivers: &Aabb) -> Aabb {
         let Some((position, reach_m)) = self.reach() else { return *receivers };
@@ -79,12 +80,13 @@ impl LightShape {
             Aabb::new(reached.min.max(others.min), reached.max.min(others.max))
         };
         let mut lit = both(Aabb::new(position, position).enlarged(reach_m), receivers);
-        // Rays of a wider cone never get to where it ends.
+        // Rays of a wider cone may never reach the plane at which the cone ends.
         if let Self::Spot { direction, outer_rad, .. } = *self
             && outer_rad < FRAC_PI_2
         {
             let along_m = |corner: Vec3| direction.dot(corner - position);
-            // Rays end where the box does, so that it gets smaller again.
+            // Rays end at the box, so a smaller box shortens them, which makes the box smaller
+            // again.
             for _ in 0..CONE_STEPS {
                 let last_m = lit.corners().map(along_m).into_iter().fold(0.0, f32::max);
                 let slant_m = last_m / outer_rad.cos().max(f32::MIN_POSITIVE);
@@ -105,7 +107,7 @@ impl LightShape {
         }
     }
 
-    /// Returns true if all its numbers are finite and it reaches anything.
+    /// Returns true if all its numbers are finite and the light reaches anything.
     #[must_use]
     pub fn is_usable(&self) -> bool {
         match *self {
@@ -118,7 +120,7 @@ impl LightShape {
     }
 }
 
-/// Returns the box around the rays of a cone as far as they reach.
+/// Returns the box around the rays of a cone up to their reach.
 fn cone_box(position: Vec3, direction: Vec3, outer_rad: f32, reach_m: f32) -> Aabb {
     // The cosine of the least angle of a ray to an axis.
     let farthest = |axis: Vec3| {

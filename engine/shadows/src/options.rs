@@ -8,8 +8,8 @@ pub enum ShadowMethod {
     Off,
     /// Shadow maps: the depth as each light sees it.
     Maps,
-    /// Stencil shadow volumes: shadows with hard edges, right to the pixel, without maps and their
-    /// options. They are counted against the depth of each view.
+    /// Stencil shadow volumes: hard edges, exact to the pixel. The options of maps have no effect.
+    /// Volumes are counted against the depth of each view.
     Volumes,
 }
 
@@ -18,25 +18,26 @@ impl ShadowMethod {
     pub const ALL: [Self; 3] = [Self::Off, Self::Maps, Self::Volumes];
 }
 
-/// The filter of shadow maps. Each sample is a comparison with the four nearest texels, mixed by
-/// their distances.
+/// The filter of shadow maps. Each sample compares with the four nearest texels and mixes the
+/// results bilinearly.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ShadowFilter {
     /// One sample: edges as wide as a texel.
     Single,
     /// Percentage-closer filtering of three by three samples, a texel apart.
     Pcf3,
-    /// 64 samples of a disk as wide as the light's penumbra, at every pixel.
+    /// 64 samples of a disk as wide as the light's penumbra, for every pixel.
     Fixed64,
-    /// The same disk, of which 8 samples of its edge decide whether the other 56 are taken
-    /// (Uralsky, "Efficient Soft-Edged Shadows Using Pixel Shader Branching", GPU Gems 2, chapter
-    /// 17).
+    /// 64 samples of the disk of [`ShadowFilter::Fixed64`], of which the first 8 lie at its edge:
+    /// they decide whether the other 56 are taken (Uralsky, "Efficient Soft-Edged Shadows Using
+    /// Pixel Shader Branching", GPU Gems 2, chapter 17).
     #[default]
     Adaptive,
     /// A disk whose width follows from the distance to the blockers (Fernando, "Percentage-Closer
     /// Soft Shadows", 2005): 8 samples find blockers, 12 filter.
     Pcss12,
-    /// The same with 32 and 64 samples.
+    /// The filter of [`ShadowFilter::Pcss12`] with 32 samples that find blockers and 64 that
+    /// filter.
     Pcss64,
 }
 
@@ -59,35 +60,35 @@ impl ShadowFilter {
     }
 }
 
-/// The remedy against surfaces that shadow themselves.
+/// The remedy against surfaces that shadow themselves (shadow acne).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ShadowBias {
-    /// The maps hold the nearest surfaces, whichever side they show to the light. Every sample is
-    /// compared with the depth of the receiver's plane there, and that by a texel's slope nearer to
-    /// the light.
+    /// The maps hold the nearest surfaces, whichever side faces the light. Every sample compares
+    /// with the depth of the receiver's plane at the sample, moved towards the light by the slope
+    /// of a texel.
     #[default]
     Plane,
     /// The maps hold the surfaces that face away from the light. Needs closed meshes, seen from
-    /// outside of them: those that are open cast no shadow on the side of their fronts, and those
-    /// around a lamp cast theirs.
+    /// outside. An open mesh casts no shadow where its fronts face the light, and a closed mesh
+    /// around a lamp does cast one.
     BackFaces,
-    /// The maps hold depths halfway between the nearest surface that faces the light and the
-    /// nearest one that faces away from it, at most [`MIDPOINT_TEXELS`] behind the first (Woo, "The
-    /// Shadow Depth Map Revisited", Graphics Gems III, 1992; Weiskopf, Ertl, "Shadow Mapping Based
-    /// on Dual Depth Layers", 2003), and samples are compared as with [`ShadowBias::Plane`]. So
-    /// curved surfaces do not shadow themselves under wide filters either. Where the first surface
-    /// faces away, or nothing behind it does, the map holds that one. Takes three images in place
-    /// of one, and two in place of one for resting casters; draws each caster twice, and culls
-    /// none.
+    /// The maps hold depths halfway between the nearest front face and the nearest back face, as
+    /// seen from the light, at most [`MIDPOINT_TEXELS`] behind the front face (Woo, "The Shadow
+    /// Depth Map Revisited", Graphics Gems III, 1992; Weiskopf, Ertl, "Shadow Mapping Based on Dual
+    /// Depth Layers", 2003). Samples are compared as with [`ShadowBias::Plane`]. So curved surfaces
+    /// do not shadow themselves even under wide filters. Where the nearest surface is a back face,
+    /// or has no back face behind it, the map holds the nearest surface. Takes three images instead
+    /// of one, and two instead of one for resting casters. Each caster is drawn twice, and no
+    /// caster is culled.
     Midpoint,
 }
 
-/// The most texels' widths by which [`ShadowBias::Midpoint`] moves a surface away from the light:
-/// an open mesh over others keeps its shadow beyond them.
+/// The most texels by which [`ShadowBias::Midpoint`] moves a surface away from the light. So an
+/// open mesh keeps its shadow on surfaces that are farther behind it.
 pub const MIDPOINT_TEXELS: f32 = 8.0;
 
 impl ShadowBias {
-    /// All of them.
+    /// All remedies.
     pub const ALL: [Self; 3] = [Self::Plane, Self::BackFaces, Self::Midpoint];
 
     /// Returns the name, as in reports and on the command line.
@@ -101,10 +102,10 @@ impl ShadowBias {
     }
 }
 
-/// The use of what earlier frames drew.
+/// The reuse of maps of earlier frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ShadowCaching {
-    /// A face is drawn again only if something in it changed.
+    /// A face is drawn again only if it or something in it has changed.
     #[default]
     Cached,
     /// Every face is drawn in every frame.
@@ -114,14 +115,13 @@ pub enum ShadowCaching {
 /// The choice of casters for maps that are not kept yet, and for volumes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum CasterCulling {
-    /// Only casters whose shadow can fall on something visible are drawn to maps until these are
-    /// kept (Bittner, Mattausch, Silvennoinen, Wimmer, "Shadow Caster Culling for Efficient Shadow
-    /// Mapping", I3D 2011). Maps that are kept, for views to come, hold all of their casters. Of
-    /// volumes those of such casters are counted. Needs frames of one view with one sample per
-    /// pixel.
+    /// Maps that are not kept hold only casters whose shadow can fall on something visible
+    /// (Bittner, Mattausch, Silvennoinen, Wimmer, "Shadow Caster Culling for Efficient Shadow
+    /// Mapping", I3D 2011), and only volumes of these casters are counted. Maps that are kept for
+    /// later views hold all of their casters. Needs frames of one view with one sample per pixel.
     #[default]
     Culled,
-    /// All casters in a map's view are drawn to it, or all volumes counted.
+    /// All casters in a map's view are drawn, and all volumes are counted.
     Unculled,
 }
 
@@ -140,41 +140,41 @@ pub struct ShadowOptions {
     pub filter: ShadowFilter,
     /// The remedy against surfaces that shadow themselves.
     pub bias: ShadowBias,
-    /// The use of what earlier frames drew.
+    /// The reuse of maps of earlier frames.
     pub caching: ShadowCaching,
     /// The choice of casters.
     pub culling: CasterCulling,
-    /// The width of penumbras in metres, at least 0, of lights that have none of their own.
+    /// The width of penumbras in metres, at least 0, for lights without a width of their own.
     pub penumbra_m: f32,
-    /// Maps of a directional light, 1 to [`MAX_CASCADES`]: each reaches three times as far as the
-    /// one before.
+    /// The number of maps of a directional light, 1 to [`MAX_CASCADES`]: each reaches three times
+    /// as far as the previous one.
     pub cascades: u32,
-    /// The share of half the side of a cascade, 0 to 0.5, in which it blends into the next one, and
-    /// the last one into full light. At 0 they change from one pixel to the next, and the change of
-    /// sharpness can be seen; what lies in such a band takes the samples of two maps.
+    /// The width of the band in which a cascade blends into the next one, and the last one into
+    /// full light, as a share of half its side: 0 to 0.5. At 0 the sharpness changes visibly from
+    /// one pixel to the next. Pixels in the band sample two maps.
     pub cascade_blend: f32,
-    /// The distance from the eye to which directional lights have shadows, in metres. Without one
-    /// it follows from the scene of the first frame with these options: 200, and farther where
-    /// objects are larger than houses, as in a scene in another unit.
+    /// The distance from the eye up to which directional lights have shadows, in metres. `None`
+    /// computes the distance from the scene of the first frame with these options. It is 200, or
+    /// more where objects are larger than houses, as in a scene in another unit.
     pub distance_m: Option<f32>,
-    /// The side of a directional light's maps in texels: a power of two from [`MIN_SIDE`] on, as
-    /// the two below.
+    /// The side of a directional light's maps in texels: a power of two from [`MIN_SIDE`] on, like
+    /// the next two sides.
     pub sun_side: u32,
     /// The side of a spot light's map in texels.
     pub spot_side: u32,
-    /// The side of each of the six maps of a point light in texels.
+    /// The side of each of a point light's six maps in texels.
     pub point_side: u32,
     /// The most layers of maps, each as large as the largest map. Lights that do not fit get
-    /// smaller maps, at last none. Maps with resting casters of their own take as many again, and
-    /// [`ShadowBias::Midpoint`] three times as many, five with those. With volumes, the most layers
-    /// of a mask as large as the image: each holds [`MASK_LIGHTS`](crate::MASK_LIGHTS) of the
-    /// lights that a view shows.
+    /// smaller maps, at last none. Layers of resting casters take the same number again.
+    /// [`ShadowBias::Midpoint`] takes three times the number, or five times with resting casters.
+    /// With volumes, this is the most layers of a mask as large as the image. Each layer of the
+    /// mask holds [`MASK_LIGHTS`](crate::MASK_LIGHTS) of the lights that a view shows.
     pub layers_max: u32,
 }
 
 impl Default for ShadowOptions {
-    /// Returns no shadows; with a method, four cascades of 2048 texels, and 128 MiB of
-    /// maps at most, twice that while casters move among others that rest.
+    /// Returns options without shadows. With a method set, they give four cascades of 2048 texels
+    /// and at most 128 MiB of maps, twice that while some casters move and others rest.
     fn default() -> Self {
         Self {
             method: ShadowMethod::Off,
@@ -200,59 +200,60 @@ pub enum ShadowOptionsError {
     /// A number of cascades out of range.
     #[error("a sun with {cascades} cascades is impossible: it has 1 to {MAX_CASCADES}")]
     Cascades {
-        /// The number asked for.
+        /// The requested number.
         cascades: u32,
     },
-    /// A band between cascades that is no share of them.
+    /// A blend band that is not a share of 0 to 0.5.
     #[error("cascades that blend over {blend} of half their side are impossible: give 0 to 0.5")]
     CascadeBlend {
-        /// The share asked for.
+        /// The requested share.
         blend: f32,
     },
-    /// A distance that gives cascades no size.
+    /// A distance at which cascades have no size.
     #[error(
         "cascades that reach {distance_m} m have no size: give a distance above 0 and below 1e6 m"
     )]
     Distance {
-        /// The distance asked for.
+        /// The requested distance.
         distance_m: f32,
     },
-    /// A width of penumbras that is no length.
+    /// A width of penumbras that is out of range.
     #[error("penumbras of {penumbra_m} m are impossible: give a width from 0 to below 1e3 m")]
     Penumbra {
-        /// The width asked for.
+        /// The requested width.
         penumbra_m: f32,
     },
-    /// A side of a map that is no power of two, or too small.
+    /// A side of a map that is not a power of two, or is too small.
     #[error("a shadow map of {side} texels is impossible: give a power of two from {MIN_SIDE} on")]
     Side {
-        /// The side asked for.
+        /// The requested side.
         side: u32,
     },
-    /// No layer at all.
+    /// No layers.
     #[error("shadow maps need at least one layer: raise `layers_max`")]
     NoLayer,
 }
 
 impl ShadowOptions {
-    /// Returns the side of a layer: that of the largest map.
+    /// Returns the side of a layer, which is the side of the largest map.
     #[must_use]
     pub fn layer_side(&self) -> u32 {
         self.sun_side.max(self.spot_side).max(self.point_side)
     }
 
-    /// Returns true if casters may be left out whose shadow falls on nothing visible. The back of
-    /// such a caster may be what a midpoint is made of: maps of [`ShadowBias::Midpoint`] hold all.
+    /// Returns true if casters may be left out if their shadow falls on nothing visible. This is
+    /// not so for maps of [`ShadowBias::Midpoint`]: the back of such a caster may determine a
+    /// midpoint.
     #[must_use]
     pub fn may_cull_casters(&self) -> bool {
         let has_midpoints = self.method == ShadowMethod::Maps && self.bias == ShadowBias::Midpoint;
         self.culling == CasterCulling::Culled && !has_midpoints
     }
 
-    /// Refuses options that no device can fulfil.
+    /// Checks that a device can fulfil the options.
     ///
     /// # Errors
-    /// The first such option.
+    /// The first impossible option.
     pub fn check(&self) -> Result<(), ShadowOptionsError> {
         if !(1..=MAX_CASCADES).contains(&self.cascades) {
             return Err(ShadowOptionsError::Cascades { cascades: self.cascades });

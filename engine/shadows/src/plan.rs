@@ -11,17 +11,17 @@ use crate::tiles::Tile;
 /// The work for one map in a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum FaceWork {
-    /// Nothing: the map is as it should be.
+    /// Nothing: the map is valid.
     Keep,
-    /// The map is cleared, and these casters are drawn.
+    /// The map is cleared, and all of these casters are drawn.
     Draw(Range<usize>),
-    /// The map is cleared, and those of these casters are drawn that shadow something visible, once
-    /// that is known. They are in the order of the hierarchy's leaves.
+    /// The map is cleared. Of these casters, only those that shadow something visible are drawn,
+    /// once the executor has tested them. They are in the order of the hierarchy's leaves.
     Cull(Range<usize>),
-    /// The layer of resting casters is drawn first, if it is not as it should be; then the map is a
-    /// copy of it, with the moving casters drawn on top.
+    /// The layer of resting casters is drawn first, if it is not valid; then it is copied to the
+    /// map, and the moving casters are drawn on top.
     Layered {
-        /// The casters of the resting layer, if it must be drawn.
+        /// The casters of the resting layer; `None` if the layer is valid.
         resting: Option<Range<usize>>,
         /// The moving casters.
         moving: Range<usize>,
@@ -29,7 +29,7 @@ pub enum FaceWork {
 }
 
 impl FaceWork {
-    /// Returns the casters that are drawn in any case, among [`ShadowPlan::casters`].
+    /// Returns the ranges of [`ShadowPlan::casters`] that are drawn in any case, without a test.
     pub fn drawn_casters(&self) -> impl Iterator<Item = Range<usize>> {
         let [first, second] = match self {
             Self::Keep | Self::Cull(_) => [None, None],
@@ -47,7 +47,7 @@ pub struct PlannedFace {
     pub face: Face,
     /// The place of the map.
     pub tile: Tile,
-    /// The work.
+    /// The work for the map.
     pub work: FaceWork,
 }
 
@@ -56,7 +56,7 @@ pub struct PlannedFace {
 pub struct PlannedLight {
     /// The light.
     pub light: ShadowLightId,
-    /// Its maps among [`ShadowPlan::faces`]; empty where there was no room for them.
+    /// The light's maps among [`ShadowPlan::faces`]; empty if there was no room for them.
     pub faces: Range<usize>,
 }
 
@@ -65,43 +65,43 @@ pub struct PlannedLight {
 pub struct ShadowPlan {
     /// The lights, in the order in which they were given.
     pub lights: Vec<PlannedLight>,
-    /// Their maps.
+    /// The maps of all lights.
     pub faces: Vec<PlannedFace>,
-    /// The casters that [`FaceWork`]s name.
+    /// The casters to which [`FaceWork`] refers.
     pub casters: Vec<LeafIndex>,
-    /// The layers that the maps lie in.
+    /// The number of layers in which the maps lie.
     pub layers: u32,
-    /// Lights without maps, since there was no room.
+    /// The number of lights without maps, for lack of room.
     pub unshadowed_lights: u32,
 }
 
-/// The counts of the shadows of a frame: of maps, or of volumes.
+/// The counts of a frame's shadows: of maps, or of volumes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ShadowStats {
-    /// Lights with shadows; those of volumes once for each view that they reach into.
+    /// Lights with shadows; with volumes, a light counts once per view that it reaches.
     pub lights: u32,
     /// Maps.
     pub faces: u32,
-    /// Maps that are drawn, wholly or in part.
+    /// Maps that are drawn, with some or all of their casters.
     pub drawn_faces: u32,
-    /// Maps among them whose casters are culled.
+    /// Drawn maps whose casters are culled.
     pub culled_faces: u32,
-    /// Casters in maps that are drawn, culled or not, or of volumes.
+    /// Casters in drawn maps, culled or not, or casters of volumes.
     pub casters: u32,
-    /// Tests that decide about culled casters.
+    /// Tests of culled casters.
     pub tests: u32,
-    /// Volumes that are counted by z-fail, since the eye may be in them.
+    /// Volumes that are counted by z-fail, since the eye may be inside.
     pub z_fail_volumes: u32,
-    /// Triangles of the casters that are drawn, as far as the plan decides.
+    /// Triangles of casters that are drawn without a test.
     pub triangles: u64,
-    /// Triangles of culled casters that the tests of the newest frame with results revealed.
+    /// Triangles of casters that passed the tests in the newest frame with results.
     pub revealed_triangles: u64,
-    /// Lights without shadows, since there was no room for their maps or in the mask.
+    /// Lights without shadows, for lack of room for their maps or in the mask.
     pub unshadowed_lights: u32,
 }
 
 impl ShadowPlan {
-    /// Returns the counts, without those of triangles and tests: an executor knows them.
+    /// Returns the counts, without triangles and tests, which only an executor can count.
     #[must_use]
     pub fn stats(&self) -> ShadowStats {
         let is_drawn = |face: &&PlannedFace| face.work != FaceWork::Keep;
@@ -117,7 +117,7 @@ impl ShadowPlan {
         }
     }
 
-    /// Returns true if some map has a resting layer that is drawn or copied.
+    /// Returns true if a map has a resting layer that is drawn or copied.
     #[must_use]
     pub fn has_layers(&self) -> bool {
         self.faces.iter().any(|face| matches!(face.work, FaceWork::Layered { .. }))

@@ -1,4 +1,4 @@
-//! The reach of shadows as culling sees it: how far the filters of maps look around.
+//! The reach of shadows for culling: the distances at which the filters of maps sample.
 
 use cull::LightReach;
 
@@ -6,25 +6,26 @@ use crate::face::Face;
 use crate::light::ShadowLight;
 use crate::options::ShadowFilter;
 
-/// The steepest slope that filters follow; mirrors `SLOPE_MAX` of `shadows.glsl`.
+/// The steepest slope that filters follow; equals `SLOPE_MAX` in `shadows.glsl`.
 const SLOPE_MAX: f32 = 32.0;
 
-/// The texels around a sample that it is compared with, and those that vertices may be moved by.
+/// The distance, in texels, of the texels with which a sample is compared, plus the distance by
+/// which vertices may be snapped.
 const AROUND_TEXELS: f32 = 2.5;
 
-/// The texels' slopes by which a receiver is moved towards the light; mirrors `receiver_of` of
+/// The receiver's shift towards the light, in slopes of a texel; equals the one in `receiver_of` in
 /// `shadows.glsl`.
 const BIAS_TEXELS: f32 = 1.25;
 
-/// The share of the distance to a local light by which a caster may be farther than the receiver;
-/// mirrors the floor of `receiver_of` of `shadows.glsl`, which lets nothing block that is twice as
-/// far.
+/// The share of the distance to a local light by which a caster may be farther than the receiver.
+/// It follows from the lower limit in `receiver_of` in `shadows.glsl`: nothing at twice the
+/// distance blocks.
 const LOCAL_LEAD: f32 = 0.5;
 
-/// The same for filters of a few texels, whose bias covers slopes.
+/// The value of [`LOCAL_LEAD`] for filters of a few texels, whose bias covers slopes.
 const LEAST_LOCAL_LEAD: f32 = 1.0 / 16.0;
 
-/// Returns the radius of the disk that a filter samples, in metres; 0 where that is a few texels.
+/// Returns the radius of the disk that a filter samples, in metres; 0 for filters of a few texels.
 fn radius_m(filter: ShadowFilter, penumbra_m: f32) -> f32 {
     match filter {
         ShadowFilter::Single | ShadowFilter::Pcf3 => 0.0,
@@ -35,7 +36,7 @@ fn radius_m(filter: ShadowFilter, penumbra_m: f32) -> f32 {
     }
 }
 
-/// Returns the reach of a light whose shadows are looked up in these faces.
+/// Returns the reach of a light whose shadows are sampled in these faces.
 #[must_use]
 pub fn light_reach<'a>(
     light: &ShadowLight,
@@ -48,7 +49,7 @@ pub fn light_reach<'a>(
     let mut most_m = 0.0_f32;
     for face in faces {
         let texel_m = 2.0 * face.view.rays.right.length() / face.view.size[0].max(1) as f32;
-        // Texels of local lights grow from nothing.
+        // Texels of local lights grow with the distance, from 0.
         least_m = least_m.min(if reach.is_some() { 0.0 } else { texel_m });
         most_m = most_m.max(texel_m * far_m);
     }

@@ -1,21 +1,21 @@
-//! The distance to which directional lights have shadows where the options leave it open.
+//! The distance up to which directional lights have shadows if the options do not set it.
 
 use cull::Hierarchy;
 
 use crate::face::CASCADE_RATIO;
 
-/// The distance in a scene in metres (metres).
+/// The distance in a scene whose unit is the metre (metres).
 const LEAST_M: f32 = 200.0;
 
-/// The distance in sizes of what a scene is made of: that of streets in houses, roughly.
+/// The distance relative to the median size of objects: about right for a street of houses.
 const SIZES: f32 = 20.0;
 
-/// The distance in sizes of the whole scene, for one of few and large objects.
+/// The largest distance relative to the size of the scene, for scenes of a few large objects.
 const SCENE_SIZES: f32 = 2.0;
 
-/// Returns the distance in the scene of a hierarchy (metres): 200, and that times powers of the
-/// ratio of two cascades where half of the objects are larger than houses. So a scene whose unit is
-/// not the metre has shadows where it would have them in metres.
+/// Returns the distance in the scene of a hierarchy (metres). It is 200, multiplied by powers of
+/// the ratio of two cascades if half of the objects are larger than houses. So a scene in another
+/// unit has shadows over the same part of it as a scene in metres.
 pub(crate) fn sun_distance_m(hierarchy: &Hierarchy) -> f32 {
     let objects = hierarchy.leaf_objects().iter();
     let boxes =
@@ -40,7 +40,7 @@ mod tests {
 
     use super::*;
 
-    /// Returns a row of things on a ground, in a unit of so many metres.
+    /// Returns a row of things on a ground, in a unit of `unit_m` metres.
     fn town(things: u32, unit_m: f32) -> Hierarchy {
         let corner = |number: u32| vec3(15.0 * number as f32, 0.0, 0.0);
         let thing = |number| Aabb::new(corner(number), corner(number) + Vec3::splat(9.0));
@@ -56,7 +56,7 @@ mod tests {
         assert_eq!([of(0.01), of(1.0), of(1.5)], [200.0; 3]);
         assert_eq!([of(3.0), of(1000.0)], [600.0, 145_800.0]);
         assert_eq!(sun_distance_m(&Hierarchy::build(&[]).unwrap()), 200.0);
-        // A terrain is a single object: no farther than it reaches.
+        // A terrain is a single object: the distance is limited by the scene's size.
         let terrain = [Aabb::new(Vec3::splat(-500.0), Vec3::splat(500.0))];
         assert_eq!(sun_distance_m(&Hierarchy::build(&terrain).unwrap()), 5400.0);
     }

@@ -1,4 +1,5 @@
-//! The places of maps: squares in the layers of an image. A layer holds squares of one size.
+//! The places of maps: squares in the layers of an image. All squares of a layer have the same
+//! size.
 
 /// A square of texels in a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -11,7 +12,7 @@ pub struct Tile {
     pub side: u32,
 }
 
-/// The tiles of an image of so many layers.
+/// The tiles of an image with a limited number of layers.
 #[derive(Clone, Debug)]
 pub struct TilePool {
     layer_side: u32,
@@ -19,7 +20,7 @@ pub struct TilePool {
     layers: Vec<Layer>,
 }
 
-/// A layer: the side of its tiles, 0 for none, and the free places in it.
+/// A layer: the side of its tiles, 0 if it has none, and the free places.
 #[derive(Clone, Debug, Default)]
 struct Layer {
     side: u32,
@@ -33,13 +34,13 @@ impl TilePool {
         Self { layer_side, layers_max, layers: Vec::new() }
     }
 
-    /// Returns the number of layers that were ever needed at once.
+    /// Returns the largest number of layers that was ever needed.
     #[must_use]
     pub fn layers(&self) -> u32 {
         self.layers.len() as u32
     }
 
-    /// Returns the number of tiles with a side that can still be taken.
+    /// Returns the number of tiles of a side that are still free.
     #[must_use]
     pub fn room(&self, side: u32) -> usize {
         if side == 0 || side > self.layer_side {
@@ -55,7 +56,7 @@ impl TilePool {
         self.layers.iter().map(of_layer).sum::<usize>() + to_come * across * across
     }
 
-    /// Takes a tile with a side that is a power of two, up to a layer's; `None` if there is no
+    /// Takes a tile whose side is a power of two, at most a layer's side; `None` if there is no
     /// room.
     pub fn take(&mut self, side: u32) -> Option<Tile> {
         let has_room = |layer: &Layer| layer.side == side && !layer.free.is_empty();
@@ -70,7 +71,7 @@ impl TilePool {
         Some(Tile { layer: number as u32, origin, side })
     }
 
-    /// Gives a tile back.
+    /// Returns a tile to the pool.
     pub fn give_back(&mut self, tile: Tile) {
         let across = self.layer_side / tile.side;
         let Some(layer) = self.layers.get_mut(tile.layer as usize) else { return };
@@ -81,7 +82,7 @@ impl TilePool {
         }
     }
 
-    /// Makes a layer without tiles one for tiles of a size. Returns its number.
+    /// Opens an unused layer for tiles of a size. Returns its number.
     fn open(&mut self, side: u32) -> Option<usize> {
         if side == 0 || side > self.layer_side {
             return None;

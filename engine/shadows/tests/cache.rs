@@ -1,6 +1,6 @@
-//! The cache against drawing everything afresh: maps are simulated as the sets of what was drawn to
-//! them, over a thousand seeded frames of objects that move, rest, come and go, and of lights that
-//! do.
+//! Compares the cache with maps that are drawn afresh. Maps are simulated as the sets of casters
+//! that were drawn to them, over a thousand seeded frames. Objects and lights move, rest, appear
+//! and vanish.
 #![allow(clippy::expect_used, reason = "a test fails by panicking")]
 
 use std::collections::{BTreeSet, HashMap};
@@ -41,7 +41,7 @@ struct Maps {
     drawn: u64,
 }
 
-/// The objects that are there, and how often each was changed.
+/// The existing objects, and how often each has changed.
 struct World {
     hierarchy: Hierarchy,
     versions: Vec<u32>,
@@ -74,7 +74,7 @@ impl World {
         }
     }
 
-    /// Makes the changes of one frame: a few always move, others now and then, in phases of rest.
+    /// Makes the changes of one frame: a few objects always move, the others now and then.
     fn step(&mut self, frame: u32, random: &mut Random) {
         self.changes.clear();
         if frame % 100 > 70 {
@@ -114,7 +114,7 @@ impl World {
 }
 
 impl Maps {
-    /// Draws a plan, and compares every map of it with one that is drawn afresh.
+    /// Executes a plan, and compares every map with one that is drawn afresh.
     fn execute(&mut self, plan: &ShadowPlan, world: &World) {
         for planned in &plan.faces {
             let casters =
@@ -154,7 +154,7 @@ fn lights(frame: u32) -> Vec<ShadowLight> {
             0 => LightShape::Point { position, reach_m: 12.0 },
             _ => LightShape::Spot { position, direction, outer_rad: 0.7, reach_m: 15.0 },
         };
-        // One goes out for a while, and one moves.
+        // One light is off for a while, and one moves.
         let moved = position + Vec3::X * (frame / 50) as f32;
         match lamp {
             3 if frame % 120 > 90 => {}
@@ -176,7 +176,7 @@ fn options(caching: ShadowCaching) -> ShadowOptions {
     }
 }
 
-/// Returns the draws of casters over all frames.
+/// Returns the number of casters drawn over all frames.
 fn walk(seed: u64, caching: ShadowCaching, lost_frames: bool) -> u64 {
     let mut random = Random(seed);
     let mut world = World::new(&mut random);
@@ -191,7 +191,7 @@ fn walk(seed: u64, caching: ShadowCaching, lost_frames: bool) -> u64 {
         let eyes = ShadowViews { eyes, sub_pixel_bits: 8, drawn_share: None };
         cache.plan(&lights(frame), &casters, &eyes, &mut plan);
         if lost_frames && frame % 37 == 5 {
-            // Never drawn, and never submitted.
+            // This plan is neither drawn nor submitted.
             continue;
         }
         maps.execute(&plan, &world);
@@ -262,7 +262,8 @@ fn lights_beyond_the_room_get_smaller_maps_and_then_none() {
 fn maps_grow_again_when_there_is_room() {
     let mut random = Random(3);
     let world = World::new(&mut random);
-    // Two lamps fill three layers with twelve maps; those of the third are smaller, in the fourth.
+    // The maps of two lamps fill three layers; the maps of the third lamp are smaller, in the
+    // fourth layer.
     let options = ShadowOptions { layers_max: 4, sun_side: 512, ..options(ShadowCaching::Cached) };
     let mut cache = ShadowCache::new(options);
     let mut plan = ShadowPlan::default();
@@ -353,7 +354,7 @@ fn maps_of_a_light_that_keeps_moving_are_culled_and_whole_once_it_rests() {
     assert_eq!(work(5, all), [6, 6]);
     assert_eq!(work(5, all), [0, 6], "maps without all casters are not kept");
     assert_eq!(work(5, all), [0, 0]);
-    // A third of the casters in each of two frames, then all of them once.
+    // A third of the casters in each of two frames, then all of them.
     let third = Some(0.33);
     assert_eq!(work(6, third), [6, 6]);
     assert_eq!(work(6, third), [6, 6]);

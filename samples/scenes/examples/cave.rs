@@ -1,5 +1,5 @@
-//! Writes one large mesh as a binary STL file: a cave around the eye, or a hilly plain, and a path
-//! through it that `walkthrough` walks. For measuring what culling a mesh in pieces brings.
+//! Writes a single large mesh as a binary STL file, a cave around the eye or a hilly plain, and a
+//! path through it for `walkthrough`. It serves to measure the benefit of culling a mesh in pieces.
 //!
 //! ```sh
 //! cargo run --release -p scenes --example cave -- 5000000 cave.stl cave.txt
@@ -12,10 +12,10 @@ use std::io::{BufWriter, Write};
 
 use glam::Vec3;
 
-/// Millimetres per metre: the unit of STL.
+/// Millimetres per metre: STL files are in millimetres.
 const UNIT: f32 = 1000.0;
 
-/// The frames of the path.
+/// The number of frames of the path.
 const FRAMES: u16 = 60;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         _ => return Err("usage: cave TRIANGLES FILE.stl PATH.txt [plain]".into()),
     };
     let triangles: u32 = triangles.parse()?;
-    // Twice as many columns as rows, two triangles per square.
+    // Twice as many columns as rows, and two triangles per square.
     let rows = (triangles / 4).isqrt().clamp(8, 1 << 14);
     let point = if is_plain { plain } else { cave };
     let mut file = BufWriter::new(File::create(mesh)?);
@@ -69,8 +69,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(file.flush()?)
 }
 
-/// Returns a point of a ball of rock with pillars and hollows, seen from inside; both shares are of
-/// its latitudes and longitudes.
+/// Returns a point of a hollow sphere of rock with pillars, seen from inside; the arguments are the
+/// shares of its latitude and longitude.
 fn cave(down: f32, around: f32) -> Vec3 {
     let (sin, cos) = (down * std::f32::consts::PI).sin_cos();
     let (aside, ahead) = (around * std::f32::consts::TAU).sin_cos();
@@ -85,7 +85,7 @@ fn cave(down: f32, around: f32) -> Vec3 {
     direction * (10.0 + 3.0 * waves.x * waves.y * waves.z + 0.05 * (direction.x * 300.0).sin())
 }
 
-/// Returns a point of hills from above, in sight of the path as a whole.
+/// Returns a point of hills that are seen from above, all in sight of the path.
 fn plain(down: f32, along: f32) -> Vec3 {
     let x = (along - 0.5) * 100.0;
     let z = (down - 0.5) * 50.0;

@@ -1,5 +1,6 @@
-//! The assembly: a factory of gear boxes, conveyors and robot cells in halls, as CAD assemblies
-//! are: few shapes, many instances, and nearly all of them inside of something.
+//! The assembly: a factory with gear boxes, conveyors and robot cells in halls. Like a CAD
+//! assembly, it has few shapes, many instances, and nearly all of its parts are inside of
+//! something.
 
 mod conveyor;
 mod gear_box;
@@ -21,10 +22,10 @@ use super::parts::{PartId, PartTree};
 use super::random::Random;
 use super::routes::{Flight, Routes, Streets};
 
-/// The most parts of a hall with all that is in it: less than it has room for.
+/// The most parts of a hall with its contents: fewer than there is room for.
 const HALL_PARTS: u32 = 1400;
 
-/// The distance from the origin within which one walks, in metres.
+/// The distance from the origin within which walks stay, in metres.
 const WALK_M: f32 = 120.0;
 
 /// An assembly: its scene, and the tree of its parts.
@@ -36,7 +37,7 @@ pub struct Assembly {
     pub parts: PartTree,
 }
 
-/// The meshes of all parts, by what they belong to.
+/// The meshes of all parts, grouped by machine.
 struct Shapes {
     hall: HallMeshes,
     gear_box: GearBoxMeshes,
@@ -73,7 +74,7 @@ pub fn assembly(parts: u32, seed: u64) -> Result<Assembly, GeneratorError> {
         let middle = vec3(column as f32 + 0.5, 0.0, row as f32 + 0.5) * PITCH_M;
         shapes.hall_at(&mut placer, number, Affine3A::from_translation(middle));
     }
-    // Between the halls and through their gates; around them only if there is one alone.
+    // Between the halls and through their gates; around the hall only if it is a single one.
     let lines = |count: u32| {
         let line = |number: u32| (first(count) as f32 + number as f32 * 0.5) * PITCH_M;
         let ends = if count == 1 { 0..=2 } else { 1..=2 * count - 1 };
@@ -85,7 +86,7 @@ pub fn assembly(parts: u32, seed: u64) -> Result<Assembly, GeneratorError> {
         centre: Vec3::new(middle(columns), 22.0, middle(rows)),
         radius_m: (width_m * 0.5).clamp(20.0, 90.0),
         down_rad: 0.6,
-        // Halls are few and large: they are in sight from all of the circle.
+        // Halls are few and large, so they are visible from the whole circle.
         inwards_rad: 1.1,
     };
     let streets = Streets { xs: lines(columns), zs: lines(rows), turn_radius_m: 2.0 };
@@ -102,14 +103,14 @@ pub fn assembly(parts: u32, seed: u64) -> Result<Assembly, GeneratorError> {
 }
 
 impl Shapes {
-    /// Places a hall with as many of its machines as there are parts left for.
+    /// Places a hall with its machines, as far as parts are left.
     fn hall_at(&self, placer: &mut Placer, number: u32, place: Affine3A) {
         let hall = placer.group(format!("hall {}", number + 1), PartId(0));
         self.hall.place(placer, hall, place);
         let quarter = |number: u32| {
             let side = |is_far: bool| if is_far { -1.0 } else { 1.0 };
             let middle = vec3(side(number & 1 == 0) * 4.7, 0.0, side(number & 2 == 0) * 4.5);
-            // The far quarters are turned, so that all show the aisle their front.
+            // The far quarters are turned, so that all machines face the aisle.
             let turn = if number & 2 == 0 { 0.0 } else { std::f32::consts::PI };
             place * Affine3A::from_translation(middle) * Affine3A::from_rotation_y(turn)
         };

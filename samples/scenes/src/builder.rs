@@ -20,35 +20,35 @@ fn linear_of_srgb(byte: u32) -> f32 {
 }
 
 impl Paint {
-    /// Returns the colour `0xRRGGBB` as web pages write it, untouched by tints.
+    /// Returns the colour `0xRRGGBB` of web pages, which tints do not affect.
     pub(crate) fn srgb(hex: u32) -> Self {
         let channel = |shift: u32| linear_of_srgb(hex >> shift & 0xFF);
         Self { linear: [channel(16), channel(8), channel(0)], tint_share: 0.0 }
     }
 
-    /// Returns the same colour, tinted by the object in part (0) or fully (1).
+    /// Returns the colour with the share, 0 to 1, to which the object tints it.
     pub(crate) fn tinted(self, share: f32) -> Self {
         Self { tint_share: share, ..self }
     }
 
-    /// Returns the same hue, darker (below 1) or lighter.
+    /// Returns the colour multiplied by a factor: darker below 1, or lighter.
     pub(crate) fn shade(self, factor: f32) -> Self {
         Self { linear: self.linear.map(|value| value * factor), ..self }
     }
 
-    /// Returns the vertex colour, or the object's tint: linear unorm8x4.
+    /// Returns the colour of a vertex, or of an object's tint, as linear unorm8x4.
     pub(crate) fn packed(self) -> u32 {
         let [red, green, blue] = self.linear;
         pack_unorm([red, green, blue, self.tint_share])
     }
 }
 
-/// The faces of a box that are built; hidden ones are left out.
+/// The faces of a box that are built; hidden faces are left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Faces {
-    /// All six, for a box that is seen from everywhere.
+    /// All six faces, for a box that is visible from everywhere.
     All,
-    /// All but the bottom, for a box that stands on something.
+    /// All faces except the bottom, for a box that stands on something.
     Standing,
     /// The four sides.
     Sides,
@@ -63,8 +63,8 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
-    /// Returns the wall on side `side` (0: +z, 1: +x, 2: -z, 3: -x) of a box of these half sizes;
-    /// its origin is the lower left corner, seen from outside.
+    /// Returns the wall on side `side` (0: +z, 1: +x, 2: -z, 3: -x) of a box of these half extents;
+    /// the origin is the lower left corner, seen from outside.
     pub(crate) fn of_side(side: usize, half: Vec2, centre: Vec3) -> Self {
         let (corner, u, n) = match side % 4 {
             0 => (vec3(-half.x, 0.0, half.y), Vec3::X, Vec3::Z),
@@ -76,7 +76,7 @@ impl Frame {
     }
 
     /// Returns a wall whose normal is turned by `turn` radians from +z towards +x, `out` metres
-    /// from the y axis; its origin is right before that axis.
+    /// from the y axis; the origin is in front of this axis.
     pub(crate) fn facing(turn: f32, out: f32) -> Self {
         let (sin, cos) = turn.sin_cos();
         let n = vec3(sin, 0.0, cos);
@@ -98,12 +98,12 @@ pub(crate) struct Panel {
     pub(crate) v1: f32,
 }
 
-/// Returns the rectangle of these edges.
+/// Returns the rectangle with these edges.
 pub(crate) fn panel(u0: f32, v0: f32, u1: f32, v1: f32) -> Panel {
     Panel { u0, v0, u1, v1 }
 }
 
-/// A collector of triangles, which stores equal vertices once.
+/// A collector of triangles that stores equal vertices once.
 #[derive(Default)]
 pub(crate) struct MeshBuilder {
     vertices: Vec<Vertex>,
@@ -145,7 +145,7 @@ impl MeshBuilder {
         }
     }
 
-    /// Adds a flat polygon as a fan around `centre`, from which its whole outline can be seen.
+    /// Adds a flat polygon as a fan around `centre`, from which the whole outline must be visible.
     pub(crate) fn fan(&mut self, centre: Vec3, outline: &[Vec3], paint: Paint) {
         for (position, &point) in outline.iter().enumerate() {
             let next = outline[(position + 1) % outline.len()];
@@ -153,7 +153,7 @@ impl MeshBuilder {
         }
     }
 
-    /// Adds a rectangle on a wall, `d` metres out of it.
+    /// Adds a rectangle in front of a wall, at a distance of `d` metres.
     pub(crate) fn rectangle(&mut self, frame: &Frame, area: Panel, d: f32, paint: Paint) {
         let Panel { u0, v0, u1, v1 } = area;
         let corners = [(u0, v0), (u1, v0), (u1, v1), (u0, v1)].map(|(u, v)| frame.at(u, v, d));
@@ -161,7 +161,7 @@ impl MeshBuilder {
     }
 
     /// Adds the wall between `cell` and the `hole` in it, and the four sides of the hole. The hole
-    /// goes `depth` metres into the wall; the caller closes it.
+    /// is `depth` metres deep and open at the back; the caller closes it.
     pub(crate) fn recess(
         &mut self,
         frame: &Frame,
@@ -185,7 +185,7 @@ impl MeshBuilder {
         }
     }
 
-    /// Adds a box that stands out of a wall by `d` metres, without its back.
+    /// Adds a box that protrudes from a wall by `d` metres, without its back.
     pub(crate) fn ledge(&mut self, frame: &Frame, area: Panel, d: f32, paint: Paint) {
         let Panel { u0, v0, u1, v1 } = area;
         let corners =
@@ -204,7 +204,7 @@ impl MeshBuilder {
         self.tapered(min, max, Vec2::ZERO, faces, paint);
     }
 
-    /// Adds a box whose top is drawn in by `inset` metres on each side along x and z.
+    /// Adds a box whose top is smaller by `inset` metres on each side along x and z.
     pub(crate) fn tapered(
         &mut self,
         min: Vec3,
@@ -236,8 +236,8 @@ impl MeshBuilder {
         }
     }
 
-    /// Adds a band around a box of these half sizes, from height `low` to `high`. It stands out of
-    /// the box's walls by `out` metres.
+    /// Adds a band around a box of these half extents, from height `low` to `high`. It protrudes
+    /// from the box's walls by `out` metres.
     pub(crate) fn band(&mut self, half: Vec2, out: f32, heights: [f32; 2], paint: Paint) {
         let corners = |half: Vec2, y: f32| {
             [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)]
@@ -267,8 +267,8 @@ impl MeshBuilder {
     }
 
     /// Adds a solid of revolution about the local y axis. The profile is (radius, height), from the
-    /// bottom up; radius 0 closes an end. Normals are smooth around the axis, with an edge at each
-    /// point of the profile.
+    /// bottom up; a radius of 0 closes an end. Normals are smooth around the axis, with an edge at
+    /// each point of the profile.
     pub(crate) fn turned(
         &mut self,
         place: &Affine3A,
@@ -296,7 +296,7 @@ impl MeshBuilder {
         let place = Affine3A::from_translation(centre);
         let point = |ring: u32| {
             let (sin, cos) = (std::f32::consts::PI * ring as f32 / rings as f32).sin_cos();
-            // The poles are exact, so that their triangles vanish instead of becoming slivers.
+            // The poles are exact, so that their triangles have no area instead of being slivers.
             let sin = if ring == 0 || ring == rings { 0.0 } else { sin };
             let normal = Vec2::new(sin / radii.x, -cos / radii.y).normalize_or_zero();
             let [low, high] = paints;
@@ -346,7 +346,7 @@ impl MeshBuilder {
         }
     }
 
-    /// Adds a prism: a convex outline in (z, y), clockwise where z points right and y up, drawn
+    /// Adds a prism: a convex outline in (z, y), clockwise with z to the right and y up, extruded
     /// from the first x to the second, larger one.
     pub(crate) fn extruded(&mut self, outline: &[Vec2], ends: [f32; 2], paint: Paint) {
         let [x0, x1] = ends;
@@ -361,8 +361,8 @@ impl MeshBuilder {
         self.polygon(&left, paint);
     }
 
-    /// Darkens what is near the ground, as if little sky reached it: from `darkest` at y = 0 to
-    /// unchanged at `height_m`.
+    /// Darkens the vertices near the ground, as if they received less light of the sky: from
+    /// `darkest` at y = 0 to unchanged at `height_m`.
     pub(crate) fn darken_foot(&mut self, darkest: f32, height_m: f32) {
         for vertex in &mut self.vertices {
             let share = (vertex.position[1] / height_m).clamp(0.0, 1.0);

@@ -1,9 +1,9 @@
-//! The procedural city: blocks of buildings and street furniture in districts that are closed by
-//! walls, so that at eye level one sees a street and hardly anything of the rest of the city.
+//! The procedural city: blocks of buildings and street furniture in walled districts, so that at
+//! eye level a street and hardly anything of the rest of the city is visible.
 //!
 //! Streets run straight through a district of six by six blocks and end at a gate house between
-//! walls. What can be seen from a street is the same in a city of ten thousand objects and of a
-//! million; only what is hidden grows.
+//! walls. The view from a street is the same in a city of ten thousand objects and of a million;
+//! only the hidden part grows.
 
 mod buildings;
 mod facade;
@@ -34,15 +34,15 @@ use super::generated::{GeneratedScene, HOVER_M, placement, room_for_objects, sha
 use super::random::Random;
 use super::routes::{AIRCRAFT_INWARDS_RAD, Flight, Routes, Streets};
 
-/// The distance between a district's wall and the line on which one walks along it, in metres.
+/// The distance between a district's wall and the walking line along it, in metres.
 const WALL_WALK_M: f32 = 5.4;
 
-/// The gap between the kerb and a parked car, and between the kerb and a thing on the pavement, in
-/// metres.
+/// The gap between the kerb and a parked car, and between the kerb and an object on the pavement,
+/// in metres.
 const PARKING_GAP_M: f32 = 0.35;
 const PAVEMENT_GAP_M: f32 = 0.15;
 
-/// Makes a city of exactly `objects` objects.
+/// Generates a city of exactly `objects` objects.
 ///
 /// # Errors
 /// [`GeneratorError::ObjectCount`] if `objects` is 0 or more than
@@ -75,14 +75,14 @@ pub fn city(objects: u32, seed: u64) -> Result<GeneratedScene, GeneratorError> {
     Ok(GeneratedScene { scene, routes })
 }
 
-/// A kind of prop, as a block needs it.
+/// A kind of prop with its properties for the layout of a block.
 #[derive(Clone, Copy)]
 struct Choice {
     mesh: MeshId,
     tint: TintKind,
 }
 
-/// The meshes, sorted by use.
+/// The meshes by use.
 struct Kit {
     grounds: [MeshId; 2],
     wall: MeshId,
@@ -164,8 +164,8 @@ struct City {
 }
 
 impl City {
-    /// Returns the number of objects that move from a block to its neighbour: a few, so that blocks
-    /// differ and the sum is kept.
+    /// Returns the number of objects that move from a block to its neighbour. It is small: blocks
+    /// differ, but the sum stays the same.
     fn swing(&self, number: u32, blocks: u32) -> i32 {
         if number ^ 1 >= blocks || blocks < 16 {
             return 0;
@@ -207,8 +207,8 @@ impl City {
         }
     }
 
-    /// Adds walls, gate houses and towers on this block's lower boundaries; on its upper ones too
-    /// where the city ends.
+    /// Adds walls, gate houses and towers on this block's lower boundaries, and on its upper
+    /// boundaries at the end of the city.
     fn closures(&mut self, limit: usize, column: i32, row: i32, random: &mut Random) {
         let own = |at: i32, last: i32| if at + 1 == last { at..at + 2 } else { at..at + 1 };
         let xs = own(column, self.plan.columns.last());
@@ -312,7 +312,7 @@ impl City {
         let tint = prop_tint(choice.tint, random);
         let scale = if choice.tint == TintKind::Leaf { random.between(0.85, 1.0) } else { 1.0 };
         let extent = bounds.max.abs().max(bounds.min.abs()) * scale;
-        // Slots are 4 m apart, parking ones 6 m: what is short may stand a little to the left or
+        // Slots are 4 m apart, parking slots 6 m, so short objects may be shifted to the left or
         // right.
         let jitter = if extent.x < 1.5 { random.between(-0.3, 0.3) } else { 0.0 };
         let around = 2 * random.below(2) as usize;
@@ -338,8 +338,7 @@ impl City {
     }
 }
 
-/// Returns the lines on which one walks through the middle district: along its streets and inside
-/// its walls.
+/// Returns the walking lines in the middle district: along its streets and inside its walls.
 fn streets(plan: &Plan) -> Streets {
     let lines = |axis: &Axis| {
         let [first, last] = axis.middle;

@@ -1,6 +1,6 @@
-//! The courtyard: a small scene for light and shadows. Columns and a fence cast thin ones, a figure
-//! walks, a lantern flies, two spots stand on masts, lamps hang on the walls, a spot projects the
-//! picture of a window, and the sun follows the hour.
+//! The courtyard: a small scene for light and shadows. Columns and a fence cast thin shadows, a
+//! figure walks, a lantern flies, two spots are on masts, lamps hang on the walls, a spot projects
+//! the picture of a window, and the sun follows the hour.
 
 mod meshes;
 mod rose;
@@ -23,27 +23,27 @@ const HALF_M: f32 = 16.0;
 /// The side of a tile of its ground, in metres.
 const TILE_M: f32 = 2.0;
 
-/// The depth in metres to which all that stands on the ground reaches below it: what only began
-/// there would let light and eyes through where both meet.
+/// The depth in metres by which standing objects extend below the ground. Without it, light and
+/// eyes could pass between an object and the ground.
 const SUNK_M: f32 = 0.2;
 
-/// The distance from the lantern's middle down to its light, in metres: beyond its own glass, which
-/// would cast a shadow.
+/// The distance from the lantern's middle down to its light, in metres: outside of its own glass,
+/// which would cast a shadow.
 const BELOW_M: f32 = 0.4;
 
-/// The size of a lamp on a wall, in that of the lantern.
+/// The size of a lamp on a wall, relative to the lantern.
 const LAMP_SIZE: f32 = 0.75;
 
 /// The courtyard, its lights, and its motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Courtyard {
-    /// The scene, at the beginning of its motion.
+    /// The scene, at the start of its motion.
     pub scene: Scene,
-    /// Its sun and its lamps.
+    /// The sun and the lamps.
     pub daylight: Daylight,
     /// The motion of the figure and of the lantern.
     pub motion: YardMotion,
-    /// The camera that sees it.
+    /// The camera that sees the courtyard.
     pub camera: Camera,
 }
 
@@ -60,7 +60,7 @@ impl YardMotion {
     /// Returns the changes that show the courtyard at a time, in seconds.
     #[must_use]
     pub fn at(&self, seconds: f64) -> SceneUpdate {
-        // The circle takes 18 seconds, the lantern's way 40.
+        // The figure's circle takes 18 seconds, the lantern's path 40.
         let turn = (seconds / 18.0).rem_euclid(1.0) as f32 * TAU;
         let way = (seconds / 40.0).rem_euclid(1.0) as f32 * TAU;
         let (sin, cos) = turn.sin_cos();
@@ -84,17 +84,17 @@ impl YardMotion {
     }
 }
 
-/// Returns the place of the yard in the world: its back wall is where the sun sets.
+/// Returns the transform of the yard to the world: its back wall is where the sun sets.
 fn yard() -> Affine3A {
     Affine3A::from_rotation_y(-FRAC_PI_2)
 }
 
-/// Returns the transform of the wall with that number, before which -z is the way to it.
+/// Returns the transform of the wall with this number; in its space, the wall is along -z.
 fn side(number: u8) -> Affine3A {
     Affine3A::from_rotation_y(f32::from(number) * FRAC_PI_2)
 }
 
-/// Makes the courtyard at an hour of the day. Its lamps are always on.
+/// Creates the courtyard at an hour of the day. Its lamps are always on.
 pub fn courtyard(hour: Hour) -> Courtyard {
     let mut yard = Yard::default();
     let at = |x: f32, z: f32| Affine3A::from_translation(vec3(x, 0.0, z));
@@ -146,7 +146,7 @@ pub fn courtyard(hour: Hour) -> Courtyard {
     Courtyard { scene, daylight, motion, camera: camera() }
 }
 
-/// The meshes and objects of a yard that is being made.
+/// The meshes and objects of a yard that is being created.
 #[derive(Default)]
 struct Yard {
     meshes: Vec<Mesh>,
@@ -154,7 +154,7 @@ struct Yard {
 }
 
 impl Yard {
-    /// Adds a mesh at some places. Returns the mesh, and the object at the last of them.
+    /// Adds a mesh at some places. Returns the mesh, and the object at the last place.
     fn add(&mut self, mesh: Mesh, places: &[Affine3A]) -> (MeshId, ObjectId) {
         let id = MeshId(self.meshes.len() as u32);
         self.meshes.push(mesh);
@@ -166,7 +166,7 @@ impl Yard {
         (id, ObjectId(self.objects.len() as u32 - 1))
     }
 
-    /// Returns the scene, under the moon.
+    /// Returns the scene in moonlight.
     fn scene(self) -> Scene {
         let Self { meshes, objects } = self;
         let light = Hour::NIGHT.light();
@@ -186,7 +186,7 @@ fn camera() -> Camera {
     }
 }
 
-/// Moves a light with the yard.
+/// Transforms a light with the yard.
 fn turn_light(light: &mut PunctualLight) {
     light.position = yard().transform_point3(light.position);
     light.direction = yard().transform_vector3(light.direction).normalize_or(Vec3::NEG_Y);
@@ -195,7 +195,7 @@ fn turn_light(light: &mut PunctualLight) {
     }
 }
 
-/// Returns a spot light in a corner, which shines on the middle.
+/// Returns a spot light in a corner that shines on the middle.
 fn spot(side: f32, colour: [f32; 3]) -> PunctualLight {
     let position = vec3(side * (HALF_M - 2.5), 6.5, -HALF_M + 3.0);
     PunctualLight {
@@ -209,20 +209,20 @@ fn spot(side: f32, colour: [f32; 3]) -> PunctualLight {
     }
 }
 
-/// Returns the place of the housing of a spot, and of its lens.
+/// Returns the transform of a spot's housing and lens.
 fn head_of(spot: &PunctualLight) -> Affine3A {
     let turn = Quat::from_rotation_arc(Vec3::NEG_Y, spot.direction);
     Affine3A::from_rotation_translation(turn, spot.position)
 }
 
-/// Returns the place of the mast that holds a spot, behind its housing.
+/// Returns the transform of the mast that holds a spot, behind its housing.
 fn mast_of(spot: &PunctualLight) -> Affine3A {
     let behind = (spot.direction * vec3(1.0, 0.0, 1.0)).normalize_or(Vec3::Z) * -0.75;
     let Vec3 { x, z, .. } = spot.position + behind;
     Affine3A::from_translation(vec3(x, 0.0, z))
 }
 
-/// Returns the spot that projects a picture, from behind who looks, on the middle.
+/// Returns the spot that projects a picture on the middle, from behind the camera.
 fn projector(texture: TextureId) -> PunctualLight {
     let position = vec3(1.0, 10.5, 19.0);
     PunctualLight {
@@ -236,7 +236,7 @@ fn projector(texture: TextureId) -> PunctualLight {
     }
 }
 
-/// Returns the places of the glasses of the lamps on the walls.
+/// Returns the transforms of the glasses of the lamps on the walls.
 fn hung_lamps() -> [Affine3A; 4] {
     [(0, -5.0), (0, 5.0), (1, 0.0), (3, 0.0)]
         .map(|(wall, x)| side(wall) * Affine3A::from_translation(vec3(x, 2.9, -HALF_M + 1.45)))
@@ -298,7 +298,7 @@ mod tests {
                 objects.filter(|object| mesh_of(*object) == standing).map(low).peekable();
             assert!(lows.peek().is_some() && lows.all(|low| low < 0.0), "{standing}");
         }
-        // It stays between the walls, the lantern over the ground, whenever.
+        // The figure stays between the walls, and the lantern above the ground, at any time.
         for second in 0..400_u32 {
             let update = yard.motion.at(f64::from(second) * 0.37);
             for change in &update.objects {

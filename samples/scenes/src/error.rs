@@ -1,44 +1,44 @@
-//! The reasons why a scene, a path or a motion cannot be made.
+//! The reasons why a scene, a path or a motion cannot be generated.
 
 use scene::SceneError;
 
 /// The most objects that a generated scene can have.
 pub const MAX_OBJECTS: u32 = 2_000_000;
 
-/// The most street lamps of a set of lights.
+/// The most street lamps in a set of lights.
 pub const MAX_LAMPS: u32 = 64;
 
-/// The reasons why a scene, a path or a motion cannot be made.
+/// The reason why a scene, a path or a motion cannot be generated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum GeneratorError {
     /// Zero objects, or more than a generated scene can hold.
     #[error("a scene has 1 to {MAX_OBJECTS} objects, not {asked}: choose a number in that range")]
     ObjectCount {
-        /// The number that was asked for.
+        /// The requested number.
         asked: u32,
     },
-    /// Too little memory for the objects.
+    /// Not enough memory for the objects.
     #[error("there is no memory for a scene of {count} objects: use fewer, or end other programs")]
     NoMemory {
         /// The number of objects.
         count: u32,
     },
-    /// A motion that cannot be made.
+    /// A motion that cannot be generated.
     #[error(transparent)]
     Motion(#[from] MotionError),
     /// A name that no camera path has.
     #[error("there is no camera path named \"{name}\": choose street, fly or cut")]
     UnknownPath {
-        /// The name that was asked for.
+        /// The requested name.
         name: String,
     },
-    /// A walk in a scene that has no streets.
+    /// A walk in a scene without streets.
     #[error("the scene has no streets to walk along: choose the path fly")]
     NoStreets,
-    /// An hour that no day has.
+    /// A text that is not an hour of the day.
     #[error("'{text}' is no hour of the day: it takes 0 to 24, as in 17.5 or 17:30")]
     Hour {
-        /// The hour that was asked for.
+        /// The requested hour.
         text: String,
     },
     /// A name that no set of lights has.
@@ -46,32 +46,32 @@ pub enum GeneratorError {
         "there are no lights '{name}': choose sun, torches or a number of street lamps, 1 to {MAX_LAMPS}"
     )]
     UnknownLights {
-        /// The name that was asked for.
+        /// The requested name.
         name: String,
     },
     /// More lamps than the scene has.
     #[error("the scene has {found} street lamps, not {asked}: ask for fewer, or for more objects")]
     TooFewLamps {
-        /// The number that was asked for.
+        /// The requested number.
         asked: u32,
-        /// The number of the scene's.
+        /// The number of lamps in the scene.
         found: usize,
     },
-    /// Torches of a file that has none.
+    /// Torches in a file without any.
     #[error("the scene has neither point nor spot lights: choose the lights sun")]
     NoTorches,
-    /// A scene that cannot be drawn: it has no motion.
+    /// A scene that cannot be drawn, so it cannot have a motion.
     #[error(transparent)]
     Scene(#[from] SceneError),
 }
 
-/// The reasons why a motion cannot be made.
+/// The reason why a motion cannot be generated.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MotionError {
     /// A percentage above 100.
     #[error("{percent} percent of the objects cannot move: choose 0 to 100")]
     Percent {
-        /// The percentage that was asked for.
+        /// The requested percentage.
         percent: u32,
     },
 }

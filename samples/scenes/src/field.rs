@@ -1,5 +1,5 @@
-//! The field: objects on a plane, so far apart that from above nothing hides anything. Here,
-//! testing for visibility can only cost.
+//! The field: objects on a plane at large distances, so that nothing is hidden from above. In this
+//! scene, visibility tests only cost time.
 
 use glam::{Vec3, vec3};
 use scene::{Light, Mesh, MeshId, Object, Scene};
@@ -13,7 +13,7 @@ use super::generated::{GeneratedScene, HOVER_M, placement, room_for_objects, sha
 use super::random::Random;
 use super::routes::{AIRCRAFT_INWARDS_RAD, Flight, Routes, Streets};
 
-/// The side of a cell in metres; a cell holds one object in its middle.
+/// The side of a cell in metres; a cell has one object in its middle.
 const CELL_M: f32 = 16.0;
 
 /// The number of cells along a side of a ground tile.
@@ -21,10 +21,10 @@ const TILE_CELLS: u8 = 4;
 
 const TILE_M: f32 = CELL_M * TILE_CELLS as f32;
 
-/// The distance from the origin within which one walks, in metres.
+/// The distance from the origin within which walks stay, in metres.
 const WALK_M: f32 = 128.0;
 
-/// Makes a field of exactly `objects` objects, tiles of the ground among them.
+/// Generates a field of exactly `objects` objects, including the tiles of the ground.
 ///
 /// # Errors
 /// [`GeneratorError::ObjectCount`] if `objects` is 0 or more than
@@ -63,8 +63,8 @@ pub fn field(objects: u32, seed: u64) -> Result<GeneratedScene, GeneratorError> 
     let flight = Flight {
         centre: Vec3::new((x[0] + x[1]) / 2.0, 110.0, (z[0] + z[1]) / 2.0),
         radius_m,
-        // Steep enough that the upper edge of the view meets the ground at 15 degrees, where a
-        // pavilion's roof does not yet cover what stands in the next cell.
+        // Steep enough that the upper edge of the view meets the ground at 15 degrees. At this
+        // angle, a pavilion's roof does not cover objects in the next cell.
         down_rad: 0.785,
         inwards_rad: AIRCRAFT_INWARDS_RAD,
     };
@@ -79,7 +79,7 @@ pub fn field(objects: u32, seed: u64) -> Result<GeneratedScene, GeneratorError> 
     Ok(GeneratedScene { scene, routes: Routes { seed, streets, flight } })
 }
 
-/// Returns the lines between the cells, near the origin.
+/// Returns the lines between cells near the origin.
 fn aisles(low: f32, high: f32) -> Vec<f32> {
     let low = (low.max(-WALK_M) / CELL_M) as i32;
     let high = (high.min(WALK_M) / CELL_M) as i32;

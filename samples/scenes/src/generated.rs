@@ -1,4 +1,4 @@
-//! Generated scenes, and the counting and placing of their objects.
+//! Generated scenes, and the number and placement of their objects.
 
 use glam::{Affine3A, Mat3A, Vec3, Vec3A, vec3a};
 use scene::{Object, Scene};
@@ -6,10 +6,10 @@ use scene::{Object, Scene};
 use super::error::{GeneratorError, MAX_OBJECTS};
 use super::routes::Routes;
 
-/// The distance of a thing from the surface that carries it, in metres.
+/// The distance between an object and the surface below it, in metres.
 pub(crate) const HOVER_M: f32 = 0.02;
 
-/// A scene, and the facts about it that are known from its generation.
+/// A scene, and the facts that are known from its generation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GeneratedScene {
     /// The objects to draw.
@@ -18,10 +18,11 @@ pub struct GeneratedScene {
     pub routes: Routes,
 }
 
-/// The memory that the meshes of a scene and its plan take, at most, while they are made (bytes).
+/// The most memory that the meshes and the plan of a scene take during generation (bytes).
 const SHAPES_BYTES: usize = 16 << 20;
 
-/// Returns an empty list with room for so many objects, if there is memory for their shapes, too.
+/// Returns an empty list with a capacity of `asked` objects. Checks that there is memory for their
+/// meshes, too.
 pub(crate) fn room_for_objects(asked: u32) -> Result<Vec<Object>, GeneratorError> {
     if !(1..=MAX_OBJECTS).contains(&asked) {
         return Err(GeneratorError::ObjectCount { asked });
@@ -33,7 +34,7 @@ pub(crate) fn room_for_objects(asked: u32) -> Result<Vec<Object>, GeneratorError
 }
 
 /// Returns a transform that turns +z to side `side` (0: +z, 1: +x, 2: -z, 3: -x), scales, and
-/// moves. Exact: the matrix holds zeros and the scale only.
+/// translates. It is exact: the matrix contains only zeros and the scale.
 pub(crate) fn placement(side: usize, scale: f32, position: Vec3) -> Affine3A {
     let (x, z) = match side % 4 {
         0 => (Vec3A::X, Vec3A::Z),
@@ -47,7 +48,7 @@ pub(crate) fn placement(side: usize, scale: f32, position: Vec3) -> Affine3A {
     }
 }
 
-/// Returns the part of `total` that the `index`-th of `count` gets when it is dealt out evenly.
+/// Returns the part of `total` for index `index` if `total` is distributed evenly over `count`.
 pub(crate) fn share(total: u32, index: u32, count: u32) -> u32 {
     let up_to = |index: u64| u64::from(total) * index / u64::from(count.max(1));
     (up_to(u64::from(index) + 1) - up_to(u64::from(index))) as u32

@@ -1,11 +1,12 @@
-//! Scenes made from a number of objects and a seed, and the camera's routes through them.
+//! Scenes that are generated from a number of objects and a seed, and camera routes through them.
 //!
-//! [`city`] and [`field`] make them. Objects of a generated scene neither touch nor have coplanar
-//! faces, and objects on the ground hover 2 cm over it. So each pixel's colour does not depend on
-//! the order in which objects are drawn. Only the ground's tiles share edges, with bit-identical
-//! vertices. Transforms are quarter turns about y (exact: each column one of the axes) and uniform
-//! scales only. [`assembly`] and [`waffle_maker`] make models of closed parts, in a tree, at any
-//! angle. [`LightSet`] puts lights on them: the sun of an [`Hour`], torches, street lamps.
+//! [`city`] and [`field`] generate scenes for culling. Their objects neither touch nor have
+//! coplanar faces, and objects on the ground hover 2 cm above it. So no pixel's colour depends on
+//! the order in which objects are drawn. Only the tiles of the ground share edges, with
+//! bit-identical vertices. Transforms are only quarter turns about y (exact: each column is one of
+//! the axes) and uniform scales. [`assembly`] and [`waffle_maker`] create models of closed parts,
+//! in a tree, at any angle. [`LightSet`] adds lights: the sun of an [`Hour`], torches, or street
+//! lamps.
 //!
 //! ```
 //! use scenes::{CameraPath, PathKind};

@@ -1,10 +1,10 @@
-//! Objects that move, come and go, as a pure function of the frame: any frame can be shown after
-//! any other.
+//! Objects that move, appear and vanish, as a pure function of the frame: frames can be shown in
+//! any order.
 //!
-//! No two objects meet: an object gets only a motion whose whole sweep is free of the boxes of all
-//! others and of their sweeps. So moving objects neither touch nor share planes, as [the
-//! scenes](super) promise, and images do not depend on the order of draws. Where there is no room
-//! for any motion, an object can still come and go.
+//! Objects never meet: the sweep of each motion is free of the boxes of all other objects and of
+//! their sweeps. So moving objects neither touch nor share planes, as [the scenes](super) promise,
+//! and images do not depend on the order of draws. If there is no room for any motion, an object
+//! can still appear and vanish.
 
 mod act;
 mod room;
@@ -17,16 +17,16 @@ use self::room::Room;
 use super::error::{GeneratorError, MotionError};
 use super::random::Random;
 
-/// The number of movers per big one: a building or a gate house, which hides much.
+/// The number of moving objects per big one: a building or a gate house, which hides many objects.
 const MOVERS_PER_BIG: usize = 20;
 
-/// The height above which an object is big, in metres.
+/// The height above which an object counts as big, in metres.
 const BIG_M: f32 = 5.0;
 
-/// The number of movers per mover that comes and goes, too.
+/// The number of moving objects per object that also appears and vanishes.
 const MOVERS_PER_GUEST: u32 = 6;
 
-/// The prefix of the names of ground objects, which stay.
+/// The prefix of the names of ground objects, which never move.
 const GROUND: &str = "ground";
 
 /// The moving objects of a scene, and their motions.
@@ -35,18 +35,18 @@ pub struct Motion {
     movers: Vec<Mover>,
 }
 
-/// One object that moves.
+/// An object that moves.
 #[derive(Clone, Debug)]
 struct Mover {
-    /// Its place in the scene.
+    /// The index in the scene.
     index: u32,
-    /// The object as it is in the scene.
+    /// The object in the original scene.
     object: Object,
     act: Act,
     presence: Option<Presence>,
 }
 
-/// The times at which a coming and going object is present.
+/// The times at which an object is present.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Presence {
     period_frames: u32,
@@ -73,7 +73,7 @@ impl Presence {
 
 impl Motion {
     /// Creates motions for `percent` of the objects of a scene, or for as many as can move without
-    /// meeting others; the ground never moves. The same seed makes the same motion.
+    /// meeting others; the ground never moves. The same seed gives the same motion.
     ///
     /// # Errors
     /// [`MotionError::Percent`]; a scene that cannot be drawn.
@@ -114,13 +114,13 @@ impl Motion {
         Ok(motion)
     }
 
-    /// Returns the number of objects that move, or come and go.
+    /// Returns the number of objects that move, or appear and vanish.
     pub fn movers(&self) -> usize {
         self.movers.len()
     }
 
-    /// Returns the scene as it is in a frame. Its objects are in the same order, less those that
-    /// are absent.
+    /// Returns the scene in a frame. Its objects are in the original order, without the absent
+    /// ones.
     pub fn scene_at(&self, scene: &Scene, frame: u32) -> Scene {
         let mut objects: Vec<Option<Object>> = scene.objects.iter().copied().map(Some).collect();
         for mover in &self.movers {
@@ -143,8 +143,8 @@ impl Mover {
     }
 }
 
-/// Returns the objects in the order in which motions are sought for them: some big ones, then all
-/// others.
+/// Returns the objects in the order in which motions are searched for them: some big objects, then
+/// all others.
 fn order(scene: &Scene, wanted: usize, random: &mut Random) -> Vec<u32> {
     let is_ground =
         |object: &Object| scene.mesh_of(object).is_none_or(|mesh| mesh.name.starts_with(GROUND));
@@ -168,25 +168,25 @@ fn order(scene: &Scene, wanted: usize, random: &mut Random) -> Vec<u32> {
     order
 }
 
-/// The movers as a renderer shows them now: those present, with their ids.
+/// The moving objects in the current state of a renderer: the present ones, with their ids.
 #[derive(Clone, Debug)]
 pub struct Cast {
     ids: Vec<Option<ObjectId>>,
-    /// The movers that come and those that go with the newest changes.
+    /// The objects that appear and the objects that vanish with the newest changes.
     coming: Vec<usize>,
     going: Vec<usize>,
     changes: Vec<ObjectChange>,
 }
 
 impl Cast {
-    /// Creates the movers of `motion` in a renderer that shows the scene as it was built.
+    /// Creates the moving objects of `motion` for a renderer that shows the original scene.
     pub fn new(motion: &Motion) -> Self {
         let ids = motion.movers.iter().map(|mover| Some(ObjectId(mover.index)));
         Self { ids: ids.collect(), coming: Vec::new(), going: Vec::new(), changes: Vec::new() }
     }
 
-    /// Returns the changes that make the renderer show `frame`. [`Cast::came`] must follow once
-    /// they are made, with the ids that the update returned for new objects.
+    /// Returns the changes that make the renderer show `frame`. Then [`Cast::came`] must be called
+    /// with the ids that the update returned for added objects.
     pub fn changes(&mut self, motion: &Motion, frame: u32) -> &[ObjectChange] {
         self.coming.clear();
         self.going.clear();
@@ -210,13 +210,13 @@ impl Cast {
                 _ => {}
             }
         }
-        // Objects that go make room for those that come.
+        // Removed objects make room for added ones.
         changes.append(&mut arrivals);
         changes.append(&mut moves);
         &self.changes
     }
 
-    /// Records that the newest changes were made, and the ids of the added objects.
+    /// Records that the newest changes were applied, with the ids of the added objects.
     pub fn came(&mut self, added: &[ObjectId]) {
         for place in self.going.drain(..) {
             if let Some(id) = self.ids.get_mut(place) {

@@ -1,4 +1,4 @@
-//! The tree of a model's parts, as CAD programs show it.
+//! The tree of a model's parts, as in CAD programs.
 
 use cull::ObjectId;
 
@@ -11,14 +11,13 @@ pub struct PartId(pub u32);
 pub struct PartNode {
     /// The name, for people.
     pub name: String,
-    /// The group that it belongs to; `None` for the root.
+    /// The group of the node; `None` for the root.
     pub parent: Option<PartId>,
-    /// The object that shows it; `None` for a group.
+    /// The object of the part; `None` for a group.
     pub object: Option<ObjectId>,
 }
 
-/// The parts of a model, in groups. The root is the first node, and parents come before what they
-/// hold.
+/// The parts of a model, in groups. The root is the first node, and parents precede their children.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PartTree {
     /// The nodes.
@@ -26,7 +25,7 @@ pub struct PartTree {
 }
 
 impl PartTree {
-    /// Returns a tree of a root alone.
+    /// Returns a tree with only a root.
     pub(crate) fn of_root(name: &str) -> Self {
         let mut tree = Self::default();
         tree.add(PartNode { name: name.to_owned(), parent: None, object: None });
@@ -43,12 +42,12 @@ impl PartTree {
         self.add(PartNode { name: name.into(), parent: Some(parent), object: None })
     }
 
-    /// Returns a node, if there is one with this id.
+    /// Returns the node with this id, if there is one.
     pub fn node(&self, part: PartId) -> Option<&PartNode> {
         self.nodes.get(part.0 as usize)
     }
 
-    /// Returns the objects of a node and of all that it holds, in ascending order.
+    /// Returns the objects of a node and of all its descendants, in ascending order.
     pub fn objects_of(&self, part: PartId) -> Vec<ObjectId> {
         let mut is_within = vec![false; self.nodes.len()];
         let mut objects = Vec::new();

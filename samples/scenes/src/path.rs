@@ -15,7 +15,7 @@ use super::error::GeneratorError;
 use super::random::Random;
 use super::routes::{Flight, Routes, Streets};
 
-/// The height of a walker's eye over the road, in metres.
+/// The height of a walker's eye above the road, in metres.
 pub(crate) const EYE_HEIGHT_M: f32 = 1.7;
 
 /// The distance that a walker covers per frame, in metres: 3 m/s at 30 frames per second.
@@ -24,36 +24,36 @@ const WALK_STEP_M: f64 = 0.1;
 /// The distance that an aircraft covers per frame, in metres.
 const FLY_STEP_M: f64 = 0.5;
 
-/// The fewest frames of a circle: small ones are flown more slowly.
+/// The fewest frames of a circle: small circles are flown more slowly.
 const FLY_LEAST_FRAMES: f64 = 120.0;
 
 /// The number of frames for which the path `cut` stays in one place.
 const CUT_FRAMES: u32 = 10;
 
-/// The largest angle to the side of the view after a jump, in radians.
+/// The largest angle of the view to the side after a jump, in radians.
 const CUT_ASIDE_RAD: f32 = 1.3;
 
-/// The angle by which a walker looks to the left and right, in radians, once in about so many
-/// metres.
+/// The angle by which a walker glances to the left and right, in radians, and the approximate
+/// distance of a full glance.
 const GLANCE_RAD: f32 = 0.2;
 const GLANCE_PERIOD_M: f64 = 40.0;
 
-/// The kinds of paths, by name in [`FromStr`] and [`Display`](fmt::Display).
+/// The kinds of paths, with names for [`FromStr`] and [`Display`](fmt::Display).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PathKind {
-    /// `street`: a walk at eye level; nearly everything is hidden.
+    /// `street`: a walk at eye level; nearly all objects are hidden.
     Street,
-    /// `fly`: a circle over the roofs; little is hidden.
+    /// `fly`: a circle over the roofs; few objects are hidden.
     Fly,
     /// `cut`: a walk that jumps to another place and direction every tenth frame.
     Cut,
 }
 
 impl PathKind {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 3] = [Self::Street, Self::Fly, Self::Cut];
 
-    /// Returns its name.
+    /// Returns the name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Street => "street",
@@ -78,7 +78,7 @@ impl FromStr for PathKind {
     }
 }
 
-/// A path along routes. Walks and flights are closed, so any number of frames will do.
+/// A path along routes. Walks and flights are closed, so they have any number of frames.
 #[derive(Clone, Debug)]
 pub struct CameraPath {
     kind: PathKind,
@@ -93,10 +93,10 @@ enum Route {
 }
 
 impl CameraPath {
-    /// Creates the path of that kind through the scene with these routes.
+    /// Creates a path of this kind through the scene with these routes.
     ///
     /// # Errors
-    /// [`GeneratorError::NoStreets`] if a walk is asked for in a scene without streets.
+    /// [`GeneratorError::NoStreets`] for a walk in a scene without streets.
     pub fn new(kind: PathKind, routes: &Routes) -> Result<Self, GeneratorError> {
         let streets = &routes.streets;
         let no_streets = || GeneratorError::NoStreets;
@@ -124,7 +124,7 @@ impl CameraPath {
             Route::Walk(tour) => {
                 let way = f64::from(frame) * WALK_STEP_M % tour.length_m();
                 let (place, heading) = tour.at(way as f32);
-                // A whole number of glances fits the tour, so that it closes without a jerk.
+                // The tour has a whole number of glances, so that it closes without a jerk.
                 let glances = (tour.length_m() / GLANCE_PERIOD_M).round().max(1.0);
                 let phase = (way / tour.length_m() * glances).fract() as f32;
                 walker(place, heading + GLANCE_RAD * (TAU * phase).sin())
@@ -135,7 +135,7 @@ impl CameraPath {
     }
 }
 
-/// Returns an angle as a level direction: 0 is +x, a quarter turn +z.
+/// Returns an angle as a horizontal direction: 0 is +x, a quarter turn is +z.
 fn direction(heading: f32) -> Vec2 {
     let (sin, cos) = heading.sin_cos();
     vec2(cos, sin)

@@ -1,5 +1,5 @@
-//! Reproducible random numbers: splitmix64, keyed by their use, so that a block of the city looks
-//! the same regardless of what was generated before it.
+//! Reproducible random numbers: splitmix64, keyed by use, so that a block of the city looks the
+//! same regardless of what was generated before.
 
 /// A splitmix64 stream (Steele, Lea and Flood, "Fast splittable pseudorandom number generators").
 #[derive(Clone, Debug)]
@@ -45,7 +45,7 @@ impl Random {
         low + (high - low) * self.unit()
     }
 
-    /// Returns one of the choices, each as likely as the others.
+    /// Returns one of the choices, all equally likely.
     pub(crate) fn pick<T: Copy, const N: usize>(&mut self, choices: &[T; N]) -> T {
         const { assert!(N > 0) };
         choices[self.below(N as u32) as usize]

@@ -1,25 +1,25 @@
-//! The routes along which one can walk and fly through a generated scene.
+//! The routes for walks and flights through a generated scene.
 
 use glam::Vec3;
 
-/// The angle by which one looks inwards from a circle over a wide scene, in radians: there is most
-/// to see.
+/// The angle by which the camera looks inwards from a circle over a wide scene, in radians: the
+/// most objects are visible in this direction.
 pub(crate) const AIRCRAFT_INWARDS_RAD: f32 = 0.6;
 
 /// The routes for walks and flights.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Routes {
-    /// The seed of the scene and of its walks; the same seed and number of objects give the same
+    /// The seed of the scene and of its walks. The same seed and number of objects give the same
     /// bytes.
     pub seed: u64,
-    /// The lines to walk on; empty where one cannot walk.
+    /// The walking lines; empty if the scene has none.
     pub streets: Streets,
-    /// The round trip to fly.
+    /// The circle of the flight.
     pub flight: Flight,
 }
 
-/// Lines to walk on: straight, parallel to x and z, all of them crossing. At least 0.3 m around
-/// every line, and around every turn with the given radius, there is no object's box at eye level.
+/// Walking lines: straight, parallel to x and z, and all crossing. At eye level, no object's box is
+/// within 0.3 m of a line or of a turn with the given radius.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Streets {
     /// The x of the lines that run along z, in metres, ascending.
@@ -30,15 +30,16 @@ pub struct Streets {
     pub turn_radius_m: f32,
 }
 
-/// A round trip over the roofs.
+/// A circular flight over the roofs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Flight {
     /// The middle of the circle, at the height of the eye, in metres.
     pub centre: Vec3,
-    /// Its radius in metres.
+    /// The radius in metres.
     pub radius_m: f32,
     /// The angle by which the view looks down, in radians.
     pub down_rad: f32,
-    /// The angle by which it looks from along the circle towards its middle, in radians.
+    /// The angle of the view from the flight direction towards the middle of the circle, in
+    /// radians.
     pub inwards_rad: f32,
 }

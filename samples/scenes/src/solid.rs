@@ -1,5 +1,5 @@
 //! Closed solids: lofts, turned and extruded shapes, and slabs with a relief. Each edge of a solid
-//! has two faces with opposite directions, so that sections of it have an inside.
+//! has two faces with opposite directions, so its sections have an inside.
 
 use std::collections::HashMap;
 use std::f32::consts::TAU;
@@ -9,7 +9,7 @@ use scene::{CREASE_RAD, Mesh, Vertex, bounds_of_vertices, creased, pack_normal};
 
 use super::builder::Paint;
 
-/// A surface without a border, of triangles that share their corners.
+/// A closed surface of triangles that share their corners.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Solid {
     positions: Vec<Vec3>,
@@ -35,8 +35,8 @@ impl Solid {
         }
     }
 
-    /// Adds the surface between two rings of as many points, of which the second lies where the
-    /// first turns counter-clockwise.
+    /// Adds the surface between two rings with equal numbers of points. The second ring lies on the
+    /// side from which the first one is counter-clockwise.
     fn band(&mut self, low: &[Vec3], high: &[Vec3]) {
         for (place, (&a, &d)) in low.iter().zip(high).enumerate() {
             let next = (place + 1) % low.len();
@@ -46,7 +46,7 @@ impl Solid {
         }
     }
 
-    /// Closes a ring whose middle sees all of it, counter-clockwise seen from outside.
+    /// Closes a ring whose middle sees all of it; the ring is counter-clockwise seen from outside.
     fn cap(&mut self, ring: &[Vec3]) {
         let middle = ring.iter().copied().sum::<Vec3>() / ring.len().max(1) as f32;
         for (place, &point) in ring.iter().enumerate() {
@@ -55,9 +55,9 @@ impl Solid {
         }
     }
 
-    /// Returns the solid between rings of as many points each, from the bottom up and
+    /// Returns the solid between rings with equal numbers of points, from the bottom up and
     /// counter-clockwise seen from above; the first and the last are closed. Rings may go down
-    /// again, inside of others, and make a cavity.
+    /// again inside of others and form a cavity.
     pub(crate) fn loft(rings: &[Vec<Vec3>]) -> Self {
         let mut solid = Self::default();
         for pair in rings.windows(2) {
@@ -71,7 +71,8 @@ impl Solid {
         solid
     }
 
-    /// Returns the solid between rings of as many points each, of which the last meets the first.
+    /// Returns the solid between rings with equal numbers of points, of which the last one meets
+    /// the first.
     pub(crate) fn hoop(rings: &[Vec<Vec3>]) -> Self {
         let mut solid = Self::default();
         for (place, ring) in rings.iter().enumerate() {
@@ -101,7 +102,7 @@ impl Solid {
     }
 
     /// Returns a solid of revolution about the y axis. The profile is (radius, height) from the
-    /// bottom up; its ends are closed.
+    /// bottom up; both ends are closed.
     pub(crate) fn turned(profile: &[Vec2], segments: u32) -> Self {
         let rings = profile.iter().map(|point| circle(point.x, point.y, segments));
         Self::loft(&rings.collect::<Vec<_>>())
@@ -112,9 +113,9 @@ impl Solid {
         Self::pierced(&circle(radii.y, 0.0, segments), &circle(radii.x, 0.0, segments), heights)
     }
 
-    /// Returns a plate between two heights: within an outline of the x-z plane, with a hole. Both
-    /// have as many points, counter-clockwise seen from above, of which those in the same place see
-    /// each other.
+    /// Returns a plate between two heights, within an outline in the x-z plane, with a hole. Both
+    /// have equal numbers of points, counter-clockwise seen from above. Points with the same index
+    /// see each other.
     pub(crate) fn pierced(outline: &[Vec3], hole: &[Vec3], heights: Vec2) -> Self {
         let at =
             |ring: &[Vec3], y: f32| ring.iter().map(|point| vec3(point.x, y, point.z)).collect();
@@ -126,8 +127,8 @@ impl Solid {
         ])
     }
 
-    /// Returns a slab from y = 0 up to the height at each crossing of the lines `xs` and `zs`, both
-    /// ascending.
+    /// Returns a slab from y = 0 up to the given height at each crossing of the lines `xs` and
+    /// `zs`, both ascending.
     pub(crate) fn relief(xs: &[f32], zs: &[f32], height: impl Fn(usize, usize) -> f32) -> Self {
         let mut solid = Self::default();
         let at = |column: usize, row: usize, share: f32| {
@@ -158,14 +159,15 @@ impl Solid {
         let right = (0..=rows).map(|row| [columns, row]);
         let border: Vec<[usize; 2]> = right.chain(near).chain(left).chain(far).collect();
         let edge = |share: f32| {
-            // Clockwise seen from above, and so turned around.
+            // Clockwise seen from above, so it is reversed.
             border.iter().rev().map(|[column, row]| at(*column, *row, share)).collect::<Vec<_>>()
         };
         solid.band(&edge(0.0), &edge(1.0));
         solid
     }
 
-    /// Returns the solid in another place; mirrored, it is inside in again.
+    /// Returns the transformed solid; a mirrored solid is reversed, so that it still faces
+    /// outwards.
     #[must_use]
     pub(crate) fn placed(&self, place: Affine3A) -> Self {
         let mut placed = Self::default();
@@ -178,7 +180,7 @@ impl Solid {
         placed
     }
 
-    /// Returns this solid and another that it does not meet.
+    /// Returns the union of this solid and another one that it does not meet.
     #[must_use]
     pub(crate) fn and(mut self, other: &Self) -> Self {
         for triangle in &other.triangles {
@@ -188,7 +190,7 @@ impl Solid {
         self
     }
 
-    /// Returns this solid without what is within another that it encloses.
+    /// Returns this solid without the interior of another solid inside of it.
     #[must_use]
     pub(crate) fn without(mut self, inner: &Self) -> Self {
         for triangle in &inner.triangles {
@@ -198,7 +200,7 @@ impl Solid {
         self
     }
 
-    /// Returns its mesh in one colour, smooth but for creases.
+    /// Returns the mesh in one colour, smooth except at creases.
     pub(crate) fn mesh(&self, name: &str, paint: Paint) -> Mesh {
         let made = creased(&self.positions, &self.triangles, CREASE_RAD);
         let vertices = made.origins.iter().zip(&made.normals).map(|(origin, normal)| Vertex {
@@ -226,8 +228,8 @@ pub(crate) fn circle(radius: f32, y: f32, segments: u32) -> Vec<Vec3> {
     (0..segments).map(point).collect()
 }
 
-/// Returns a rectangle around the y axis with round corners, counter-clockwise seen from above.
-/// `half` are the halves of its sides along x and z, `steps` the edges of each corner.
+/// Returns a rectangle around the y axis with rounded corners, counter-clockwise seen from above.
+/// `half` are its half extents along x and z, `steps` the number of edges per corner.
 pub(crate) fn rounded(half: Vec2, radius: f32, y: f32, steps: u32) -> Vec<Vec3> {
     let mut ring = Vec::new();
     for (corner, sign) in (0_u32..).zip([
@@ -246,9 +248,9 @@ pub(crate) fn rounded(half: Vec2, radius: f32, y: f32, steps: u32) -> Vec<Vec3> 
     ring
 }
 
-/// Returns points on a rectangle of the x-z plane from `min` to `max`, `steps` on each side, and as
-/// many on a circle around `centre`, each on the way from the centre to its counterpart: the
-/// outline and the hole of a plate.
+/// Returns points on a rectangle in the x-z plane from `min` to `max`, `steps` per side, and
+/// equally many points on a circle around `centre`: the outline and the hole of a plate. Each point
+/// of the circle lies between the centre and its counterpart.
 pub(crate) fn rectangle_and_hole(
     min: Vec2,
     max: Vec2,

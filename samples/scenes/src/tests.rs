@@ -1,4 +1,4 @@
-//! Tests of whole scenes, and the parts that they share.
+//! Tests of whole scenes, and their shared parts.
 
 mod ground;
 mod layout;
@@ -17,7 +17,7 @@ fn is_ground(scene: &Scene, object: &Object) -> bool {
     scene.mesh_of(object).unwrap().name.starts_with("ground")
 }
 
-/// The boxes of a scene's objects, found by position: cells of the x-z plane.
+/// The boxes of a scene's objects, in cells of the x-z plane.
 struct Boxes {
     bounds: Vec<Aabb>,
     cells: HashMap<IVec2, Vec<u32>>,
@@ -30,7 +30,7 @@ fn cell_of(x: f32, z: f32) -> IVec2 {
 }
 
 impl Boxes {
-    /// Creates the boxes of the objects that `chosen` picks, all enlarged by `margin_m`.
+    /// Creates the boxes of the objects that `chosen` accepts, all enlarged by `margin_m`.
     fn new(scene: &Scene, margin_m: f32, chosen: impl Fn(&Object) -> bool) -> Self {
         let mut boxes = Self { bounds: Vec::new(), cells: HashMap::new() };
         for object in scene.objects.iter().filter(|object| chosen(object)) {
@@ -54,7 +54,7 @@ impl Boxes {
         self.cells.get(&cell).map_or(&[], Vec::as_slice)
     }
 
-    /// Returns a box that holds the point.
+    /// Returns a box that contains the point.
     fn around(&self, point: Vec3) -> Option<Aabb> {
         let holds = |number: &u32| {
             let Aabb { min, max } = self.bounds[*number as usize];

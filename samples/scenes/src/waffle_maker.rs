@@ -1,5 +1,5 @@
-//! The waffle maker: a kitchen machine of some thirty closed parts, true to the millimetre, whose
-//! lid opens about a hinge.
+//! The waffle maker: a kitchen appliance of some thirty closed parts, accurate to the millimetre,
+//! whose lid opens about a hinge.
 
 mod logo;
 mod shapes;
@@ -16,19 +16,19 @@ use scene::{
 use super::parts::{PartId, PartNode, PartTree};
 use super::routes::{Flight, Routes, Streets};
 
-/// The height of the plane in which the lid meets the body, and of the hinge's axis, in metres.
+/// The height of the parting plane of lid and body, and of the hinge's axis, in metres.
 const PARTING_M: f32 = 0.060;
 
 /// The z of the hinge's axis, in metres.
 const HINGE_Z_M: f32 = -0.142;
 
-/// The least angle of the lid, in radians. It touches the body before.
+/// The least angle of the lid, in radians. It touches the body before it reaches this angle.
 const SHUT_RAD: f32 = -0.05;
 
-/// The end of the hinge's range, in radians. The cable stops the lid some degrees before it.
+/// The end of the hinge's range, in radians. The cable stops the lid some degrees before.
 const OPEN_RAD: f32 = 170.0 / 180.0 * PI;
 
-/// The cameras of its path.
+/// The number of cameras of its path.
 const CAMERAS: u8 = 8;
 
 /// The distance of the near plane, in metres.
@@ -41,7 +41,8 @@ pub struct Hinge {
     pub point: Vec3,
     /// The direction of the axis, a unit vector; positive angles turn counter-clockwise about it.
     pub axis: Vec3,
-    /// The least angle, in radians: somewhat below that at rest, for what is pressed shut.
+    /// The least angle, in radians: slightly below the angle at rest, for parts that are pressed
+    /// shut.
     pub shut_rad: f32,
     /// The angle at rest, in radians.
     pub closed_rad: f32,
@@ -50,8 +51,8 @@ pub struct Hinge {
 }
 
 impl Hinge {
-    /// Returns the transform of what turns, from its place at rest to that at an angle, which is
-    /// clamped to the hinge's range.
+    /// Returns the transform from the place at rest to the place at an angle, which is clamped to
+    /// the hinge's range.
     pub fn turn(&self, angle_rad: f32) -> Affine3A {
         let angle_rad = angle_rad.clamp(self.shut_rad, self.open_rad);
         let turn = Quat::from_axis_angle(self.axis, angle_rad);
@@ -60,7 +61,7 @@ impl Hinge {
     }
 }
 
-/// A mesh that comes from a curved surface, and can be made anew at other levels.
+/// A mesh of a curved surface, which can be tessellated again at other levels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CurvedMesh {
     /// The mesh.
@@ -74,19 +75,19 @@ pub struct CurvedMesh {
 pub struct WaffleMaker {
     /// The objects, one per part, with surfaces.
     pub scene: Scene,
-    /// The parts. Each is a closed solid but the logo.
+    /// The parts. Each is a closed solid, except the logo.
     pub parts: PartTree,
-    /// The group of all that opens with the lid.
+    /// The group of all parts that open with the lid.
     pub lid: PartId,
-    /// The logo, a picture 0.3 mm over the lid.
+    /// The logo, a picture 0.3 mm above the lid.
     pub logo: ObjectId,
-    /// The knob on the lid, of Bezier patches. None if it had no surface.
+    /// The knob on the lid, made of Bezier patches; `None` if it had no surface.
     pub knob: Option<CurvedMesh>,
     /// The hinge of the lid.
     pub hinge: Hinge,
-    /// The cameras of a way around it, which is closed.
+    /// The cameras of a closed path around it.
     pub cameras: Vec<Camera>,
-    /// The circle to fly around it.
+    /// The circular flight around it.
     pub routes: Routes,
 }
 
@@ -111,7 +112,7 @@ enum Finish {
     Glow,
 }
 
-/// The parts that are there already.
+/// The parts created so far.
 struct Maker {
     meshes: Vec<Mesh>,
     finishes: Vec<Finish>,
@@ -136,13 +137,13 @@ impl Maker {
         self.finishes.push(finish);
     }
 
-    /// Adds a part where its mesh is.
+    /// Adds a part at the place of its mesh.
     fn fixed(&mut self, parent: PartId, finish: Finish, mesh: Mesh) {
         self.add(parent, finish, mesh, &[Affine3A::IDENTITY]);
     }
 }
 
-/// Makes the waffle maker, which stands on y = 0, 30 cm wide, its front towards +z.
+/// Creates the waffle maker. It stands on y = 0, is 30 cm wide, and its front faces +z.
 pub fn waffle_maker() -> WaffleMaker {
     let mut maker = Maker {
         meshes: Vec::new(),
@@ -182,7 +183,7 @@ pub fn waffle_maker() -> WaffleMaker {
     WaffleMaker { scene, parts, lid, logo, knob, hinge, cameras: cameras(), routes }
 }
 
-/// Returns cameras around it, the first before its front, which look at its middle.
+/// Returns cameras around it that look at its middle, the first one in front of it.
 fn cameras() -> Vec<Camera> {
     let middle = vec3(0.0, 0.05, 0.0);
     let camera = |number: u8| {
@@ -200,12 +201,12 @@ fn at(x: f32, y: f32, z: f32) -> Affine3A {
     Affine3A::from_translation(vec3(x, y, z))
 }
 
-/// Returns the place of something whose y axis points to the front, with its origin there.
+/// Returns a transform that points the y axis to the front, with this origin.
 fn facing_front(x: f32, y: f32, z: f32) -> Affine3A {
     at(x, y, z) * Affine3A::from_rotation_x(FRAC_PI_2)
 }
 
-/// Returns the place of something whose y axis points to the right, with its origin there.
+/// Returns a transform that points the y axis to the right, with this origin.
 fn along_x(x: f32, y: f32, z: f32) -> Affine3A {
     at(x, y, z) * Affine3A::from_rotation_z(-FRAC_PI_2)
 }
@@ -257,7 +258,7 @@ fn add_lid(maker: &mut Maker, lid: PartId) -> ObjectId {
     logo
 }
 
-/// Adds the knob on the lid, at a level for a view of the whole.
+/// Adds the knob on the lid, at a level for a view of the whole model.
 fn add_knob(maker: &mut Maker, lid: PartId) -> Option<CurvedMesh> {
     let surface = shapes::knob()?;
     let mesh = MeshId(maker.meshes.len() as u32);

@@ -54,10 +54,10 @@ impl App {
     fn show(&mut self) -> Result<(), Box<dyn Error>> {
         let Some((triangle, swapchain, window)) = &mut self.0 else { return Ok(()) };
         window.request_redraw();
-        // A hidden window may hold what it was sent: then no frame begins.
+        // A hidden window may hold earlier frames back; then no frame begins.
         if swapchain.is_ready()? {
             let size: [u32; 2] = window.inner_size().into();
-            // Images as large as the window, which may have no pixel.
+            // Images have the size of the window, which may be 0.
             if !size.contains(&0) {
                 triangle.0.resize(size)?;
             }

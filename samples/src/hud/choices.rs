@@ -1,4 +1,4 @@
-//! A list to choose from, by keys and by the mouse.
+//! A list to choose from, with keys or the mouse.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -18,10 +18,10 @@ const GAP: f32 = 8.0;
 const PADDING: f32 = 1.0;
 /// The space below the title.
 const TITLE_GAP: f32 = 3.0;
-/// The width that words about rows are given at least.
+/// The least width of the descriptions of rows.
 const ABOUT_WIDTH: f32 = 60.0;
 
-/// The texts of a row.
+/// The laid-out texts of a row.
 struct Row {
     number: Arc<Galley>,
     label: Arc<Galley>,
@@ -34,8 +34,8 @@ impl Row {
     }
 }
 
-/// Shows the list in the lower left of `room`, or the rows around the selected one that have room.
-/// Returns its area, and in `clicked` the index of the row that was clicked, if one was.
+/// Shows the list in the lower left of `room`, or as many rows around the selected one as fit.
+/// Returns its area, and stores the index of a clicked row in `clicked`.
 pub fn show(ui: &mut Ui, list: &ChoiceList, room: Rect, clicked: &mut Option<usize>) -> Rect {
     let [sides, ends] = panel::MARGINS.map(f32::from);
     let width = room.width() - 2.0 * sides;
@@ -78,12 +78,12 @@ pub fn show(ui: &mut Ui, list: &ChoiceList, room: Rect, clicked: &mut Option<usi
     area
 }
 
-/// Returns the texts of all rows, in columns that are `width` wide together.
+/// Returns the texts of all rows, in columns with a total width of `width`.
 fn rows(ui: &Ui, list: &ChoiceList, width: f32) -> Vec<Row> {
     let text = |text: String, style: Style, width: f32| {
         ui.painter().layout(text, style.font(), style.colour, width)
     };
-    // Numbers of two digits cannot be struck at once.
+    // Numbers of two digits cannot be typed with one key.
     let number = |place: usize| if place < 9 { (place + 1).to_string() } else { " ".to_owned() };
     let first = list.rows.iter().enumerate().map(|(place, (label, _))| Row {
         number: text(number(place), NUMBER, f32::INFINITY),
@@ -98,7 +98,7 @@ fn rows(ui: &Ui, list: &ChoiceList, width: f32) -> Vec<Row> {
     rows
 }
 
-/// Returns where the names and the words about them begin, and the width of all.
+/// Returns the left edges of names and descriptions, and the total width.
 fn columns(rows: &[Row]) -> [f32; 3] {
     let widest =
         |of: fn(&Row) -> &Galley| rows.iter().map(|row| of(row).size().x).fold(0.0, f32::max);
@@ -121,8 +121,8 @@ fn draw(ui: &Ui, row: &Row, corner: Pos2, widths: [f32; 3], is_selected: bool) {
     painter.galley(pos2(corner.x + about, top), Arc::clone(&row.about), ABOUT.colour);
 }
 
-/// Returns the rows that are shown of a list that is higher than `room`: the selected one, and as
-/// many around it as have room.
+/// Returns the shown rows of a list that is higher than `room`: the selected row, and as many rows
+/// around it as fit.
 fn window(heights: &[f32], selected: usize, room: f32) -> Range<usize> {
     let selected = selected.min(heights.len().saturating_sub(1));
     let mut shown = selected..(selected + 1).min(heights.len());

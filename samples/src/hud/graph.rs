@@ -11,12 +11,12 @@ const HEIGHT: f32 = 46.0;
 const GUTTER: f32 = 34.0;
 /// The distance between bars, and the width of a bar.
 const PITCH: [f32; 2] = [2.0, 1.5];
-/// The height of the mark on a bar that is cut.
+/// The height of the mark on a bar that exceeds the scale.
 const CUT_MARK: f32 = 4.0;
 const CAPTION: Style = Style::text(10.5, NAME);
 const SCALE: Style = Style::number(9.5, NAME);
 
-/// Shows the graph, as wide as there is room.
+/// Shows the graph in the available width.
 pub fn show(ui: &mut Ui, overview: &Overview) {
     let scale = GraphScale::of(&overview.frames_ms, overview.budget_ms);
     let cut = scale.filter(|scale| scale.cut > 0).map_or(String::new(), |scale| {
@@ -68,8 +68,8 @@ fn bars(painter: &Painter, overview: &Overview, scale: &GraphScale, plot: Rect) 
     }
 }
 
-/// Draws the line that frames should stay below, and its number if a row of it has room beside the
-/// ends of the scale.
+/// Draws the line of the frame budget, and its number if there is room for it between the ends of
+/// the scale.
 fn budget(painter: &Painter, overview: &Overview, scale: &GraphScale, plot: Rect, row: f32) {
     let Some(budget_ms) = overview.budget_ms else { return };
     let y = plot.max.y - scale.height(budget_ms) * plot.height();

@@ -1,4 +1,4 @@
-//! The page with all keys, in as many columns as it takes.
+//! The page of all keys, in several columns.
 
 use egui::{Align, Align2, Layout, Rect, Ui, vec2};
 
@@ -19,10 +19,10 @@ enum Row<'a> {
     Empty,
 }
 
-/// The numbers of columns to try, the best first.
+/// The numbers of columns to try, in order of preference.
 const COLUMNS: [usize; 4] = [3, 2, 4, 1];
 
-/// Shows the page in the middle of `room`. Returns its area, or `None` where it has no room.
+/// Shows the page in the middle of `room`. Returns its area, or `None` if it does not fit.
 pub fn show(ui: &mut Ui, help: &Help, room: Rect) -> Option<Rect> {
     COLUMNS.into_iter().find_map(|count| {
         let columns = columns(help, count);
@@ -66,14 +66,14 @@ fn column(ui: &mut Ui, rows: &[Row<'_>]) {
     }
 }
 
-/// Returns the groups in at most so many columns of about equal height; a group stays together.
+/// Returns the groups in at most `most` columns of about equal height; groups are not split.
 fn columns(help: &Help, most: usize) -> Vec<Vec<Row<'_>>> {
     let total: usize = help.groups.iter().map(|(_, keys)| keys.len() + 2).sum();
     let even = total.div_ceil(most.max(1));
     let mut columns: Vec<Vec<Row<'_>>> = vec![Vec::new()];
     for (title, keys) in &help.groups {
         let full = columns.last().map_or(0, Vec::len);
-        // Half a group over is nearer to even than a group less.
+        // Exceeding the even height by half a group is better than falling short by a group.
         if full > 0 && columns.len() < most && full + keys.len() / 2 + 1 > even {
             columns.push(Vec::new());
         }

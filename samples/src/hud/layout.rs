@@ -2,15 +2,15 @@
 
 use super::panel;
 
-/// The panel's share of the image's width, at most.
+/// The largest share of the image's width that the panel covers.
 pub const PANEL_SHARE: f32 = 0.25;
 /// The width of the whole panel, in points.
 const FULL_WIDTH: f32 = 232.0;
-/// The widths of the panel with the most important numbers alone, in points.
+/// The widths of the panel with only the most important numbers, in points.
 const NARROW_WIDTH: [f32; 2] = [62.0, 120.0];
-/// The size of an image from which on points have the window's own size.
+/// The size of an image from which on a point has its normal size in the window.
 const USUAL_SIZE: [f32; 2] = [960.0, 540.0];
-/// The factor by which points shrink at most, before anything is left out.
+/// The smallest factor of points, before parts are left out.
 const SMALLEST: f32 = 0.66;
 
 /// The parts of the panel that fit.
@@ -43,7 +43,7 @@ impl Measures {
             if window_scale.is_finite() { window_scale.clamp(0.5, 8.0) } else { 1.0 };
         let shares = [0, 1].map(|side| size[side] as f32 / window_scale / USUAL_SIZE[side]);
         let share = shares[0].min(shares[1]);
-        // Large images have larger letters, and more room beside them.
+        // Large images have larger letters, and more room beside the panel.
         let zoom = if share > 1.0 { share.sqrt() } else { share.max(SMALLEST) };
         let scale = window_scale * zoom;
         let widest = size[0] as f32 * PANEL_SHARE / scale;

@@ -14,8 +14,8 @@ const SWATCH: f32 = 14.0;
 const STEP: f32 = 5.0;
 const HEIGHT: f32 = 8.0;
 
-/// Shows one legend: in the upper left of its area, or in the upper right of `room`. `scale` pixels
-/// are a point. Returns its area, or `None` where it has no room beside what is `taken`.
+/// Shows one legend, in the upper left of its area or in the upper right of `room`. A point has
+/// `scale` pixels. Returns its area, or `None` if it does not fit without overlapping `taken`.
 pub fn show(ui: &mut Ui, legend: &Legend, room: Rect, taken: Rect, scale: f32) -> Option<Rect> {
     let (room, place) = match legend.area {
         Some(area) => {

@@ -1,8 +1,8 @@
-//! The head-up display: the engine's state in numbers, a graph and signs over the image, by egui.
+//! The head-up display: the engine's state as numbers, a graph and signs over the image, with egui.
 //!
 //! A [`HudPage`] has plain values. [`Measures`] determines the size of points and the parts that
-//! fit; each part shows itself: the [overview](self), the lower edge, legends, signs, and the page
-//! of keys. [`HudOverlay`] draws what egui makes of that over the frames of a renderer.
+//! fit. Each part has a module that shows it: the [overview](self), the lower edge, legends, signs,
+//! and the page of keys. [`HudOverlay`] draws the triangles of egui over the frames of a renderer.
 
 mod choices;
 mod graph;
@@ -32,28 +32,27 @@ pub use page::{
     Split,
 };
 
-/// The layout of pages, with fonts of its own.
+/// The layout of pages, with its own fonts.
 pub struct Hud {
     context: Context,
-    /// The page that was laid out last, for an image of this size in pixels, and for so many of
-    /// them per point of the window.
+    /// The last laid-out page, its image size in pixels, and the pixels per point of the window.
     page: HudPage,
     size: [u32; 2],
     window_scale: f32,
-    /// The events of the pointer since then, in points.
+    /// The pointer's events since the last layout, in points.
     events: Vec<Event>,
     /// The area of a list, in pixels.
     list: Option<Rect>,
 }
 
-/// A page as triangles, and the letters that they need for the first time.
+/// A page as triangles, and the letters that are new in it.
 #[derive(Default)]
 pub struct HudFrame {
     primitives: Vec<ClippedPrimitive>,
     textures: TexturesDelta,
     /// The pixels per point.
     scale: f32,
-    /// The index of the row of a list that was clicked.
+    /// The index of the clicked row of a list.
     clicked: Option<usize>,
 }
 
@@ -79,8 +78,9 @@ impl Default for Hud {
 }
 
 impl Hud {
-    /// Lays `page` out for an image of `size` pixels, `scale` of them per point of the window.
-    /// Parts that do not fit are left out. Returns `None` if nothing changed since the last call.
+    /// Lays out `page` for an image of `size` pixels, with `scale` pixels per point of the window.
+    /// Parts that do not fit are left out. Returns `None` if nothing has changed since the last
+    /// call.
     pub fn lay_out(&mut self, page: &HudPage, size: [u32; 2], scale: f32) -> Option<HudFrame> {
         let is_empty = *page == HudPage::default();
         let is_same = self.page == *page && self.events.is_empty();
@@ -104,7 +104,7 @@ impl Hud {
         &self.context
     }
 
-    /// Takes events of a window, in points of the window, for the next layout.
+    /// Adds events of a window, in points of the window, for the next layout.
     pub fn take(&mut self, events: impl IntoIterator<Item = Event>) {
         let to_ours = self.window_scale / Measures::of(self.size, self.window_scale).scale;
         for mut event in events {
@@ -113,14 +113,14 @@ impl Hud {
                     *at = (at.to_vec2() * to_ours).to_pos2();
                 }
                 Event::PointerGone => {}
-                // Keys have effects of their own, and nothing scrolls.
+                // Keys have other effects, and nothing scrolls.
                 _ => continue,
             }
             self.events.push(event);
         }
     }
 
-    /// Returns true if a place, in pixels from the upper left, is on a list that is shown.
+    /// Returns true if a place, in pixels from the upper left, is on a visible list.
     pub fn is_on_list(&self, place: [f64; 2]) -> bool {
         let [x, y] = place;
         self.list.is_some_and(|area| area.contains(egui::pos2(x as f32, y as f32)))
@@ -142,33 +142,32 @@ impl Hud {
 }
 
 impl HudFrame {
-    /// Returns the frame of a layout that a host ran in its own context.
+    /// Returns the frame of a layout that a host ran in its own egui context.
     pub fn of(context: &Context, output: FullOutput) -> Self {
         let FullOutput { shapes, textures_delta, pixels_per_point: scale, .. } = output;
         let primitives = context.tessellate(shapes, scale);
         Self { primitives, textures: textures_delta, scale, clicked: None }
     }
 
-    /// Returns the index of the row of a list that was clicked.
+    /// Returns the index of the clicked row of a list.
     pub fn clicked(&self) -> Option<usize> {
         self.clicked
     }
 }
 
-/// Shows a page, later parts over earlier ones.
+/// Shows a page; later parts cover earlier ones.
 fn show(ui: &mut Ui, page: &HudPage, measures: &Measures) -> Notices {
     let screen = ui.max_rect();
     signs::draw(ui.painter(), &page.signs);
     signs::outline(ui.painter(), &page.marks, measures.scale);
-    // The panel goes down to the edge: what is said for a while is beside it and hides nothing of
-    // it.
+    // The panel extends to the lower edge. Messages are beside it and hide no part of it.
     let has_panel = page.overview.is_some() && page.help.is_none();
     let mut beside = screen;
     beside.min.x += if has_panel { measures.panel_width } else { 0.0 };
     let notices = notices::show(ui, page, beside);
     let help = page.help.as_ref();
     let is_helped = help.and_then(|help| help::show(ui, help, notices.above)).is_some();
-    // The keys are read alone: nothing is beside them.
+    // The page of keys is shown alone.
     if !is_helped {
         let panel = overview::show(ui, page, measures);
         let mut room = screen;

@@ -1,5 +1,5 @@
-//! The lower edge: the answer to a request, and below it the newest message, or the progress of a
-//! scene.
+//! The lower edge: the answer to a request, and below it the newest message or the progress of
+//! loading.
 
 use egui::{Align2, Label, Rect, Sense, Ui, pos2, vec2};
 
@@ -9,19 +9,19 @@ use super::panel::{self, row};
 use super::style::{DIM, GOOD, MARGIN, MARK, Style};
 
 const TEXT: Style = Style::text(13.0, MARK);
-/// The style of rows: numbers and marks stand below each other.
+/// The style of rows, monospaced so that numbers and marks are aligned.
 const ROWS: Style = Style::number(11.5, MARK);
 const BAR: [f32; 2] = [320.0, 10.0];
 
-/// The outcome of the lower edge.
+/// The result of showing the lower edge.
 pub struct Notices {
-    /// The room that is left above.
+    /// The remaining room above.
     pub above: Rect,
     /// The area that is taken.
     pub taken: Rect,
     /// The area of a list.
     pub list: Option<Rect>,
-    /// The index of the row of a list that was clicked.
+    /// The index of the clicked row of a list.
     pub clicked: Option<usize>,
 }
 
@@ -33,7 +33,7 @@ impl Default for Notices {
 
 /// Shows the lower edge of `room`.
 pub fn show(ui: &mut Ui, page: &HudPage, room: Rect) -> Notices {
-    // There is always room for a row, so that a message moves nothing.
+    // A row is always reserved, so that a message moves nothing.
     let row = ui.fonts_mut(|fonts| fonts.row_height(&TEXT.font()));
     let mut rest = room.shrink(MARGIN);
     let lowest = match (&page.progress, &page.toast) {
@@ -65,7 +65,7 @@ fn message(ui: &mut Ui, text: &str, style: Style, room: Rect) -> Rect {
     })
 }
 
-/// Shows a bar, and above it the name of the step. Returns their area.
+/// Shows a progress bar below the name of the step. Returns their area.
 fn progress(ui: &mut Ui, what: &str, fraction: Option<f32>, room: Rect) -> Rect {
     panel::show(ui, room, Align2::LEFT_BOTTOM, |ui| {
         ui.set_max_width(BAR[0].min(ui.available_width()));

@@ -1,8 +1,8 @@
-//! The drawing of the HUD over the images of a renderer: the one place where the programs meet
-//! Vulkan, since the crate that draws egui's triangles is made of its calls.
+//! Draws the HUD over the images of a renderer. Only here do the programs call Vulkan, because the
+//! crate that draws egui's triangles does.
 //!
-//! The letters are in a texture of the engine, which frames write and nobody waits for. So are the
-//! buffers, which are freed when no frame uses them any more.
+//! The letters are in a texture of the engine, which frames write without waiting. The buffers
+//! belong to the engine, too: they are freed when no frame uses them.
 
 use std::cell::RefCell;
 
@@ -21,32 +21,31 @@ use egui_ash_renderer::{
 
 use super::HudFrame;
 
-/// The HUD over images of one device. It keeps what it drew last and draws it until it is given
-/// another frame.
+/// The HUD over images of one device. It draws its current frame until it receives another one.
 pub struct HudOverlay {
     device: Device,
     state: RefCell<State>,
 }
 
-/// The triangles that are drawn, and the objects that draw them.
+/// The triangles to draw, and the objects that draw them.
 #[derive(Default)]
 struct State {
     primitives: Vec<ClippedPrimitive>,
     /// The pixels per point.
     scale: f32,
     letters: Option<Letters>,
-    /// Pieces of the texture of letters that no submitted frame has written yet, and where this
-    /// frame has their pixels.
+    /// Pieces of the texture of letters that no submitted frame has written yet, and the place of
+    /// their pixels in this frame.
     pieces: Vec<Piece>,
     uploaded: Vec<BufferSlice>,
     renderer: Option<Renderer<Buffers>>,
 }
 
-/// The texture of letters, and the set by which it is bound.
+/// The texture of letters, and its descriptor set.
 struct Letters {
     texture: DynamicTexture,
     set: TextureSet,
-    /// The name of the texture in triangles, once the renderer has one for it.
+    /// The texture's id in the triangles, once the renderer has assigned one.
     id: Option<TextureId>,
 }
 
@@ -58,21 +57,21 @@ struct Piece {
 }
 
 impl HudOverlay {
-    /// Creates an overlay that draws nothing yet.
+    /// Creates an overlay that draws nothing.
     pub fn new(device: &Device) -> Self {
         Self { device: device.clone(), state: RefCell::default() }
     }
 
-    /// Returns it for the request of a frame, unless there is nothing to draw.
+    /// Returns the overlay for a frame request, unless there is nothing to draw.
     pub fn shown(&self) -> Option<&dyn HostOverlay> {
         let is_empty = self.state.borrow().primitives.is_empty();
         (!is_empty).then_some(self as &dyn HostOverlay)
     }
 
-    /// Draws `frame` from now on, in place of what was drawn.
+    /// Draws `frame` from now on.
     ///
     /// # Errors
-    /// Letters that the device has no memory for.
+    /// Not enough device memory for the letters.
     pub fn show(&self, frame: HudFrame) -> Result<(), render::Error> {
         let HudFrame { primitives, mut textures, scale, .. } = frame;
         let mut state = self.state.borrow_mut();
@@ -91,7 +90,7 @@ impl HudOverlay {
 }
 
 impl State {
-    /// Takes a piece of the texture of letters, or all of another texture in its place.
+    /// Adds a piece of the texture of letters, or replaces the whole texture.
     fn take(&mut self, device: &Device, delta: &ImageDelta) -> Result<(), render::Error> {
         let ImageData::Color(image) = &delta.image;
         let size = image.size.map(|side| side as u32);
@@ -158,10 +157,11 @@ impl HostOverlay for HudOverlay {
 }
 
 impl Drop for HudOverlay {
-    /// Destroys the pipeline when the GPU is done with it. If that cannot be known, it is left.
+    /// Destroys the pipeline when the GPU has finished with it. If that cannot be determined, it
+    /// leaks.
     fn drop(&mut self) {
         let renderer = self.state.get_mut().renderer.take();
-        // All work of a lost device is over.
+        // A lost device has no pending work.
         if renderer.is_some()
             && let Err(error) = self.device.wait_idle()
             && !error.is_device_lost()
@@ -172,8 +172,8 @@ impl Drop for HudOverlay {
     }
 }
 
-/// Creates the renderer of triangles. It goes through as many buffers as a device has frames in
-/// flight, at most, so that it never writes what one of them reads.
+/// Creates the renderer of triangles. It cycles through as many buffers as frames may be in flight,
+/// so it never writes a buffer that one of them reads.
 fn new_renderer(device: &Device, format: vk::Format) -> Result<Renderer<Buffers>, render::Error> {
     let rendering = DynamicRendering {
         color_attachment_format: format,
@@ -194,8 +194,8 @@ fn failed(error: RendererError) -> render::Error {
     render::Error::Overlay(Box::new(error))
 }
 
-/// Buffers of the engine for the renderer of triangles. Dropped, they outlive the frames that use
-/// them.
+/// Buffers of the engine for the renderer of triangles. A dropped buffer stays until no frame uses
+/// it.
 struct Buffers(Device);
 
 impl Allocator for Buffers {

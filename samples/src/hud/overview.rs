@@ -1,4 +1,4 @@
-//! The panel in the upper left: the numbers that a person looks for first, and below them details.
+//! The panel in the upper left: the most important numbers, with details below.
 
 use egui::{Align, Align2, Label, Layout, Rect, Sense, Shape, Sides, Stroke, Ui, pos2, vec2};
 
@@ -17,7 +17,7 @@ const ROW_VALUE: Style = Style::number(10.5, VALUE);
 const NARROW_VALUE: Style = Style::number(15.0, VALUE);
 const BAR_HEIGHT: f32 = 6.0;
 const GAP: f32 = 5.0;
-/// The distance of small letters from the lower edge of large ones beside them.
+/// The distance from the lower edge of large letters to that of small letters beside them.
 const BASELINE: f32 = 4.0;
 const MORE: &str = "more in a larger window";
 
@@ -38,7 +38,7 @@ pub fn show(ui: &mut Ui, page: &HudPage, measures: &Measures) -> Option<Rect> {
         }
     };
     let has_room = measures.room != Room::None;
-    // A part that does not fit as a whole is left out as a whole.
+    // A part that does not fit completely is left out.
     has_room
         .then(|| panel::show_if_fits(ui, screen, Align2::LEFT_TOP, Rect::NOTHING, contents))
         .flatten()
@@ -64,7 +64,7 @@ fn full(ui: &mut Ui, overview: &Overview) {
     row(ui, UNIT.of(&overview.hint));
 }
 
-/// Shows the rate, large, and the time of a frame, each with its unit on the same line.
+/// Shows the frame rate in large letters and the frame time, each with its unit on the same line.
 fn headline(ui: &mut Ui, overview: &Overview) {
     let height = ui.fonts_mut(|fonts| fonts.row_height(&LARGE.font()));
     let (area, _) = ui.allocate_exact_size(vec2(ui.available_width(), height), Sense::hover());
@@ -87,7 +87,7 @@ fn figures(ui: &mut Ui, figures: &[HudFigure]) {
     ui.columns(figures.len(), |columns| {
         let last = figures.len().saturating_sub(1);
         for (place, (ui, figure)) in columns.iter_mut().zip(figures).enumerate() {
-            // The last one is what the others come down to.
+            // The last figure is the result of the others.
             let colour = if place == last { GOOD } else { VALUE };
             row(ui, Style { colour, ..MIDDLE }.of(&figure.value));
             row(ui, UNIT.of(figure.name));
@@ -95,7 +95,7 @@ fn figures(ui: &mut Ui, figures: &[HudFigure]) {
     });
 }
 
-/// Shows the drawn part of the objects in the frustum, as a share and as a sum.
+/// Shows the drawn share of the objects in the frustum, as a bar and as a sum.
 fn bar(ui: &mut Ui, Split { drawn, culled }: Split) {
     ui.add_space(4.0);
     let size = vec2(ui.available_width(), BAR_HEIGHT);
@@ -103,7 +103,7 @@ fn bar(ui: &mut Ui, Split { drawn, culled }: Split) {
     ui.painter().rect_filled(whole, 0.0, DIM);
     let all = drawn.saturating_add(culled);
     let share = drawn as f32 / all.max(1) as f32;
-    // A few among many still show.
+    // A small number remains visible.
     let least = if drawn > 0 { 2.0 } else { 0.0 };
     let part = vec2((whole.width() * share).max(least), BAR_HEIGHT);
     ui.painter().rect_filled(Rect::from_min_size(whole.min, part), 0.0, GOOD);
@@ -126,8 +126,8 @@ fn times(ui: &mut Ui, times: &[HudFigure]) {
     });
 }
 
-/// Shows a check mark or a warning triangle, and a sentence; where nothing is claimed, the sentence
-/// alone.
+/// Shows a check mark or a warning triangle with a sentence; only the sentence if nothing is
+/// claimed.
 fn verdict(ui: &mut Ui, verdict: &ExactnessVerdict) {
     let (text, colour) = match verdict {
         ExactnessVerdict::Exact(text) => (text, GOOD),
@@ -154,7 +154,7 @@ fn verdict(ui: &mut Ui, verdict: &ExactnessVerdict) {
     });
 }
 
-/// Shows the most important numbers alone, one below the other.
+/// Shows only the most important numbers, one below the other.
 fn narrow(ui: &mut Ui, overview: &Overview) {
     let [objects, in_frustum, drawn] = &overview.objects;
     for figure in [&overview.rate, &overview.times[0], objects, in_frustum, drawn] {
@@ -163,7 +163,7 @@ fn narrow(ui: &mut Ui, overview: &Overview) {
     }
 }
 
-/// Shows groups of names and values, as many as fit above `bottom`.
+/// Shows groups of names and values above `bottom`, as many as fit.
 fn details(ui: &mut Ui, page: &HudPage, bottom: f32) {
     let height = ui.fonts_mut(|fonts| fonts.row_height(&ROW_NAME.font()));
     let bottom = bottom - f32::from(panel::MARGINS[1]);

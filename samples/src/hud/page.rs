@@ -10,11 +10,11 @@ pub struct HudPage {
     pub overview: Option<Overview>,
     /// Groups of names and values below the overview, the most important first.
     pub details: Vec<Vec<(String, String)>>,
-    /// The meaning of the colours that are shown.
+    /// The meaning of the colours in the image.
     pub legends: Vec<Legend>,
     /// Areas to outline: left, top, right and bottom edge in pixels.
     pub marks: Vec<[u32; 4]>,
-    /// Signs that must be understood without reading.
+    /// Signs that are understood without reading.
     pub signs: Vec<Sign>,
     /// All keys, over the middle of the image.
     pub help: Option<Help>,
@@ -22,12 +22,12 @@ pub struct HudPage {
     pub asked: Option<HudAnswer>,
     /// A message about an error or a finished action, at the lower edge.
     pub toast: Option<String>,
-    /// The scene that is loading, and its finished fraction (0 to 1, if known): a bar in place of
-    /// the toast.
+    /// The scene that is loading, and its finished fraction (0 to 1, if known), shown as a bar in
+    /// place of the toast.
     pub progress: Option<(String, Option<f32>)>,
 }
 
-/// The numbers that a person looks for first.
+/// The most important numbers.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Overview {
     /// The name of the scene.
@@ -46,13 +46,13 @@ pub struct Overview {
     pub budget_ms: Option<f32>,
     /// Objects: of the scene, in the frustum, drawn.
     pub objects: [HudFigure; 3],
-    /// The numbers of those in the frustum that are drawn, and that are not.
+    /// The numbers of drawn and culled objects in the frustum.
     pub split: Option<Split>,
     /// The times of the GPU and of the CPU.
     pub times: [HudFigure; 2],
-    /// The correctness of the image.
+    /// The claim about the correctness of the image.
     pub verdict: ExactnessVerdict,
-    /// The keys to try next.
+    /// The keys to try next, as a text.
     pub hint: String,
 }
 
@@ -61,27 +61,27 @@ pub struct Overview {
 pub struct HudFigure {
     /// The number with its unit, as text.
     pub value: String,
-    /// The quantity that it counts or measures.
+    /// The quantity.
     pub name: &'static str,
 }
 
-/// The objects in the frustum: `drawn + culled` are all of them.
+/// The objects in the frustum: the sum of `drawn` and `culled`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Split {
-    /// Those that are drawn.
+    /// The number of drawn objects.
     pub drawn: u64,
-    /// Those that are occluded and left out.
+    /// The number of objects that are left out because they are occluded.
     pub culled: u64,
 }
 
-/// The equality of the image to the one without occlusion culling.
+/// A claim whether the image equals the image without occlusion culling.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ExactnessVerdict {
-    /// They are equal, for this reason.
+    /// The images are equal, for this reason.
     Exact(String),
-    /// They may differ, for this reason.
+    /// The images may differ, for this reason.
     Inexact(String),
-    /// Nothing is claimed, for this reason; without words before the first image.
+    /// Nothing is claimed, for this reason; empty before the first image.
     Unclaimed(String),
 }
 
@@ -94,21 +94,21 @@ impl Default for ExactnessVerdict {
 /// The meaning of some colours.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Legend {
-    /// The coloured things.
+    /// The subject of the colours.
     pub title: &'static str,
     /// Colours and their meanings.
     pub entries: Vec<LegendEntry>,
-    /// The part of the image that it explains, with the legend in its upper left; `None` for the
-    /// whole image, with the legend in the upper right.
+    /// The part of the image that the legend explains, with the legend in its upper left; `None`
+    /// for the whole image, with the legend in the upper right.
     pub area: Option<Rect>,
 }
 
-/// A state, shown by a frame and a shape.
+/// A state that a frame and a badge show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sign {
     /// The culling is frozen.
     Frozen,
-    /// The camera's path is recorded.
+    /// The path of the camera is being recorded.
     Recording,
     /// A screenshot was taken.
     Screenshot,
@@ -117,14 +117,14 @@ pub enum Sign {
 /// The keys, in groups.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Help {
-    /// The titles of the groups, and their keys with their actions.
+    /// The titles of the groups, and their keys with descriptions.
     pub groups: Vec<(&'static str, Vec<(String, String)>)>,
 }
 
 /// The answer to a request.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum HudAnswer {
-    /// Rows about something, or a field.
+    /// Rows of text, or a text field.
     Rows(String),
     /// A list to choose from.
     List(ChoiceList),
@@ -135,8 +135,8 @@ pub enum HudAnswer {
 pub struct ChoiceList {
     /// The title above the rows.
     pub title: String,
-    /// The names of the rows, and words about them; empty for none.
+    /// The names and descriptions of the rows; descriptions may be empty.
     pub rows: Vec<(String, String)>,
-    /// The index of the row that is selected.
+    /// The index of the selected row.
     pub selected: usize,
 }

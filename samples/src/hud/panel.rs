@@ -1,20 +1,20 @@
-//! Panels: contents on a dark ground, placed as a whole.
+//! Panels: contents on a dark background that are placed as a whole.
 
 use egui::{Align, Align2, Frame, Label, Layout, Margin, Rect, Ui, UiBuilder, Vec2, WidgetText};
 
 use super::style::PANEL;
 
-/// The margins of a panel: at its sides, and above and below.
+/// The margins of a panel: left and right, and top and bottom.
 pub const MARGINS: [i8; 2] = [8, 6];
 
-/// Shows `contents` on a panel at an edge or corner of `room`, and beyond it if they are larger.
+/// Shows `contents` on a panel at an edge or corner of `room`; larger contents extend beyond it.
 /// Returns the panel's area.
 pub fn show(ui: &mut Ui, room: Rect, place: Align2, contents: impl Fn(&mut Ui)) -> Rect {
     let size = measure(ui, room.size(), &contents);
     show_at(ui, place.align_size_within_rect(size, room), room.size(), contents)
 }
 
-/// Shows the same if it has room as a whole, beside what is `taken`; else nothing.
+/// Shows a panel like [`show`] if it fits as a whole without overlapping `taken`.
 pub fn show_if_fits(
     ui: &mut Ui,
     room: Rect,
@@ -28,19 +28,19 @@ pub fn show_if_fits(
     fits.then(|| show_at(ui, area, room.size(), contents))
 }
 
-/// Shows a text in one row, cut with an ellipsis where it has no room.
+/// Shows a text in one row, with an ellipsis if it does not fit.
 pub fn row(ui: &mut Ui, text: impl Into<WidgetText>) {
     ui.add(Label::new(text).truncate());
 }
 
-/// Returns the size of a panel with `contents` that may take as much as `room`.
+/// Returns the size of a panel with `contents` that may use all of `room`.
 fn measure(ui: &mut Ui, room: Vec2, contents: impl Fn(&mut Ui)) -> Vec2 {
     let area = Rect::from_min_size(ui.max_rect().min, room);
     let mut tried = ui.new_child(builder(area).invisible());
     draw(&mut tried, contents).size()
 }
 
-/// Shows a panel that was measured to take `area`, laid out as if it had `room`.
+/// Shows a panel that was measured to be as large as `area`, laid out as if it had `room`.
 fn show_at(ui: &mut Ui, area: Rect, room: Vec2, contents: impl Fn(&mut Ui)) -> Rect {
     let mut shown = ui.new_child(builder(Rect::from_min_size(area.min, room)));
     draw(&mut shown, contents)

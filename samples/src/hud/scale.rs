@@ -1,13 +1,13 @@
-//! The scale of the graph of frame times, which no single frame decides.
+//! The scale of the graph of frame times, which does not depend on single frames.
 
-/// The share of the frames that decides the graph's height; slower ones are cut and marked.
+/// The share of frames that determines the graph's height; slower frames are cut and marked.
 const DECISIVE_SHARE: f32 = 0.9;
-/// The factor of the scale over the decisive frames.
+/// The ratio of the scale to the slowest of these frames.
 const HEADROOM: f32 = 1.25;
-/// The ends of scales, times a power of ten.
+/// The possible ends of scales, times a power of ten.
 const STEPS: [f32; 7] = [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.5];
 
-/// The values that the graph's height represents.
+/// The range of the graph.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GraphScale {
     /// The upper end (milliseconds).
@@ -20,7 +20,7 @@ pub struct GraphScale {
 
 impl GraphScale {
     /// Returns the scale for frames that took `frames_ms`, with the budget `budget_ms`; `None`
-    /// without a frame.
+    /// without frames.
     pub fn of(frames_ms: &[f32], budget_ms: Option<f32>) -> Option<Self> {
         let mut sorted: Vec<f32> = frames_ms.iter().copied().filter(|ms| ms.is_finite()).collect();
         sorted.sort_unstable_by(f32::total_cmp);
@@ -38,7 +38,7 @@ impl GraphScale {
     }
 }
 
-/// Returns the least round number that is not below `ms`.
+/// Returns the least round number of at least `ms`.
 fn ceiling(ms: f32) -> f32 {
     let ms = if ms.is_finite() { ms.clamp(0.1, 1e7) } else { 1.0 };
     let power = 10.0_f32.powf(ms.log10().floor());

@@ -46,7 +46,7 @@ pub fn outline(painter: &Painter, areas: &[[u32; 4]], scale: f32) {
     }
 }
 
-/// Draws two bars for a stop, a disc for a recording, a camera for an image.
+/// Draws two bars for a freeze, a disc for a recording, a camera for a screenshot.
 fn draw_badge(painter: &Painter, sign: Sign, area: Rect) {
     painter.rect_filled(area, 0.0, PANEL);
     let colour = colour_of(sign);

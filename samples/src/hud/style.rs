@@ -1,25 +1,25 @@
-//! Colours and letters of the HUD. Every colour of text keeps its contrast on a panel over white.
+//! Colours and fonts of the HUD. The colours of text keep their contrast on a panel over white.
 
 use egui::{Color32, FontFamily, FontId, RichText};
 
 /// The space between texts and edges, in points.
 pub const MARGIN: f32 = 8.0;
-/// The background of all text. Nearly opaque, since blending is linear and bright scenes shine
-/// through.
+/// The background of all text. It is nearly opaque, since blending is linear and bright scenes
+/// would shine through.
 pub const PANEL: Color32 = Color32::from_rgba_premultiplied(9, 11, 15, 246);
 /// Names and units.
 pub const NAME: Color32 = Color32::from_rgb(176, 186, 200);
 /// Values without a judgement.
 pub const VALUE: Color32 = Color32::from_rgb(235, 240, 245);
-/// Values that are as they should be.
+/// Values that meet their target.
 pub const GOOD: Color32 = Color32::from_rgb(86, 196, 150);
 /// Values that exceed their budget, or may be wrong.
 pub const BAD: Color32 = Color32::from_rgb(245, 130, 80);
 /// Keys, toasts and marks.
 pub const MARK: Color32 = Color32::from_rgb(250, 210, 90);
-/// The ground of the row that is selected, and of the one below the pointer.
+/// The background of the selected row and of the row below the pointer.
 pub const SELECTED: Color32 = Color32::from_rgb(28, 46, 70);
-/// Lines of a scale, and the rest of a bar.
+/// Lines of a scale, and the remainder of a bar.
 pub const DIM: Color32 = Color32::from_rgb(84, 94, 110);
 
 /// The look of a text.
@@ -77,8 +77,8 @@ mod tests {
         if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
     }
 
-    /// Returns the relative luminance of a colour over white, blended in linear light as the GPU
-    /// does.
+    /// Returns the relative luminance of a colour over white, blended in linear light as on the
+    /// GPU.
     fn luminance(colour: Color32) -> f64 {
         let [red, green, blue, alpha] = colour.to_array().map(|part| f64::from(part) / 255.0);
         let part = |encoded: f64| light(encoded / alpha) * alpha + (1.0 - alpha);

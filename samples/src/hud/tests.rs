@@ -1,5 +1,5 @@
-//! Whole pages, laid out without a device: nothing overlaps, nothing leaves its panel or the
-//! image.
+//! Tests of the layout of whole pages without a device: parts do not overlap, and do not leave
+//! their panel or the image.
 
 use antumbra::render;
 use bench::legend::LegendEntry;
@@ -64,7 +64,7 @@ fn legend(area: Option<render::Rect>) -> Legend {
     Legend { title: "Boxes that are tested", entries: (1..5).map(entry).collect(), area }
 }
 
-/// Returns a page with everything, and a view from above in the lower right.
+/// Returns a page with all parts, and a view from above in the lower right.
 fn page(image_size: [u32; 2]) -> HudPage {
     let [width, height] = image_size;
     let part = [width * 2 / 5, height * 2 / 5];
@@ -83,14 +83,14 @@ fn page(image_size: [u32; 2]) -> HudPage {
     }
 }
 
-/// Returns what egui draws for a page.
+/// Returns the shapes that egui draws for a page.
 fn shapes(page: &HudPage, size: [u32; 2]) -> Vec<ClippedShape> {
     let (mut output, _) = Hud::default().run(page, size, 1.0);
     output.textures_delta.clear();
     std::mem::take(&mut output.shapes)
 }
 
-/// Returns the panels and the texts of a page, and the image's area.
+/// Returns the panels and the texts of a page, and the area of the image.
 fn laid_out(page: &HudPage, size: [u32; 2]) -> (Vec<Rect>, Vec<(Rect, String)>, Rect) {
     let measures = Measures::of(size, 1.0);
     let mut panels = Vec::new();
@@ -184,8 +184,8 @@ fn details_that_have_no_room_are_named() {
     assert_eq!(all_shown([960, 540]), (false, true));
 }
 
-/// Checks that messages are beside the panel, so that details lose nothing to messages of any
-/// length.
+/// Checks that messages are beside the panel, so that messages of any length leave the details
+/// intact.
 #[test]
 fn what_is_said_takes_nothing_from_the_details() {
     let rows = |page: &HudPage, size| {
@@ -291,7 +291,7 @@ fn a_row_is_chosen_by_a_click() {
         assert!(hud.lay_out(&page, size, window_scale).is_none(), "nothing changed");
         let list = hud.list.unwrap();
         assert!(!hud.is_on_list([1270.0, 10.0]));
-        // From the upper edge down, a row is clicked once: in points of the window.
+        // Clicks from the upper edge down hit each row once, in points of the window.
         let mut clicked = Vec::new();
         for step in 0..list.height() as u32 {
             let at = list.min + egui::vec2(30.0, step as f32);

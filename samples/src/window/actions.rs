@@ -12,87 +12,87 @@ use scenes::{GeneratorError, Hour};
 /// An action between two frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Action {
-    /// A switch to the next strategy that the device supports.
+    /// Changes to the next strategy that the device supports.
     NextStrategy,
-    /// A switch to this strategy.
+    /// Changes to this strategy.
     Strategy(Strategy),
-    /// One more frame in flight, or one only after the most.
+    /// Adds a frame in flight; after the most, goes back to one.
     NextFramesInFlight,
-    /// This number of frames in flight.
+    /// Sets this number of frames in flight.
     FramesInFlight(u32),
-    /// A switch to the next present mode.
+    /// Changes to the next present mode.
     NextPresentMode,
-    /// A switch to this present mode.
+    /// Changes to this present mode.
     PresentMode(PresentMode),
-    /// A freeze of the culling while the camera flies on, or its end.
+    /// Freezes the culling while the camera flies on, or ends the freeze.
     Freeze,
-    /// Frames with and without culling in turn, and the pixels that differ.
+    /// Compares alternating frames with and without culling, and counts the pixels that differ.
     Compare,
-    /// The name of the object at a pixel, or in the middle, and the reason why it is drawn or not.
+    /// Identifies the object at a pixel, or in the middle, and explains why it is drawn or not.
     Identify(Option<[u32; 2]>),
-    /// The next hour of the day.
+    /// Changes to the next hour of the day.
     NextHour,
-    /// This hour of the day.
+    /// Changes to this hour of the day.
     Hour(Hour),
-    /// The next way to make shadows.
+    /// Changes to the next method of shadows.
     NextShadows,
-    /// This way to make shadows.
+    /// Changes to this method of shadows.
     Shadows(ShadowWay),
-    /// The next filter of shadow maps.
+    /// Changes to the next filter of shadow maps.
     NextFilter,
-    /// This filter of shadow maps.
+    /// Changes to this filter of shadow maps.
     Filter(ShadowFilter),
-    /// Lens flares, or none.
+    /// Switches lens flares on or off.
     Flares,
-    /// The pictures that spots project, or white light.
+    /// Switches between pictures projected by spots and white light.
     Pictures,
-    /// Levels of detail by distance and visible samples, or by distance alone.
+    /// Switches between levels of detail by distance and visible samples, and only by distance.
     DetailBySamples,
-    /// The view from above in a corner.
+    /// Switches the view from above in a corner.
     TopDown,
-    /// The boxes that are tested, coloured by their history.
+    /// Switches the display of tested boxes, coloured by their history.
     Boxes,
-    /// The edges of all triangles.
+    /// Switches the display of the edges of all triangles.
     Wireframe,
-    /// The number of surfaces that are drawn at each pixel.
+    /// Switches the display of the number of surfaces drawn at each pixel.
     DepthComplexity,
-    /// The GPU time of every pass.
+    /// Switches timing of all GPU passes.
     TimePasses,
-    /// An image of the screen.
+    /// Takes a screenshot.
     Screenshot,
-    /// The start of recording the camera's path, or its end, with the file.
+    /// Starts recording the camera's path, or ends it and writes the file.
     Record,
-    /// The next amount of text over the image.
+    /// Changes to the next amount of text over the image.
     Hud,
-    /// A stop of the time in the scene, or its end.
+    /// Stops the time in the scene, or resumes it.
     Pause,
-    /// One step of time.
+    /// Advances the time by one step.
     Step,
-    /// The next clip, playing alone.
+    /// Plays only the next clip.
     NextClip,
-    /// All clips, playing at once.
+    /// Plays all clips at once.
     AllClips,
-    /// The camera of the scene's file with this number, from 1 on.
+    /// Looks through the camera of the scene's file with this number, from 1 on.
     Camera(u32),
-    /// The list of strategies.
+    /// Opens the list of strategies.
     ListStrategies,
-    /// The list of scenes.
+    /// Opens the list of scenes.
     ListScenes,
-    /// The field for the path of a file.
+    /// Opens the field for the path of a file.
     OpenPath,
-    /// The page of all keys.
+    /// Opens the page of all keys.
     Help,
-    /// The full screen, or a window again.
+    /// Switches between full screen and a window.
     FullScreen,
-    /// The mouse captured to look around without a button held, or free again.
+    /// Captures the mouse to look around without holding a button, or frees it.
     CaptureMouse,
-    /// The key Esc: closes the open page, frees the mouse, or quits the second time.
+    /// The Esc key: closes the open page, frees the mouse, or quits when pressed twice.
     Escape,
-    /// The end of the program.
+    /// Quits the program.
     Quit,
 }
 
-/// The keys: their names, their actions as text, and their actions; in the order of [`GROUPS`].
+/// The keys: their names, descriptions and actions, in the order of [`GROUPS`].
 pub const KEYS: [(&str, &str, Action); 27] = [
     ("O", "list of scenes", Action::ListScenes),
     ("Ctrl+O", "open a file by its path", Action::OpenPath),
@@ -132,7 +132,7 @@ pub const GROUPS: [(&str, usize); 5] = [
     ("Pictures and frames", 7),
 ];
 
-/// More keys, for scenes out of files. Numbers look through their cameras.
+/// Additional keys for scenes from files. Digits select their cameras.
 pub const FILE_KEYS: [(&str, &str, Action); 4] = [
     ("Space", "pause, go on", Action::Pause),
     (".", "one step", Action::Step),
@@ -140,7 +140,7 @@ pub const FILE_KEYS: [(&str, &str, Action); 4] = [
     ("L", "all clips", Action::AllClips),
 ];
 
-/// The action of the numbers.
+/// The description of the digit keys.
 pub const CAMERA_KEYS: (&str, &str) = ("1 to 9", "cameras of the file");
 
 /// The keys that steer the camera.
@@ -153,8 +153,8 @@ pub const STEERING: [(&str, &str); 5] = [
 ];
 
 impl Action {
-    /// Returns the action of the key of that name: `F1`, `Tab`, `Esc`, `Space`, `Ctrl+O`, a digit,
-    /// or a letter of any case.
+    /// Returns the action of the key with this name: `F1`, `Tab`, `Esc`, `Space`, `Ctrl+O`, a
+    /// digit, or a letter of any case.
     pub fn of_key(name: &str) -> Option<Self> {
         let same = |(key, _, _): &&(&str, &str, Action)| key.eq_ignore_ascii_case(name);
         if let Some(number) = name.parse().ok().filter(|number| (1..=9).contains(number)) {
@@ -163,7 +163,7 @@ impl Action {
         KEYS.iter().chain(&FILE_KEYS).find(same).map(|(_, _, action)| *action)
     }
 
-    /// Parses an action as scripts write it.
+    /// Parses an action in the syntax of scripts.
     ///
     /// # Errors
     /// A sentence, if there is no such action or value.
@@ -274,7 +274,7 @@ const NAMES: [&str; 33] = [
     "quit",
 ];
 
-/// Parses a pixel, `X,Y` from the upper left.
+/// Parses a pixel `X,Y`, counted from the upper left.
 fn parse_pixel(text: &str) -> Result<[u32; 2], String> {
     let sides = text.split_once(',').map(|(x, y)| [x.parse().ok(), y.parse().ok()]);
     match sides {
@@ -283,7 +283,7 @@ fn parse_pixel(text: &str) -> Result<[u32; 2], String> {
     }
 }
 
-/// Returns the present mode of that name.
+/// Returns the present mode with this name.
 ///
 /// # Errors
 /// A sentence with all names.

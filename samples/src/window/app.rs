@@ -1,5 +1,4 @@
-//! The program in its window: receives winit's events and draws frames when the pacer asks for
-//! them.
+//! The program in its window: handles winit's events, and draws frames when the pacer starts them.
 
 use std::time::{Duration, Instant};
 
@@ -24,15 +23,15 @@ use super::source::SceneSource;
 use bench::run_error::RunError;
 use bench::signals::Signals;
 
-/// The distance of a wheel without notches that counts as one notch.
+/// The distance of a wheel without notches that equals one notch.
 const PIXELS_A_NOTCH: f32 = 40.0;
-/// The longest sleep of the loop, since no signal wakes it.
+/// The longest sleep of the loop, since signals do not wake it.
 const LONGEST_SLEEP: Duration = Duration::from_millis(250);
 
-/// Runs in a window until that is closed, or a signal comes.
+/// Runs in a window until it is closed, or until a signal arrives.
 ///
 /// # Errors
-/// No display, or one that fails; an unsuited device or a bad file; messages of the validation
+/// No display, or a failed one; an unsuitable device or a bad file; messages of the validation
 /// layer.
 pub fn run(
     source: &SceneSource,
@@ -58,7 +57,7 @@ pub fn run(
     first_error([outcome, ran, closed])
 }
 
-/// The handler that winit calls.
+/// The event handler for winit.
 struct App<'a> {
     source: &'a SceneSource,
     options: &'a ShowOptions,
@@ -71,7 +70,7 @@ struct App<'a> {
 }
 
 impl App<'_> {
-    /// Continues, or ends with the error.
+    /// Continues with the next step, or ends with the error.
     fn follow(&mut self, event_loop: &ActiveEventLoop, result: Result<Next, RunError>) {
         match result {
             Ok(Next::Now) => event_loop.set_control_flow(ControlFlow::Poll),
@@ -89,11 +88,11 @@ impl App<'_> {
 }
 
 impl App<'_> {
-    /// Carries out the action of a key; returns true if that is the end.
+    /// Carries out the action of a key; returns true if the program should end.
     fn key(&mut self, event: &KeyEvent) -> Result<bool, RunError> {
         let Some(opened) = &mut self.opened else { return Ok(false) };
         let is_escape = event.physical_key == PhysicalKey::Code(KeyCode::Escape);
-        // Keys in a list or field neither steer nor trigger actions.
+        // Keys for a list or field neither steer nor trigger actions.
         if opened.session.menu.is_none() || is_escape || !event.state.is_pressed() {
             let action = self.input.key(event);
             return action.map_or(Ok(false), |action| opened.act(action, self.options));
@@ -102,7 +101,7 @@ impl App<'_> {
         self.choose(key).map(|()| false)
     }
 
-    /// Handles a key or a click in the list or field that is open.
+    /// Passes a key or a click to the open list or field.
     fn choose(&mut self, key: MenuKey) -> Result<(), RunError> {
         let Some(opened) = &mut self.opened else { return Ok(()) };
         let settings = || self.source.settings_for_another();

@@ -1,4 +1,4 @@
-//! A capture of one frame by RenderDoc, where its library is loaded.
+//! A capture of one frame with RenderDoc, if its library is loaded.
 
 use std::ptr::null;
 
@@ -6,7 +6,7 @@ use renderdoc::{RenderDoc, V100};
 
 use bench::run_error::RunError;
 
-/// The frame to be captured.
+/// The capture of a frame.
 pub struct Capture {
     renderdoc: RenderDoc<V100>,
     frame: u32,
@@ -14,10 +14,10 @@ pub struct Capture {
 }
 
 impl Capture {
-    /// Prepares to capture this frame. Must be called before there is a device.
+    /// Prepares to capture this frame. Must be called before the device is created.
     ///
     /// # Errors
-    /// A program into which RenderDoc did not load its library.
+    /// RenderDoc's library is not loaded into this program.
     pub fn new(frame: u32) -> Result<Self, RunError> {
         let renderdoc = RenderDoc::new().map_err(|error| {
             RunError::machine(format!(
@@ -27,7 +27,7 @@ impl Capture {
         Ok(Self { renderdoc, frame, is_running: false })
     }
 
-    /// Begins the capture if `frame` is the one.
+    /// Begins the capture if `frame` is the requested one.
     pub fn begin(&mut self, frame: u32) {
         if frame == self.frame && !self.is_running {
             self.renderdoc.start_frame_capture(null(), null());
@@ -35,8 +35,8 @@ impl Capture {
         }
     }
 
-    /// Ends the capture after the frame was submitted, and presented if there is a window. Returns
-    /// true if it was captured.
+    /// Ends the capture, after the frame was submitted, and presented if there is a window. Returns
+    /// true if the frame was captured.
     pub fn end(&mut self) -> bool {
         if std::mem::take(&mut self.is_running) {
             self.renderdoc.end_frame_capture(null(), null());

@@ -1,4 +1,4 @@
-//! The clearance of a view: the free distance before it.
+//! The clearance of a view: the free distance in front of it.
 
 use antumbra::cull::{Aabb, Camera, Projection};
 use antumbra::glam::{Affine3A, Vec3};
@@ -7,8 +7,8 @@ use antumbra::scene::{Mesh, Scene};
 /// The rays per row and per column, over the middle half of the image.
 const RAYS: usize = 5;
 
-/// Returns the median distance, in metres, at which rays through the middle of a view meet a
-/// triangle of the scene at rest; infinite where most meet none.
+/// Returns the median distance, in metres, at which rays through the middle of a view hit a
+/// triangle of the scene at rest; infinite if most rays hit nothing.
 pub fn clearance_m(scene: &Scene, camera: &Camera) -> f32 {
     let right = camera.forward.cross(camera.up).normalize_or(Vec3::X);
     let up = right.cross(camera.forward).normalize_or(Vec3::Y);
@@ -98,7 +98,7 @@ mod tests {
         let door = [quad([-9.0, -2.0], [-9.0, 9.0]), quad([2.0, 9.0], [-9.0, 9.0])].concat();
         let door = Scene::single(Mesh::of_triangles("door", &door));
         assert_eq!(clearance_m(&door, &camera(Vec3::Z * 1.5)), f32::INFINITY);
-        // Nothing is behind the eye.
+        // Triangles behind the eye do not count.
         assert_eq!(clearance_m(&wall, &camera(Vec3::Z * -1.5)), f32::INFINITY);
     }
 }

@@ -1,13 +1,14 @@
-//! The clock of a frame loop: the one of the times that displays and GPUs report, if there is one.
+//! The clock of a frame loop: the clock of the times that displays and GPUs report, if there is
+//! one.
 
 use antumbra::pacing::Time;
 
-/// A reader of the time. All of them read the same.
+/// A reader of the clock. All readers return the same time.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Clock;
 
 impl Clock {
-    /// Returns the time now: `CLOCK_MONOTONIC` on Unix.
+    /// Returns the current time: `CLOCK_MONOTONIC` on Unix.
     #[cfg(unix)]
     pub fn now(&self) -> Time {
         let now = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
@@ -16,7 +17,7 @@ impl Clock {
         Time::from_nanos(seconds.saturating_mul(1_000_000_000).saturating_add(nanos))
     }
 
-    /// Returns the time now, since the first call.
+    /// Returns the time since the first call.
     #[cfg(not(unix))]
     pub fn now(&self) -> Time {
         static ORIGIN: std::sync::LazyLock<std::time::Instant> =

@@ -10,9 +10,9 @@ use super::differences::{Differences, PixelArea};
 use bench::run_error::RunError;
 use bench::strategy::Strategy;
 
-/// The time for which each side is shown in turn.
+/// The time for which each side is shown.
 const TURN_S: f64 = 0.5;
-/// The pairs that may be pending; a frame that finds no free pair is not compared.
+/// The most pending pairs; a frame without a free pair is not compared.
 const PAIRS: usize = 3;
 /// The time for which differing areas stay marked.
 const MARKED_FOR: Duration = Duration::from_secs(2);
@@ -20,18 +20,18 @@ const MARKED_FOR: Duration = Duration::from_secs(2);
 /// One frame of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// The frame with culling, by the strategy in use.
+    /// The frame with culling, by the current strategy.
     Culled,
-    /// The frame without: all objects in the frustum.
+    /// The frame without culling: all objects in the frustum.
     Unculled,
 }
 
-/// The results so far.
+/// The results of a comparison so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     /// The pairs that were compared.
     pub frames: u64,
-    /// The pairs among them that differed.
+    /// The number of these pairs that differed.
     pub differing: u64,
     /// The pixels that differed in the newest pair.
     pub newest_pixels: u64,
@@ -47,7 +47,7 @@ impl Tally {
         self.worst_pixels = self.worst_pixels.max(differences.pixels);
     }
 
-    /// Returns it in words.
+    /// Returns the results as a text.
     pub fn text(&self) -> String {
         match (self.frames, self.differing) {
             (0, _) => "nothing compared yet".to_owned(),
@@ -69,7 +69,7 @@ struct Pair {
 
 /// A running comparison.
 pub struct Comparison {
-    /// The history of the frames without culling, which leaves the other's alone.
+    /// The history of the frames without culling, which keeps the history with culling unchanged.
     pub(super) unculled: RenderView,
     pairs: Vec<Pair>,
     strategy: Strategy,
@@ -96,7 +96,7 @@ impl Comparison {
         })
     }
 
-    /// Lets `seconds` pass; returns true if the other side shows from now on.
+    /// Advances the time by `seconds`; returns true if the other side is shown from now on.
     pub fn advance(&mut self, seconds: f32) -> bool {
         let before = self.shown();
         if seconds.is_finite() {
@@ -105,7 +105,7 @@ impl Comparison {
         before != self.shown()
     }
 
-    /// Returns the side that shows now.
+    /// Returns the side that is shown.
     pub fn shown(&self) -> Side {
         match (self.seconds / TURN_S) as u64 % 2 {
             0 => Side::Culled,
@@ -123,13 +123,13 @@ impl Comparison {
         if now < self.marked_until { &self.marks } else { &[] }
     }
 
-    /// Resets the count if it was of another strategy.
+    /// Resets the results if they are of another strategy.
     pub fn follow(&mut self, strategy: Strategy) {
         if self.strategy != strategy {
             self.strategy = strategy;
             self.tally = Tally::default();
             self.marks.clear();
-            // The pending pairs are of the other one.
+            // The pending pairs are of the other strategy.
             self.pairs.clear();
         }
     }
@@ -137,7 +137,7 @@ impl Comparison {
     /// Returns the index of a free pair, for images of the renderer's size.
     ///
     /// # Errors
-    /// No memory.
+    /// Not enough memory.
     pub fn free_pair(&mut self, renderer: &Renderer) -> Result<Option<usize>, RunError> {
         let size = renderer.size();
         self.pairs.retain(|pair| pair.images[0].size() == size);
@@ -150,22 +150,21 @@ impl Comparison {
         Ok(Some(self.pairs.len() - 1))
     }
 
-    /// Returns the buffer that a side of a pair is copied to, beside the history of the frames
-    /// without culling.
+    /// Returns the view of the frames without culling, and the buffer to which a side of a pair is
+    /// copied.
     pub fn split(&mut self, pair: usize, side: Side) -> (&mut RenderView, Option<&Readback>) {
         let image = self.pairs.get(pair).map(|pair| &pair.images[side as usize]);
         (&mut self.unculled, image)
     }
 
-    /// Records that both images of a pair can be read when `tick` is over.
+    /// Notes that both images of a pair can be read once `tick` has completed.
     pub fn sent(&mut self, pair: usize, tick: Tick) {
         if let Some(pair) = self.pairs.get_mut(pair) {
             pair.tick = Some(tick);
         }
     }
 
-    /// Compares the images that can be read by now; never waits. Returns true if anything
-    /// differed.
+    /// Compares the images that can be read; never waits. Returns true if a pair differed.
     ///
     /// # Errors
     /// A lost device.

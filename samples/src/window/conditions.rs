@@ -1,5 +1,5 @@
-//! The conditions under which frames are measured: measurements under different ones are never
-//! mixed.
+//! The conditions under which frames are measured: measurements under different conditions are
+//! never mixed.
 
 use antumbra::gpu::PresentMode;
 
@@ -12,12 +12,12 @@ pub struct Conditions {
     pub strategy: Strategy,
     /// The size of the image, in pixels.
     pub size: [u32; 2],
-    /// Frames in flight.
+    /// The number of frames in flight.
     pub frames_in_flight: usize,
     /// The present mode of the window, if there is one.
     pub present_mode: Option<PresentMode>,
-    /// The number of the scene, different for each that is shown.
+    /// The number of the scene, different for each shown scene.
     pub scene: u32,
-    /// True if each frame is drawn twice, to be compared.
+    /// True if each frame is drawn twice for a comparison.
     pub is_comparing: bool,
 }

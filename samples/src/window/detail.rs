@@ -5,11 +5,11 @@ use antumbra::render::{RenderView, Renderer};
 use antumbra::scene::Scene;
 use bench::run_error::RunError;
 
-/// The most objects whose visible samples are counted: those with the most triangles. Each costs
-/// two or three small draws.
+/// The most objects whose visible samples are counted: the objects with the most triangles. Each
+/// costs two or three small draws.
 const MOST_COUNTED: usize = 128;
 
-/// The rule by which objects of a scene take coarser levels.
+/// The rule by which objects of a scene use coarser levels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Detail {
     policy: DetailPolicy,
@@ -18,8 +18,8 @@ pub struct Detail {
 }
 
 impl Detail {
-    /// Creates the rule for a scene with levels, whose surfaces may be misplaced by so many pixels;
-    /// by distance alone.
+    /// Creates the rule by distance for a scene with levels. Surfaces may be misplaced by
+    /// `error_pixels`.
     pub fn new(scene: &Scene, error_pixels: f32) -> Self {
         let levels = scene.surfaces.as_ref().map_or(&[][..], |surfaces| &surfaces.levels);
         let has_levels =
@@ -37,14 +37,13 @@ impl Detail {
         }
     }
 
-    /// Returns the same rule by visible samples, too.
+    /// Returns the rule with visible samples taken into account.
     pub fn by_samples(mut self) -> Self {
         self.policy.by_samples = Some(DetailBySamples::default());
         self
     }
 
-    /// Takes visible samples into account from now on, or does so no longer. Returns the message
-    /// about it.
+    /// Switches whether visible samples are taken into account. Returns a message about it.
     pub fn toggle(&mut self) -> String {
         match self.policy.by_samples.take() {
             Some(_) => "detail by distance alone".to_owned(),
@@ -55,16 +54,16 @@ impl Detail {
         }
     }
 
-    /// Lets a view count the samples that the rule needs.
+    /// Makes a view count the samples that the rule needs.
     ///
     /// # Errors
-    /// A device that cannot count: then it counts nothing.
+    /// A device that cannot count samples; then none are counted.
     pub fn watch(&self, view: &mut RenderView) -> Result<(), RunError> {
         let counted = self.policy.by_samples.map_or(&[][..], |_| &self.heavy);
         Ok(view.watch(counted)?)
     }
 
-    /// Selects the levels that are fine enough for what `camera` sees in `view`.
+    /// Selects the levels that are fine enough for `camera` in `view`.
     ///
     /// # Errors
     /// A view of another renderer.
@@ -78,7 +77,7 @@ impl Detail {
         Ok(())
     }
 
-    /// Returns the rule in words.
+    /// Returns a description of the rule.
     pub fn text(&self) -> String {
         let by = if self.policy.by_samples.is_some() { "samples" } else { "distance" };
         format!("{} px, by {by}", self.policy.error_pixels)

@@ -1,8 +1,8 @@
 //! The pixels in which two images differ, and their areas.
 
-/// The side of the squares that an image is compared in, in pixels.
+/// The side, in pixels, of the tiles in which images are compared.
 const TILE_PIXELS: usize = 16;
-/// The most areas; more are joined to one.
+/// The most areas; further ones are merged into one.
 const MOST_AREAS: usize = 48;
 
 /// A rectangle of pixels: left, top, right and bottom edge.
@@ -11,15 +11,15 @@ pub type PixelArea = [u32; 4];
 /// The differences between two images.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Differences {
-    /// Pixels that are not the same, bit for bit.
+    /// The number of pixels that are not identical.
     pub pixels: u64,
-    /// Areas that hold all of them, to a tile.
+    /// Areas that contain all of these pixels, to the tile.
     pub areas: Vec<PixelArea>,
 }
 
 impl Differences {
-    /// Compares two images of `width` pixels per row, four bytes per pixel. Images of different
-    /// lengths differ in every pixel that one of them lacks.
+    /// Compares two images of `width` pixels per row, four bytes per pixel. If their lengths
+    /// differ, every pixel that only one of them has counts as different.
     pub fn between(a: &[u8], b: &[u8], width: u32) -> Self {
         if a == b || width == 0 {
             return Self::default();
@@ -50,8 +50,8 @@ impl Differences {
         found
     }
 
-    /// Adds the marked tiles of a row. Neighbours become one area, joined with the area that they
-    /// continue.
+    /// Adds the marked tiles of a row. Neighbours become one area, which extends an area of equal
+    /// width above.
     fn add_runs(&mut self, is_marked: &[bool], width: usize, top: u32, bottom: u32) {
         let mut tile = 0;
         while tile < is_marked.len() {
@@ -103,9 +103,9 @@ mod tests {
     fn neighbours_are_one_area_and_edges_are_kept() {
         let found = between(&[[3, 3], [17, 4], [18, 20]]);
         assert_eq!(found.areas, [[0, 0, 32, 16], [16, 16, 32, 32]]);
-        // The last tile of each side is cut by the image.
+        // The last tile on each side is cut by the image.
         assert_eq!(between(&[[99, 39]]).areas, [[96, 32, 100, 40]]);
-        // Below each other, as wide: one area.
+        // Tiles below each other with equal width form one area.
         assert_eq!(between(&[[50, 1], [50, 17], [50, 39]]).areas, [[48, 0, 64, 40]]);
     }
 

@@ -4,13 +4,14 @@ use bench::run_error::RunError;
 use winit::error::EventLoopError;
 use winit::event_loop::EventLoop;
 
-/// Opens the event loop on Wayland, or on X11 where `WAYLAND_DISPLAY` names no running compositor.
+/// Opens the event loop on Wayland, or on X11 if `WAYLAND_DISPLAY` does not name a running
+/// compositor.
 ///
 /// # Errors
 /// When there is no display.
 pub fn event_loop() -> Result<EventLoop<()>, EventLoopError> {
     let mut builder = EventLoop::builder();
-    // winit goes by the variables alone, and an event loop can be made only once.
+    // winit decides by the variables alone, and an event loop can be created only once.
     #[cfg(target_os = "linux")]
     if is_set("DISPLAY") && is_stale_wayland() {
         tracing::info!("WAYLAND_DISPLAY leads nowhere; the window opens on X11");
@@ -21,7 +22,7 @@ pub fn event_loop() -> Result<EventLoop<()>, EventLoopError> {
 
 /// Returns the error of a missing display.
 pub fn no_display(error: impl std::fmt::Display) -> RunError {
-    // winit says first where in its own text that was found out.
+    // winit begins the text with the place in its own source.
     let text = error.to_string();
     let reason = text.rsplit_once(".rs:").map_or(text.as_str(), |(_, found)| {
         found.trim_start_matches(|c: char| c.is_ascii_digit() || c == ':' || c == ' ')
@@ -37,13 +38,13 @@ fn is_set(variable: &str) -> bool {
     std::env::var_os(variable).is_some_and(|value| !value.is_empty())
 }
 
-/// Returns true if a Wayland display is named that has no listener.
+/// Returns true if the named Wayland display has no listener.
 #[cfg(target_os = "linux")]
 fn is_stale_wayland() -> bool {
     use std::os::unix::net::UnixStream;
     use std::path::PathBuf;
 
-    // A socket that is handed down is open.
+    // A socket that was handed down is open.
     if is_set("WAYLAND_SOCKET") || !is_set("WAYLAND_DISPLAY") {
         return false;
     }

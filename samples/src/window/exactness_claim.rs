@@ -1,20 +1,20 @@
-//! The claim about the equality of an image to the one without occlusion culling, from what is
-//! known of its frame.
+//! The claim whether an image equals the image without occlusion culling, from the facts about its
+//! frame.
 
 use super::comparison::Tally;
 use crate::hud::{ExactnessVerdict, grouped};
 use bench::strategy::Strategy;
 
-/// The knowledge about a frame on which the claim about its image rests.
+/// The facts about a frame on which the claim about its image rests.
 #[derive(Clone, Copy, Debug)]
 pub struct ClaimBasis {
-    /// The number of frames of the scene that were drawn.
+    /// The number of drawn frames of the scene.
     pub frames: u32,
-    /// The objects of the scene.
+    /// The number of objects of the scene.
     pub objects: u64,
-    /// True while a scene is loading, this one or another.
+    /// True while this or another scene is loading.
     pub is_loading: bool,
-    /// True while meshes of the scene are on their way to the GPU.
+    /// True while meshes of the scene are being uploaded.
     pub is_uploading: bool,
     /// True if the image shows the decisions of an earlier frame.
     pub is_frozen: bool,
@@ -22,14 +22,14 @@ pub struct ClaimBasis {
     pub strategy: Strategy,
     /// The number of samples up to which a test counts as hidden.
     pub threshold_samples: u32,
-    /// The samples that tests of the newest frame read back left out.
+    /// The samples that were left out by tests of the newest frame that was read back.
     pub samples_below_threshold: Option<u64>,
-    /// The results of a comparison with and without culling, while it runs.
+    /// The results of a running comparison.
     pub compared: Option<Tally>,
 }
 
 impl ClaimBasis {
-    /// Returns the claim. What was counted comes before what follows from the strategy.
+    /// Returns the claim. Counted results take precedence over the properties of the strategy.
     pub fn claim(&self) -> ExactnessVerdict {
         use ExactnessVerdict::{Exact, Inexact, Unclaimed};
         if let Some(reason) = self.reason_for_none() {
@@ -71,7 +71,7 @@ impl ClaimBasis {
 mod tests {
     use super::*;
 
-    /// Returns the basis of a plain frame of a scene, by a strategy.
+    /// Returns the facts of a normal frame of a scene, by a strategy.
     fn drawn(strategy: Strategy) -> ClaimBasis {
         ClaimBasis {
             frames: 3,

@@ -1,9 +1,9 @@
-//! The failures that remain at the end of a program.
+//! The errors at the end of a program.
 
 use antumbra::gpu::ValidationLog;
 use bench::run_error::RunError;
 
-/// Keeps the first error, which is the cause; the others are logged.
+/// Returns the first error, which is the cause, and logs the others.
 ///
 /// # Errors
 /// The first one.
@@ -16,7 +16,7 @@ pub fn first_error<const COUNT: usize>(
     first.map_or(Ok(()), Err)
 }
 
-/// Checks what the validation layer found.
+/// Checks the messages of the validation layer.
 ///
 /// # Errors
 /// The first message, if there is one.

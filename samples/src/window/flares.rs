@@ -1,28 +1,29 @@
-//! The lens flares of a scene whose lights change with the hour: of its sun, and of its lamps.
+//! The lens flares of the sun and the lamps of a scene whose lights change with the hour.
 
 use antumbra::glam::Vec3;
 use antumbra::scene::{FlarePlace, LensFlare, LightId, LightKind, LightMove, PunctualLight};
 use scenes::Daylight;
 
-/// The radius of the glass of a lamp, in metres: nothing in it hides its light.
+/// The radius of the glass of a lamp, in metres: objects within it do not hide the light.
 const GLASS_M: f32 = 0.35;
 
-/// The glow of a lamp, and of a spot that shines into the lens, in halves of the image's height.
+/// The glow of a lamp, and of a spot that shines into the lens, in multiples of half the image's
+/// height.
 const LAMP_GLOW: f32 = 0.13;
 const SPOT_GLOW: f32 = 0.3;
 
-/// The strength of the flares of lamps by day, when the lens is shut farther.
+/// The strength of lamp flares by day, when the aperture is smaller.
 const BY_DAY: f32 = 0.35;
 
-/// The strength of the ghosts of lamps, of which there are many.
+/// The strength of the ghosts of lamps, which are numerous.
 const LAMP_GHOSTS: f32 = 0.35;
 
-/// The intensity of a sun whose flare is as strong as there is, in lux.
+/// The intensity of a sun whose flare has full strength, in lux.
 const FULL_SUN_LX: f32 = 3.2;
 
-/// Returns the flares of all lights at an hour, in their order, seen from `eye`; `moved` is where
-/// one of them is now. Lights that do not flare have one without colour, so that each keeps its
-/// place.
+/// Returns the flares of all lights at an hour, in their order, seen from `eye`; `moved` is the
+/// current state of the light that moves. Lights that do not flare get a black flare, so that every
+/// light keeps its index.
 pub fn flares_of(daylight: &Daylight, moved: Option<LightMove>, eye: Vec3) -> Vec<LensFlare> {
     let strength = if daylight.hour.is_night() { 1.0 } else { BY_DAY };
     let present = |light: LightMove| match moved {
@@ -64,7 +65,7 @@ fn of_lamp(lamp: &PunctualLight, glass: Vec3, strength: f32) -> Option<LensFlare
     })
 }
 
-/// Returns the flare of a spot: as strong as it shines at the eye.
+/// Returns the flare of a spot, whose strength follows its light at the eye.
 fn of_spot(
     spot: &PunctualLight,
     inner_rad: f32,
@@ -85,7 +86,7 @@ fn of_spot(
     })
 }
 
-/// Returns a light of the scene that projects a picture, if one does.
+/// Returns a light of the scene that projects a picture, if there is one.
 pub fn projector_of(daylight: &Daylight) -> Option<LightId> {
     let mut lamps = daylight.lamps.iter();
     lamps.find(|(_, lamp)| lamp.cookie.is_some()).map(|(light, _)| *light)

@@ -1,35 +1,35 @@
-//! A camera that flies as it is steered: the same way in the same time, in any number of frames.
+//! A camera that flies as it is steered: the path does not depend on the number of frames.
 
 use antumbra::cull::{Camera, Projection};
 use antumbra::glam::Vec3;
 
-/// The factor of the speed in a hurry.
+/// The factor of the speed when hurrying.
 const HURRY: f32 = 6.0;
-/// The factor of the speed for each notch of the wheel, and the limit of all notches.
+/// The factor of the speed per notch of the wheel, and the limit of the total factor.
 const NOTCH: f32 = 1.25;
 const MOST_TIMES: f32 = 1e3;
-/// The angle in radians for each pixel that the mouse moved.
+/// The angle in radians per pixel of mouse movement.
 const TURN_RAD: f32 = 0.003;
-/// The steepest view: looking straight up or down would leave no side to turn to.
+/// The steepest view: straight up or down would leave no side to turn to.
 const STEEPEST_RAD: f32 = 1.55;
-/// The longest step: after a pause the camera goes on, it does not jump.
+/// The longest time step: after a pause the camera does not jump.
 const LONGEST_STEP_S: f32 = 0.1;
 
-/// The direction in which it is steered: each component from -1 to 1.
+/// The steering direction: each component from -1 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Steering {
-    /// Ahead, or back.
+    /// Forward, or backward.
     pub ahead: f32,
     /// To the right, or left.
     pub right: f32,
     /// Up, or down.
     pub up: f32,
-    /// True if it hurries.
+    /// True if the camera hurries.
     pub hurries: bool,
 }
 
 impl Steering {
-    /// Returns the sum of both, limited: two inputs are no faster than one.
+    /// Returns the sum of both, limited so that two inputs are not faster than one.
     #[must_use]
     pub fn plus(&self, other: &Self) -> Self {
         let sum = |a: f32, b: f32| (a + b).clamp(-1.0, 1.0);
@@ -50,14 +50,14 @@ pub struct FlyCamera {
     rise_rad: f32,
     projection: Projection,
     near: f32,
-    /// The speed in metres per second at first.
+    /// The initial speed in metres per second.
     speed_m: f32,
-    /// The factor of the speed from notches.
+    /// The factor of the speed from the wheel.
     times: f32,
 }
 
 impl FlyCamera {
-    /// Creates a camera in the place of another, upright, at so many metres per second.
+    /// Creates a camera at the place of another one, upright, with a speed in metres per second.
     pub fn new(camera: Camera, speed_m: f32) -> Self {
         let forward = camera.forward.try_normalize().unwrap_or(Vec3::X);
         Self {
@@ -71,12 +71,12 @@ impl FlyCamera {
         }
     }
 
-    /// Moves to the place of another camera, with the same speed.
+    /// Moves to the place of another camera, and keeps the speed factor.
     pub fn go_to(&mut self, camera: Camera) {
         *self = Self { times: self.times, ..Self::new(camera, self.speed_m) };
     }
 
-    /// Changes the speed by so many notches of a wheel.
+    /// Changes the speed by this number of notches of a wheel.
     pub fn hasten(&mut self, notches: f32) {
         if notches.is_finite() {
             let times = self.times * NOTCH.powf(notches.clamp(-9.0, 9.0));
@@ -84,7 +84,7 @@ impl FlyCamera {
         }
     }
 
-    /// Returns the speed in metres per second, without hurry.
+    /// Returns the speed in metres per second, when not hurrying.
     pub fn speed_m(&self) -> f32 {
         self.speed_m * self.times
     }
@@ -106,12 +106,12 @@ impl FlyCamera {
         Vec3::new(cos * level, rise, sin * level)
     }
 
-    /// Flies on for some seconds. Nothing happens without steering.
+    /// Flies for some seconds. Without steering the camera stays.
     pub fn fly(&mut self, steering: &Steering, seconds: f32) {
         let forward = self.forward();
         let right = forward.cross(Vec3::Y).normalize_or_zero();
         let way = forward * steering.ahead + right * steering.right + Vec3::Y * steering.up;
-        // Two keys at once are no faster than one.
+        // Two keys at once are not faster than one.
         let way = way.clamp_length_max(1.0);
         let hurry = if steering.hurries { HURRY } else { 1.0 };
         let seconds = if seconds.is_finite() { seconds.clamp(0.0, LONGEST_STEP_S) } else { 0.0 };
@@ -121,13 +121,13 @@ impl FlyCamera {
         }
     }
 
-    /// Turns the view as the mouse moved: pixels to the right and down.
+    /// Turns the view by a movement of the mouse: pixels to the right and down.
     pub fn turn(&mut self, right: f64, down: f64) {
         if !(right.is_finite() && down.is_finite()) {
             return;
         }
         let around = std::f32::consts::TAU;
-        // Through a narrow lens the image moves by as many pixels.
+        // With a narrow field of view, the image moves by the same number of pixels.
         let narrow = match self.projection {
             Projection::Perspective { fov_y } => fov_y.min(1.0),
             Projection::Orthographic { .. } => 1.0,

@@ -1,4 +1,4 @@
-//! The frame pacing under the current conditions; a change of them resets it.
+//! The frame pacing statistics under the current conditions; a change of conditions resets them.
 
 use antumbra::pacing::{
     FrameStatistics, FrameTiming, HitchRule, PacedFrameId, PacingError, Summary,
@@ -14,22 +14,22 @@ const FRAMES: usize = 600;
 pub struct FramePacingStats {
     statistics: FrameStatistics,
     conditions: Option<Conditions>,
-    /// The first frame under these conditions. Its time counts from a frame under others.
+    /// The first frame under these conditions. Its time began with a frame under other conditions.
     first: Option<PacedFrameId>,
 }
 
 impl FramePacingStats {
-    /// Creates statistics over no frame.
+    /// Creates statistics without frames.
     ///
     /// # Errors
-    /// An error of the number of frames. The built-in number causes none.
+    /// An invalid number of frames. The built-in number is valid.
     pub fn new() -> Result<Self, PacingError> {
         let statistics = FrameStatistics::new(FRAMES, HitchRule::default())?;
         Ok(Self { statistics, conditions: None, first: None })
     }
 
-    /// Notes that the frame `next` and later ones come under `conditions`. Frames under others are
-    /// removed.
+    /// Notes that the frame `next` and later ones have `conditions`. Frames under other conditions
+    /// are removed.
     pub fn follow(&mut self, conditions: Conditions, next: PacedFrameId) {
         if self.conditions != Some(conditions) {
             self.statistics.clear();
@@ -37,15 +37,14 @@ impl FramePacingStats {
         }
     }
 
-    /// Records a frame, unless its time belongs to the conditions before: of some frames that is
-    /// known only later.
+    /// Records a frame. Late timings of frames under earlier conditions are ignored.
     pub fn record(&mut self, frame: PacedFrameId, timing: FrameTiming) {
         if self.first.is_none_or(|first| frame > first) {
             self.statistics.record(timing);
         }
     }
 
-    /// Returns all numbers over the recorded frames.
+    /// Returns the statistics of the recorded frames.
     pub fn summary(&mut self) -> Summary {
         self.statistics.summary()
     }

@@ -1,4 +1,4 @@
-//! The newest frames: their times on the CPU and on the GPU.
+//! The CPU and GPU times of the newest frames.
 
 use std::collections::VecDeque;
 
@@ -9,15 +9,15 @@ use antumbra::render::{FrameReport, OVERLAY_PASSES};
 use super::comparison::Side;
 use super::conditions::Conditions;
 
-/// The number of frames in a graph.
+/// The number of frames in the graph.
 const KEPT: usize = 130;
-/// The number of frames in the CPU's median; the GPU's is over `GPU_FRAMES`.
+/// The number of frames in the CPU's median; the GPU's median uses `GPU_FRAMES`.
 const CPU_FRAMES: usize = 32;
 const GPU_FRAMES: usize = 5;
-/// The time over which the rate is taken, if there are as many frames (milliseconds).
+/// The time over which the frame rate is measured, if there are enough frames (milliseconds).
 const RATE_MS: f32 = 1000.0;
 
-/// The newest numbers of one kind. Allocates nothing.
+/// The newest numbers of one kind. Does not allocate.
 #[derive(Clone, Debug)]
 struct Recent<const COUNT: usize> {
     ring: [f32; COUNT],
@@ -42,7 +42,7 @@ impl<const COUNT: usize> Recent<COUNT> {
         (first..self.count).map(|place| self.ring[place % COUNT])
     }
 
-    /// Returns the median, which no exceptional frame affects.
+    /// Returns the median, which single outliers do not affect.
     fn median(&self) -> Option<f32> {
         let mut sorted = self.ring;
         let sorted = &mut sorted[..self.count.min(COUNT)];
@@ -64,10 +64,10 @@ pub struct FrameTimeSeries {
     last: Option<Time>,
     cpu: Recent<CPU_FRAMES>,
     overlay_cpu: Recent<CPU_FRAMES>,
-    /// The times with culling and without.
+    /// The times with and without culling.
     gpu: [Recent<GPU_FRAMES>; 2],
     overlay_gpu: Recent<GPU_FRAMES>,
-    /// The time of laying out since the newest frame.
+    /// The layout time since the newest frame.
     layout_ms: f32,
     passes: Vec<PassTime>,
     /// The pending frames under these conditions, oldest first.
@@ -75,7 +75,7 @@ pub struct FrameTimeSeries {
 }
 
 impl FrameTimeSeries {
-    /// Removes everything if `conditions` are not those of the frames before.
+    /// Removes everything if `conditions` differ from the previous frames' conditions.
     pub fn follow(&mut self, conditions: Conditions) {
         if self.conditions != Some(conditions) {
             *self = Self { conditions: Some(conditions), ..Self::default() };
@@ -89,7 +89,7 @@ impl FrameTimeSeries {
         }
     }
 
-    /// Records that the CPU needed `ms` to lay out the overlay of the next frames.
+    /// Records that laying out the overlay took `ms` on the CPU.
     pub fn laid_out(&mut self, ms: f32) {
         self.layout_ms += ms;
     }
@@ -101,12 +101,12 @@ impl FrameTimeSeries {
         self.overlay_cpu.push(report.overlay_cpu.as_secs_f32() * 1e3 + overlay_ms);
     }
 
-    /// Records that a frame with or without culling was submitted; `passes` are of the one that had
-    /// its slot before, if its passes were timed.
+    /// Records that a frame with or without culling was submitted. `passes` are the timed passes of
+    /// the frame that used the same slot before.
     pub fn sent(&mut self, side: Side, passes: &[PassTime]) {
         self.sent.push_back(side);
         let in_flight = self.conditions.map_or(0, |conditions| conditions.frames_in_flight);
-        // Until then the passes are of frames under other conditions.
+        // Until then, the passes belong to frames under other conditions.
         let finished = if self.sent.len() > in_flight { self.sent.pop_front() } else { None };
         let Some(side) = finished.filter(|_| !passes.is_empty()) else { return };
         let (overlay, engine): (Vec<_>, Vec<_>) = passes.iter().partition(is_overlay);
@@ -124,7 +124,7 @@ impl FrameTimeSeries {
         self.intervals.iter()
     }
 
-    /// Returns the mean time from frame to frame over about the last second, in milliseconds.
+    /// Returns the mean time from frame to frame over the last second, in milliseconds.
     pub fn mean_ms(&self) -> Option<f32> {
         let mut sum_ms = 0.0;
         let mut count = 0_u32;
@@ -138,29 +138,29 @@ impl FrameTimeSeries {
         (count > 0).then(|| sum_ms / count as f32)
     }
 
-    /// Returns the median time of the engine on the CPU and the mean one of the overlay, which is
-    /// laid out in some frames only, in milliseconds.
+    /// Returns the CPU times in milliseconds: the median of the engine, and the mean of the
+    /// overlay, which is laid out only in some frames.
     pub fn cpu_ms(&self) -> [Option<f32>; 2] {
         [self.cpu.median(), self.overlay_cpu.mean()]
     }
 
-    /// Returns the median times of the engine and of the overlay on the GPU, in milliseconds.
+    /// Returns the median GPU times of the engine and of the overlay, in milliseconds.
     pub fn gpu_ms(&self) -> [Option<f32>; 2] {
         [self.gpu[Side::Culled as usize].median(), self.overlay_gpu.median()]
     }
 
-    /// Returns the median time on the GPU of frames without culling, during a comparison.
+    /// Returns the median GPU time of frames without culling, during a comparison.
     pub fn unculled_gpu_ms(&self) -> Option<f32> {
         self.gpu[Side::Unculled as usize].median()
     }
 
-    /// Returns the passes of the newest frame whose passes were timed.
+    /// Returns the passes of the newest timed frame.
     pub fn passes(&self) -> &[PassTime] {
         &self.passes
     }
 }
 
-/// Returns true if a pass explains or lies flat over the image.
+/// Returns true if a pass draws an overlay over the image.
 pub fn is_overlay(pass: &&PassTime) -> bool {
     OVERLAY_PASSES.contains(&pass.label)
 }
@@ -199,7 +199,7 @@ mod tests {
         }
         let kept: Vec<f32> = times.newest_ms().collect();
         assert_eq!((kept.len(), kept[0], kept[KEPT - 1]), (KEPT, 170.0, 299.0));
-        // 299 + 298 + 297 + 296 are more than a second.
+        // 299 + 298 + 297 + 296 is more than a second.
         assert_eq!(times.mean_ms(), Some(297.5));
     }
 
@@ -254,8 +254,8 @@ mod tests {
         }
     }
 
-    /// Checks that frames with and without culling are timed apart: one in eight frames is timed,
-    /// and of each pair of frames the first.
+    /// Checks that frames with and without culling are timed separately: one in eight frames is
+    /// timed, and the first one of each pair.
     #[test]
     fn frames_with_and_without_culling_are_timed_apart() {
         let mut times = FrameTimeSeries::default();

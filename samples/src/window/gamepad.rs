@@ -1,8 +1,8 @@
 //! A gamepad: sticks and triggers steer, buttons trigger actions.
 //!
-//! [`PadState`] turns numbers of the device into steering, and [`action_of`] buttons into actions:
-//! pure. A thread reads the devices that Linux has under `/dev/input`. Without a gamepad, or
-//! without the right to read it, the thread looks again from time to time.
+//! [`PadState`] turns the device's numbers into steering, and [`action_of`] maps buttons to
+//! actions; both are pure. A thread reads the devices below `/dev/input` on Linux. If there is no
+//! gamepad, or no permission to read it, the thread tries again periodically.
 
 use std::sync::{Arc, Mutex, PoisonError, mpsc};
 use std::thread;
@@ -13,11 +13,11 @@ use evdev::{AbsoluteAxisCode, Device, EventSummary, KeyCode};
 use super::actions::Action;
 use super::fly_camera::Steering;
 
-/// The share of its way within which a released stick rests.
+/// The share of a stick's range within which it counts as released.
 const DEAD_ZONE: f32 = 0.15;
-/// The rate at which a stick at its end turns the camera, in pixels of the mouse per second.
+/// The rate at which a fully deflected stick turns the camera, in mouse pixels per second.
 const TURN_PIXELS_A_SECOND: f64 = 700.0;
-/// The interval at which a missing gamepad is looked for.
+/// The interval at which a missing gamepad is searched.
 const LOOK_INTERVAL: Duration = Duration::from_secs(3);
 
 /// An axis of a gamepad.
@@ -25,11 +25,11 @@ const LOOK_INTERVAL: Duration = Duration::from_secs(3);
 pub enum StickAxis {
     /// The left stick to the right.
     LeftX,
-    /// The left stick towards the hand.
+    /// The left stick towards the user.
     LeftY,
     /// The right stick to the right.
     RightX,
-    /// The right stick towards the hand.
+    /// The right stick towards the user.
     RightY,
     /// The left trigger.
     LeftTrigger,
@@ -46,7 +46,7 @@ pub struct PadState {
 }
 
 impl PadState {
-    /// Sets an axis that goes from `least` to `most` to a device's number.
+    /// Sets an axis with the range from `least` to `most` to a value of the device.
     pub fn set(&mut self, axis: StickAxis, value: i32, least: i32, most: i32) {
         let span = (f64::from(most) - f64::from(least)).max(1.0);
         let share = ((f64::from(value) - f64::from(least)) / span).clamp(0.0, 1.0) as f32;
@@ -61,22 +61,22 @@ impl PadState {
         }
     }
 
-    /// Returns the steering: the left stick moves, the triggers go down and up.
+    /// Returns the steering: the left stick moves, the triggers move down and up.
     pub fn steering(&self) -> Steering {
         let [right, back] = shaped(self.left);
         let [down, up] = self.triggers.map(|trigger| shaped([trigger, 0.0])[0]);
         Steering { ahead: -back, right, up: up - down, hurries: false }
     }
 
-    /// Returns the movement by which the right stick turns the camera in `seconds`, in pixels of
-    /// the mouse to the right and down.
+    /// Returns the camera turn of the right stick in `seconds`, in mouse pixels to the right and
+    /// down.
     pub fn turn(&self, seconds: f32) -> [f64; 2] {
         shaped(self.right).map(|part| f64::from(part) * TURN_PIXELS_A_SECOND * f64::from(seconds))
     }
 }
 
-/// Returns a stick's position without the dead zone in its middle, with fine control near it: by
-/// its distance, so that its direction is kept.
+/// Returns a stick's position without the dead zone, with fine control near the middle. The
+/// direction is preserved.
 fn shaped(place: [f32; 2]) -> [f32; 2] {
     let [x, y] = place;
     let distance = x.hypot(y);
@@ -100,19 +100,19 @@ pub fn action_of(button: KeyCode) -> Option<Action> {
     }
 }
 
-/// A thread that reads the first gamepad found.
+/// A thread that reads the first gamepad.
 pub struct Gamepad {
     state: Arc<Mutex<PadState>>,
     actions: mpsc::Receiver<Action>,
 }
 
 impl Gamepad {
-    /// Starts to look for a gamepad; `None` if the system has no thread for it.
+    /// Starts to search a gamepad; `None` if the system cannot start a thread.
     pub fn watch() -> Option<Self> {
         let state = Arc::new(Mutex::new(PadState::default()));
         let (sender, actions) = mpsc::channel();
         let theirs = Arc::clone(&state);
-        // It ends with the program, or when the receiver of its actions is dropped.
+        // The thread ends with the program, or when the receiver of its actions is dropped.
         let thread = thread::Builder::new().name("gamepad".to_owned());
         thread.spawn(move || look_and_read(&theirs, &sender)).ok()?;
         Some(Self { state, actions })
@@ -123,7 +123,7 @@ impl Gamepad {
         *self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Returns the next action of a button that was pressed.
+    /// Returns the next action of a pressed button.
     pub fn next_action(&self) -> Option<Action> {
         self.actions.try_recv().ok()
     }
@@ -146,7 +146,7 @@ fn look_and_read(state: &Mutex<PadState>, actions: &mpsc::Sender<Action>) {
     }
 }
 
-/// Reads a device until it is gone; returns false if its reader is dropped.
+/// Reads a device until it disappears; returns false if the receiver was dropped.
 fn read(device: &mut Device, state: &Mutex<PadState>, actions: &mpsc::Sender<Action>) -> bool {
     let Ok(ranges) = device.get_absinfo() else { return true };
     let ranges: Vec<_> =
@@ -175,7 +175,7 @@ fn read(device: &mut Device, state: &Mutex<PadState>, actions: &mpsc::Sender<Act
     true
 }
 
-/// Returns the axis of a code of the kernel (Documentation/input/gamepad.rst).
+/// Returns the axis of a kernel code (Documentation/input/gamepad.rst).
 fn axis_of(code: AbsoluteAxisCode) -> Option<StickAxis> {
     match code {
         AbsoluteAxisCode::ABS_X => Some(StickAxis::LeftX),
@@ -210,7 +210,7 @@ mod tests {
             pad(&[(StickAxis::LeftY, -32768, STICK), (StickAxis::RightTrigger, 255, [0, 255])]);
         let Steering { ahead, right, up, hurries } = ahead.steering();
         assert!((ahead - 1.0).abs() < 1e-4 && right.abs() < 1e-4 && up == 1.0 && !hurries);
-        // Both triggers hold each other; 0 to 1023 is as good a range.
+        // Both triggers affect each other; 0 to 1023 is a valid range, too.
         let both =
             [(StickAxis::LeftTrigger, 1023, [0, 1023]), (StickAxis::RightTrigger, 255, [0, 255])];
         assert_eq!(pad(&both).steering().up, 0.0);

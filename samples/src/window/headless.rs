@@ -1,5 +1,5 @@
-//! The program without a window: the same frames, each a sixtieth of a second after the other, as
-//! images if asked for.
+//! The program without a window: it draws the same frames, a sixtieth of a second apart, and writes
+//! them as images on request.
 
 use std::path::Path;
 use std::rc::Rc;
@@ -23,10 +23,10 @@ const FRAME_SECONDS: f32 = 1.0 / 60.0;
 /// The number of frames between changes of the text.
 const HUD_FRAMES: u32 = 15;
 
-/// Draws the frames that the options ask for, or those before a signal.
+/// Draws the requested number of frames, or stops at a signal.
 ///
 /// # Errors
-/// An unsuited device or a bad file; messages of the validation layer.
+/// An unsuitable device or a bad file; messages of the validation layer.
 pub fn run(
     source: &SceneSource,
     options: &ShowOptions,
@@ -106,7 +106,7 @@ fn draw_frames(
         if let (Some(image), Some(folder)) = (&image, &options.out) {
             device.wait_idle()?;
             let path = folder.join(format!("frame_{frame:05}.png"));
-            // A lost image is an error in the end; the next one may be written.
+            // A lost image is reported at the end; later images are still written.
             let _kept = session.screenshots.write(image, &path);
         }
         session.after_frame()?;

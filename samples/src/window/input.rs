@@ -1,4 +1,4 @@
-//! The held keys, and the actions of struck ones.
+//! The held keys, and the actions of pressed keys.
 
 use winit::event::{ElementState, KeyEvent};
 use winit::keyboard::{KeyCode, ModifiersState, PhysicalKey};
@@ -7,7 +7,7 @@ use super::actions::Action;
 use super::fly_camera::Steering;
 use super::menu::MenuKey;
 
-/// The keys that steer, by their place on the keyboard, whatever they mean in a layout.
+/// The steering keys, by their place on the keyboard, independent of the layout.
 const HELD: [KeyCode; 8] = [
     KeyCode::KeyW,
     KeyCode::KeyS,
@@ -19,8 +19,8 @@ const HELD: [KeyCode; 8] = [
     KeyCode::ShiftRight,
 ];
 
-/// The keys with actions, by their place on a US keyboard, and their names in the key table. The
-/// place counts, not the character: in a Cyrillic or Greek layout no letter has a Latin character.
+/// The keys with actions, by their place on a US keyboard, and their names in the key table.
+/// Characters would not work: Cyrillic and Greek layouts have no Latin letters.
 const NAMED: [(KeyCode, &str); 47] = [
     (KeyCode::Tab, "Tab"),
     (KeyCode::Escape, "Esc"),
@@ -79,11 +79,11 @@ pub struct Input {
 }
 
 impl Input {
-    /// Handles a key that went down or up; returns its action.
+    /// Handles a key press or release; returns the key's action.
     pub fn key(&mut self, event: &KeyEvent) -> Option<Action> {
         let PhysicalKey::Code(code) = event.physical_key else { return None };
         let is_down = event.state == ElementState::Pressed;
-        // A key that was held before Ctrl went down must not stay held for ever.
+        // A key that was held before Ctrl was pressed must not stay held forever.
         if !is_down || !self.has_command_modifier() {
             self.hold(code, is_down);
         }
@@ -108,17 +108,17 @@ impl Input {
             KeyCode::End => Some(MenuKey::Last),
             KeyCode::Enter | KeyCode::NumpadEnter => Some(MenuKey::Enter),
             KeyCode::Backspace => Some(MenuKey::Backspace),
-            // The layout's characters matter here, and only here.
+            // Only here the characters of the layout matter.
             _ => event.text.as_ref().map(|text| MenuKey::Text(text.to_string())),
         }
     }
 
-    /// Sets the modifiers that are held now.
+    /// Sets the modifiers that are currently held.
     pub fn set_modifiers(&mut self, modifiers: ModifiersState) {
         self.modifiers = modifiers;
     }
 
-    /// Returns true while a modifier is held that makes another key a command of the desktop.
+    /// Returns true while a modifier is held that makes keys commands of the desktop.
     fn has_command_modifier(&self) -> bool {
         self.modifiers
             .intersects(ModifiersState::CONTROL | ModifiersState::ALT | ModifiersState::SUPER)
@@ -140,12 +140,12 @@ impl Input {
         }
     }
 
-    /// Releases all keys: events of keys that are released elsewhere never come.
+    /// Releases all keys: releases outside of the window are not reported.
     pub fn release(&mut self) {
         *self = Self::default();
     }
 
-    /// Returns the steering of the keys.
+    /// Returns the steering by keys.
     pub fn steering(&self) -> Steering {
         let between = |forth: usize, back: usize| {
             f32::from(u8::from(self.held[forth])) - f32::from(u8::from(self.held[back]))
@@ -178,8 +178,7 @@ mod tests {
         input.release();
         assert_eq!(input.steering(), Steering::default());
     }
-    /// Checks that every key of the tables has a place on the keyboard: the layout changes the
-    /// character of a key, never its place.
+    /// Checks that every key of the tables has a place on the keyboard, which no layout changes.
     #[test]
     fn every_key_of_the_tables_has_a_place_on_the_keyboard() {
         let input = Input::default();

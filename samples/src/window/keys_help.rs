@@ -2,8 +2,8 @@
 
 use super::actions::{Action, CAMERA_KEYS, KEYS, STEERING};
 
-/// Returns examples and, below them, every key: those of all scenes, and those `of_files` with the
-/// cameras where there are any.
+/// Returns examples followed by all keys: the keys for all scenes, and the keys `of_files` with the
+/// cameras if there are any.
 pub fn help_with_keys(examples: &str, of_files: &[(&str, &str, Action)]) -> String {
     let cameras = (!of_files.is_empty()).then_some(CAMERA_KEYS);
     let named = |(key, what, _): &(&'static str, &'static str, Action)| (*key, *what);

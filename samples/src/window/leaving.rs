@@ -1,4 +1,4 @@
-//! The key Esc: closes the open page, frees the mouse, and quits when it is struck twice.
+//! The Esc key: it closes the open page, frees the mouse, and quits when pressed twice.
 
 use std::time::Duration;
 
@@ -10,13 +10,13 @@ pub const CONFIRM_WITHIN: Duration = Duration::from_secs(4);
 /// The effect of one Esc.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Escape {
-    /// The list, field or page over the image closes.
+    /// Closes the list, field or page over the image.
     Close,
-    /// The mouse is freed.
+    /// Frees the mouse.
     Free,
-    /// A second one is asked for.
+    /// Asks for a second Esc.
     Ask,
-    /// The program quits.
+    /// Quits the program.
     Quit,
 }
 
@@ -27,8 +27,8 @@ pub struct Leaving {
 }
 
 impl Leaving {
-    /// Returns the effect of an Esc at `now`, with something open or not, and the mouse captured or
-    /// not.
+    /// Returns the effect of an Esc at `now`. `open` is the effect for an open page or a captured
+    /// mouse.
     pub fn escape(&mut self, now: Time, open: Option<Escape>) -> Escape {
         if let Some(first) = open {
             self.asked = None;
@@ -52,7 +52,7 @@ mod tests {
         assert_eq!(leaving.escape(at(1), Some(Escape::Free)), Escape::Free);
         assert_eq!(leaving.escape(at(2), None), Escape::Ask);
         assert_eq!(leaving.escape(at(10), None), Escape::Ask, "too late");
-        // An Esc that closes or frees something in between is no confirmation.
+        // An Esc that closes or frees something in between does not confirm.
         assert_eq!(leaving.escape(at(11), Some(Escape::Free)), Escape::Free);
         assert_eq!(leaving.escape(at(11), None), Escape::Ask);
         assert_eq!(leaving.escape(at(12), None), Escape::Quit);

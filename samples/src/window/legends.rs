@@ -1,4 +1,4 @@
-//! Legends for the colours that explain the image.
+//! Legends for the colours of debug overlays.
 
 use antumbra::render::palette::{
     BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN, SELECTED, WIREFRAME,
@@ -8,12 +8,12 @@ use bench::legend;
 
 use crate::hud::Legend;
 
-/// Returns the legend of the view from above in `area`, or of a whole image.
+/// Returns the legend of the view from above, in `area` or for a whole image.
 pub fn from_above(area: Option<Rect>) -> Legend {
     Legend { title: legend::TITLE_FROM_ABOVE, entries: legend::from_above(), area }
 }
 
-/// Returns the legends of everything that is explained; `is_frozen` while the culling is frozen.
+/// Returns the legends of all debug overlays; `is_frozen` while the culling is frozen.
 pub fn of(debug_overlay: DebugOverlay, is_frozen: bool) -> Vec<Legend> {
     let mut legends = Vec::new();
     if is_frozen {

@@ -1,4 +1,4 @@
-//! The scene that a session shows: on the device, with its view.
+//! The scene of a session: its renderer, and its view.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -25,15 +25,16 @@ use bench::scene_file::{self, LoadProgress};
 pub struct LoadedScene {
     /// The renderer that draws it.
     pub renderer: Renderer,
-    /// Its cameras, and its motion.
+    /// The cameras and the motion.
     pub scene_view: SceneView,
-    /// Its lights that change with the hour, if it has such.
+    /// The lights that change with the hour, if the scene has such lights.
     pub daylight: Option<Daylight>,
-    /// The same scene with lights that change with the hour, if it could have such and has none.
+    /// The source of the same scene with lights that change with the hour, if such lights are
+    /// possible but not loaded.
     pub lit: Option<SceneSource>,
 }
 
-/// The device that scenes are loaded to, and the options of showing them.
+/// The device to which scenes are loaded, and the options of showing them.
 pub struct SceneLoader<'a> {
     /// The device.
     pub device: &'a Device,
@@ -41,15 +42,15 @@ pub struct SceneLoader<'a> {
     pub options: &'a ShowOptions,
     /// The size of the first image, in pixels.
     pub size: [u32; 2],
-    /// The request to give up loading.
+    /// The token that cancels loading.
     pub cancellation: CancellationToken,
 }
 
 impl SceneLoader<'_> {
-    /// Loads or makes the scene of a source, and reports the progress.
+    /// Loads or generates the scene of a source, and reports progress.
     ///
     /// # Errors
-    /// A scene that cannot be made or shown; a device that fails; a request to give up.
+    /// A scene that cannot be generated or shown; a failed device; a cancellation.
     pub fn load(
         &self,
         source: &SceneSource,
@@ -73,14 +74,14 @@ impl SceneLoader<'_> {
         }
     }
 
-    /// Creates an empty sky, until a scene is loaded.
+    /// Creates an empty sky, which is shown until a scene is loaded.
     ///
     /// # Errors
     /// When the device fails.
     pub fn empty(&self) -> Result<LoadedScene, RunError> {
         let mut scene = Scene::single(Mesh::of_triangles("nothing", &[]));
         scene.objects.clear();
-        // Nothing is tested in it: what tests cost need not be measured.
+        // The scene has no tests, so their costs need not be measured.
         let renderer_options = RendererOptions {
             cost_model: CostModel::Off,
             shadows: ShadowOptions::default(),
@@ -98,7 +99,7 @@ impl SceneLoader<'_> {
         Ok(LoadedScene { renderer, scene_view, daylight: None, lit: None })
     }
 
-    /// Makes a generated scene.
+    /// Generates a scene.
     fn made(
         &self,
         made: &MadeScene,
@@ -141,7 +142,7 @@ impl SceneLoader<'_> {
         })
     }
 
-    /// Makes the courtyard, which moves.
+    /// Creates the courtyard, which has moving parts.
     fn courtyard(&self, hour: Hour) -> Result<LoadedScene, RunError> {
         let Courtyard { scene, daylight, motion, camera } = scenes::courtyard(hour);
         let mut renderer = Renderer::new(self.device, &scene, &self.renderer_options()?)?;
@@ -151,7 +152,7 @@ impl SceneLoader<'_> {
         Ok(LoadedScene { renderer, scene_view, daylight: Some(daylight), lit: None })
     }
 
-    /// Loads a file, reports the progress, and gives up if the observer asks for it.
+    /// Loads a file, reports progress, and stops if it is cancelled.
     fn of_file(
         &self,
         file: &Path,
@@ -185,8 +186,8 @@ impl SceneLoader<'_> {
         Ok(LoadedScene { renderer, scene_view, daylight: None, lit: None })
     }
 
-    /// Returns the options of renderers on the device, which is tested first, once, if that is
-    /// asked for.
+    /// Returns the options of renderers on the device. The device is tested first, once, if that is
+    /// requested.
     fn renderer_options(&self) -> Result<RendererOptions, RunError> {
         let Self { device, options, size, ref cancellation } = *self;
         let cancellation = cancellation.clone();
@@ -205,13 +206,13 @@ impl SceneLoader<'_> {
     }
 }
 
-/// The most street lamps that are on at night.
+/// The most street lamps that are lit at night.
 const LAMPS: u32 = 16;
 
-/// The number of frames of a walk whose places are near lamps.
+/// The number of frames of a walk along which lamps are chosen.
 const EYES: u32 = 600;
 
-/// Shows the lights of a scene as they are at its hour.
+/// Sets the lights of a scene to its hour.
 ///
 /// # Errors
 /// A light or a material that the renderer does not have.
@@ -228,10 +229,10 @@ pub fn show_hour(renderer: &mut Renderer, daylight: &Daylight) -> Result<(), Run
     Ok(())
 }
 
-/// Half of the angle that the sun's or the moon's disk covers: twice the true one, as in paintings.
+/// Half of the angle that the sun's or the moon's disk covers: twice the real one, as in paintings.
 const DISK_RAD: f32 = 0.0094;
 
-/// The radiance of the disk, in that of a matt white surface in its light.
+/// The radiance of the disk, relative to a matt white surface in its light.
 const DISK_RADIANCE: f32 = 12.0;
 
 /// Returns the light of a sky that fits a scene's plain light.
@@ -245,20 +246,20 @@ fn sky_of(light: &Light) -> Result<Environment, RunError> {
     Ok(sky.map_err(render::Error::from)?)
 }
 
-/// Returns places along the streets, or over the scene where there are none.
+/// Returns places along the streets, or above the scene if there are no streets.
 fn eyes(routes: &Routes) -> Vec<Vec3> {
     let track = start(routes).ok();
     let frames = track.iter().flat_map(|track| (0..EYES).map(|frame| track.camera(frame).eye));
     frames.collect()
 }
 
-/// Returns the first camera: in a street, or above the scene where there are none.
+/// Returns the first camera: in a street, or above the scene if there are no streets.
 fn start(routes: &Routes) -> Result<CameraTrack, RunError> {
     let made = |path| CameraTrack::new(&PathChoice::Made(path), routes);
     made(choices::CameraPathChoice::Street).or_else(|_| made(choices::CameraPathChoice::Fly))
 }
 
-/// Refuses options that the device cannot fulfil with any scene, before one is made.
+/// Refuses options that the device cannot fulfil with any scene, before a scene is generated.
 ///
 /// # Errors
 /// An image beyond the device's limits, shaders that do not compile, and similar.
@@ -270,7 +271,7 @@ pub fn check_options(
     Ok(untested_options(options, size)?.check(device)?)
 }
 
-/// Returns the options of renderers on a device that is trusted.
+/// Returns the options of renderers on a device that needs no test.
 fn untested_options(options: &ShowOptions, size: [u32; 2]) -> Result<RendererOptions, RunError> {
     let shaders = options.shaders.as_deref().map(ShaderSet::compiled_from);
     Ok(RendererOptions {

@@ -1,4 +1,4 @@
-//! A scene that is loading on a thread of its own, while the frame loop goes on.
+//! Loads a scene on a separate thread while the frame loop continues.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
@@ -16,12 +16,12 @@ use bench::scene_file::LoadProgress;
 pub struct LoadingStatus {
     /// The current step.
     pub what: String,
-    /// The finished fraction of it, 0 to 1, if it is known.
+    /// The finished fraction of the step, 0 to 1, if it is known.
     pub fraction: Option<f32>,
 }
 
-/// A scene that is being loaded or made. Dropping it gives it up and waits for that: the device
-/// outlives it.
+/// A scene that is being loaded or generated. Dropping it cancels loading and waits for the end, so
+/// the device outlives it.
 pub struct Loading {
     source: SceneSource,
     progress: Arc<Mutex<LoadingStatus>>,
@@ -30,10 +30,10 @@ pub struct Loading {
 }
 
 impl Loading {
-    /// Begins to load or make the scene of `source` for frames of `size`.
+    /// Begins to load or generate the scene of `source` for frames of `size`.
     ///
     /// # Errors
-    /// When the system has no thread for it.
+    /// When the system cannot start a thread.
     pub fn start(
         device: &Device,
         source: &SceneSource,
@@ -71,7 +71,7 @@ impl Loading {
         self.progress.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Returns the result, once it is known.
+    /// Returns the result, once it is available.
     pub fn finished(&mut self) -> Option<Result<LoadedScene, RunError>> {
         let thread = self.thread.take_if(|thread| thread.is_finished())?;
         let crashed = |_| RunError::machine(format!("loading {} failed", self.source.name()));

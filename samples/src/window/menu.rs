@@ -1,4 +1,4 @@
-//! Lists to choose from and the field for a path, as a state that keys change.
+//! Lists to choose from and the field for a path, as a state machine with keys as input.
 
 use std::path::PathBuf;
 
@@ -8,19 +8,19 @@ use bench::strategy::{self, Strategy};
 
 /// The most characters of a path.
 const MOST_CHARACTERS: usize = 4096;
-/// The rows of a page of a list.
+/// The number of rows per page of a list.
 const PAGE_ROWS: usize = 14;
 
-/// The choice that a list or field ends with.
+/// The result of a list or field.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Choice {
     /// A strategy to draw with.
     Strategy(Strategy),
-    /// This generated scene.
+    /// A generated scene to show.
     Made(choices::GeneratorChoice),
     /// A file to open.
     File(PathBuf),
-    /// A path to be typed.
+    /// The path of a file will be typed.
     TypePath,
 }
 
@@ -29,14 +29,14 @@ pub enum Choice {
 pub struct Row {
     /// The name of the row.
     pub label: String,
-    /// The words about it, behind all names; empty for none.
+    /// The description of the row, shown after the names; may be empty.
     pub about: String,
-    /// The choice that the row stands for.
+    /// The choice of the row.
     pub choice: Choice,
 }
 
 impl Row {
-    /// Creates a row of a name alone.
+    /// Creates a row without a description.
     fn plain(label: impl Into<String>, choice: Choice) -> Self {
         Self { label: label.into(), about: String::new(), choice }
     }
@@ -57,19 +57,19 @@ pub enum MenuKey {
     First,
     /// The last row.
     Last,
-    /// The selected or typed choice is taken.
+    /// The selected or typed choice is confirmed.
     Enter,
-    /// The row of this index is clicked.
+    /// The row with this index is clicked.
     Row(usize),
     /// The last character is removed.
     Backspace,
     /// Typed or pasted characters are appended.
     Text(String),
-    /// The text of the clipboard is asked for, which comes as [`MenuKey::Text`].
+    /// The text of the clipboard is requested; it arrives as [`MenuKey::Text`].
     Paste,
 }
 
-/// A list or field that is open.
+/// An open list or field.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Menu {
     /// A list of rows.
@@ -78,7 +78,7 @@ pub enum Menu {
         title: &'static str,
         /// The rows, at least one.
         rows: Vec<Row>,
-        /// The index of the row that is selected.
+        /// The index of the selected row.
         selected: usize,
     },
     /// A field for the path of a file.
@@ -100,7 +100,7 @@ impl Menu {
         Self::Path { text: String::new() }
     }
 
-    /// Returns it for the HUD.
+    /// Returns the list or field for the HUD.
     pub fn asked(&self) -> HudAnswer {
         match self {
             Self::List { title, rows, selected } => {
@@ -122,8 +122,8 @@ impl Menu {
         }
     }
 
-    /// Handles a key; returns the choice made by it. In a list, a digit chooses the row of that
-    /// number.
+    /// Handles a key; returns the choice that results from it. In a list, a digit chooses the row
+    /// with this number.
     pub fn key(&mut self, key: &MenuKey) -> Option<Choice> {
         match self {
             Self::List { rows, selected, .. } => {
@@ -167,13 +167,13 @@ impl Menu {
     }
 }
 
-/// Appends typed text, without line breaks and other controls.
+/// Appends typed text without line breaks and other control characters.
 fn append(text: &mut String, typed: &str) {
     let room = MOST_CHARACTERS.saturating_sub(text.chars().count());
     text.extend(typed.chars().filter(|character| !character.is_control()).take(room));
 }
 
-/// Returns the path that a text names: file managers copy quoted paths and `file://` addresses.
+/// Returns the path in a text, which may be quoted or a `file://` URL as copied by file managers.
 fn path_of(text: &str) -> Option<PathBuf> {
     let text = text.trim();
     let quotes = |text: &str, quote: char| {
@@ -190,8 +190,8 @@ fn path_of(text: &str) -> Option<PathBuf> {
     (!text.is_empty()).then(|| home.unwrap_or_else(|| PathBuf::from(text)))
 }
 
-/// Returns the list of strategies that the device supports, each with its number, exact or not, and
-/// its summary.
+/// Returns the list of strategies that the device supports, each with its number, its exactness,
+/// and its summary.
 pub fn strategies(can: impl Fn(Strategy) -> bool, current: Strategy) -> Menu {
     let row = |strategy: Strategy| Row {
         label: strategy.name().into(),
@@ -207,8 +207,8 @@ pub fn strategies(can: impl Fn(Strategy) -> bool, current: Strategy) -> Menu {
     Menu::list("strategy", rows, |row| row.choice == Choice::Strategy(current))
 }
 
-/// Returns the list of scenes: the generated ones, then files, each once. The one of the name
-/// `shown` is selected.
+/// Returns the list of scenes: the generated scenes, then files, without repetitions. The row with
+/// the name `shown` is selected.
 pub fn scenes(files: impl IntoIterator<Item = PathBuf>, shown: &str) -> Menu {
     let made = choices::GeneratorChoice::ALL
         .map(|scene| Row::plain(scene.to_string(), Choice::Made(scene)));

@@ -1,10 +1,10 @@
-//! The programs `city` and `viewer`, in a window and without one.
+//! The programs `city`, `shadows` and `viewer`, with and without a window.
 //!
-//! [`args`] and [`viewer_args`] turn command lines into a [`source`] and [options of showing](show)
-//! it. It becomes a [`loaded_scene`]: a renderer, and the [`scene_view`] with its cameras and its
-//! motion; files do so while frames go on ([`loading`]). A [`session`] draws one frame after the
-//! other on request: of [`app`] when its [`screen`]'s pacer allows it, of [`headless`] at once.
-//! Keys and scripts trigger [`actions`].
+//! [`args`] and [`viewer_args`] turn command lines into a [`source`] and [options](show) of showing
+//! it. The source becomes a [`loaded_scene`]: a renderer, and a [`scene_view`] with its cameras and
+//! its motion. Files are loaded while frames continue ([`loading`]). A [`session`] draws one frame
+//! at a time on request: of [`app`] when the pacer of its [`screen`] starts a frame, or of
+//! [`headless`] without waiting. Keys and scripts trigger [`actions`].
 
 pub mod actions;
 mod api;
@@ -67,10 +67,10 @@ use session::Files;
 use show::ShowOptions;
 use source::SceneSource;
 
-/// Runs the program with its options to the end; returns the signal, if one caused it.
+/// Runs the program until its end; returns the signal that ended it, if there was one.
 ///
 /// # Errors
-/// No display; an unsuited device or a bad file; messages of the validation layer.
+/// No display; an unsuitable device or a bad file; messages of the validation layer.
 pub fn run(source: &SceneSource, options: &ShowOptions) -> Result<Option<Signal>, RunError> {
     let files = Files::open(source, options)?;
     options.shaders.as_deref().map_or(Ok(()), check_shaders)?;
@@ -89,7 +89,7 @@ pub fn run(source: &SceneSource, options: &ShowOptions) -> Result<Option<Signal>
     }
 }
 
-/// Runs the program of the command line, prints its errors, and returns the exit code.
+/// Runs the program with the options of the command line, prints errors, and returns the exit code.
 pub fn end(options: Result<(SceneSource, ShowOptions), RunError>) -> ExitCode {
     let mut ending = Ending::default();
     match options.and_then(|(source, options)| run(&source, &options)) {

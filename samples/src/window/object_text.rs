@@ -1,4 +1,4 @@
-//! The description of an object, in words, with the reason why it is drawn or not.
+//! The description of an object, with the reason why it is drawn or not.
 
 use antumbra::cull::{
     Decision, FrameId, LeafExplanation, NodeHistory, NodeState, Outcome, QueryKind, Rays,
@@ -8,10 +8,10 @@ use antumbra::cull::{
 use super::page_text::{Facts, fact};
 use bench::strategy::Strategy;
 
-/// The data that describe an object.
+/// The facts from which an object is described.
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectCard<'a> {
-    /// The plan's decision and the history.
+    /// The decision of the plan, and the history.
     pub explained: &'a LeafExplanation,
     /// The newest outcome, and its frame.
     pub outcome: Option<(FrameId, Outcome)>,
@@ -19,7 +19,7 @@ pub struct ObjectCard<'a> {
     pub mesh: Option<&'a str>,
     /// The number of its triangles, at its level of detail.
     pub triangles: u64,
-    /// The rays of the explained frame.
+    /// The rays of the view in the explained frame.
     pub rays: Rays,
     /// The strategy that decided.
     pub strategy: Strategy,
@@ -42,7 +42,7 @@ impl ObjectCard<'_> {
             fact("triangles", self.triangles.to_string()),
             fact("decision", self.decision()),
         ];
-        // Other strategies keep no history here, or ask by other ways.
+        // Other strategies keep no history here, or test in other ways.
         if !self.strategy.uses_cost_model() {
             return facts;
         }
@@ -134,8 +134,8 @@ impl ObjectCard<'_> {
     }
 }
 
-/// Returns words for the time of a test that is due in frame `due`. The test waits while it does
-/// not pay yet.
+/// Returns words for the time of a test that is due in frame `due`. Tests wait while they do not
+/// pay off.
 fn until(due: u64, now: u64) -> String {
     match due.checked_sub(now) {
         None | Some(0) => "due, once it pays".to_owned(),
@@ -166,8 +166,8 @@ mod tests {
         near: 0.1,
     };
 
-    /// Returns the facts about an object after some frames, in which the wall alone shows: of a
-    /// wall, a cube behind it, and a cube behind the eye.
+    /// Returns the facts about an object after some frames. The scene has a wall, a cube behind it,
+    /// and a cube behind the eye; only the wall is visible.
     fn facts(object: u32, strategy: Strategy) -> String {
         let cube = |z: f32, half: f32| {
             cull::Aabb::new(Vec3::new(-half, -half, z - 1.0), Vec3::new(half, half, z))

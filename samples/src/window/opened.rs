@@ -1,4 +1,4 @@
-//! An open window, and one turn of its loop.
+//! An open window, and one iteration of its loop.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -30,15 +30,14 @@ use super::title::Title;
 use super::window_device::{WindowDevice, WindowOptions};
 use bench::run_error::RunError;
 
-/// The interval of changes to the text over the image.
+/// The interval at which the text over the image changes.
 const HUD_INTERVAL: Duration = Duration::from_millis(250);
-/// The interval of frames of a hidden window, and of checks of one without a pixel.
+/// The interval of frames in a hidden window, and of checks of a window without pixels.
 const HIDDEN_INTERVAL: Duration = Duration::from_millis(250);
-/// The interval of frames while there is nothing to show yet, and of changes to the text while
-/// something is loading.
+/// The interval of frames while no scene is shown yet, and of text changes during loading.
 const WAITING_INTERVAL: Duration = Duration::from_millis(50);
 
-/// The window and the objects that draw in it. Later ones are dropped first.
+/// The window and the objects that draw in it. Later fields are dropped first.
 pub(super) struct Opened {
     pub(super) arrivals: PendingScenes,
     pub(super) session: Session,
@@ -46,7 +45,7 @@ pub(super) struct Opened {
     pub(super) window: Arc<Window>,
     pub(super) instance: Instance,
     pub(super) pointer: Pointer,
-    /// The window's events for egui.
+    /// The state that translates the window's events for egui.
     egui: egui_winit::State,
     /// The position of the cursor, in pixels from the upper left.
     pub(super) cursor: [f64; 2],
@@ -59,7 +58,7 @@ pub(super) struct Opened {
     pub(super) is_occluded: bool,
     pub(super) is_gone: bool,
     display: DisplayLink,
-    /// The fallback that was reported.
+    /// The fallback of the present mode that was reported last.
     pub(super) fallback: Option<Fallback>,
     pub(super) last_frame: Option<Time>,
     pub(super) next_layout: Time,
@@ -122,9 +121,9 @@ impl Opened {
         })
     }
 
-    /// Gives an event of the window to a list that is open. Returns true if it was meant for that.
+    /// Passes an event of the window to an open list. Returns true if the list consumes it.
     pub(super) fn give_to_list(&mut self, event: &WindowEvent) -> bool {
-        // It remembers where the pointer is.
+        // egui must always know the position of the pointer.
         let _repaints = self.egui.on_window_event(&self.window, event);
         let events = std::mem::take(&mut self.egui.egui_input_mut().events);
         if self.session.menu.is_none() {
@@ -135,7 +134,7 @@ impl Opened {
         matches!(event, WindowEvent::MouseInput { .. }) && self.session.hud.is_on_list(self.cursor)
     }
 
-    /// Runs one turn of the loop, and returns its next step.
+    /// Runs one iteration of the loop, and returns the next step.
     pub(super) fn turn(
         &mut self,
         input: &Input,
@@ -148,7 +147,7 @@ impl Opened {
         if self.arrivals.look(&mut self.session)? {
             self.next_layout = now;
         }
-        // Frames count from the first one of what is to be shown.
+        // Frames are counted from the first frame of the first scene on.
         if !self.arrivals.is_first_awaited() {
             if options.frames.is_some_and(|frames| self.session.frame() >= frames) {
                 return Ok(Next::End);
@@ -187,7 +186,7 @@ impl Opened {
             self.session.resize(self.size)?;
             self.next_layout = now;
         }
-        // Before anything is said: what was measured under other conditions is not of this scene.
+        // Set first, so that no measurement under other conditions is attributed to this scene.
         self.session.present_mode = Some(self.screen.swapchain().mode());
         self.screen.follow(self.session.conditions(), frame);
         if self.session.take_stale_page() || now >= self.next_layout {
@@ -219,7 +218,7 @@ impl Opened {
         if self.is_occluded {
             self.not_before = now.after(HIDDEN_INTERVAL);
         } else if self.arrivals.is_first_awaited() {
-            // Loading needs the machine more than an empty sky.
+            // Loading needs the processor more than an empty sky does.
             self.not_before = now.after(WAITING_INTERVAL);
         }
         match shown {
@@ -238,7 +237,7 @@ impl Opened {
         }
     }
 
-    /// Carries out an action; returns true if it was the end.
+    /// Carries out an action; returns true if the program should end.
     pub(super) fn act(&mut self, action: Action, options: &ShowOptions) -> Result<bool, RunError> {
         match action {
             Action::Quit => return Ok(true),
@@ -274,8 +273,8 @@ impl Opened {
         self.session.tell(format!("present mode {mode}"));
     }
 
-    /// Reports the present mode, if it is not the one that was asked for. That is known when the
-    /// window has its images.
+    /// Reports the present mode if it differs from the requested one, which is known once the
+    /// window has images.
     fn tell_fallback(&mut self) {
         let fallback = self.screen.swapchain().fallback();
         if let Some(Fallback { wanted, taken }) = fallback
@@ -293,7 +292,7 @@ impl Opened {
     /// Writes the remaining files, and destroys the window and its objects.
     pub(super) fn close(self, options: &ShowOptions) -> Result<(), RunError> {
         let Self { arrivals, session, mut screen, window, instance, .. } = self;
-        // Whatever is on its way is given up before the device goes.
+        // Pending loads are cancelled before the device is destroyed.
         drop(arrivals);
         tracing::info!("{}", super::page_text::in_short(&screen.facts()));
         let finished = session.finish(options);

@@ -1,4 +1,4 @@
-//! The text of the HUD, from plain values. Unknown values are shown as such.
+//! The text of the HUD, from plain values. Unknown values are marked as such.
 
 use std::time::Duration;
 
@@ -13,13 +13,13 @@ use bench::strategy::Strategy;
 use bench::transparency::{FragmentsReport, TransparencyReport};
 
 const UNKNOWN: &str = "-";
-/// The rows of passes; those beyond this many are summed up.
+/// The most rows of passes; the others are summed up.
 const PASS_ROWS: usize = 8;
 
 /// A group of names and values.
 pub type Facts = Vec<(String, String)>;
 
-/// The values that the text of a page is made from.
+/// The values from which the text of a page is created.
 #[derive(Clone, Copy, Debug)]
 pub struct Known<'a> {
     /// The number of the next frame.
@@ -32,13 +32,13 @@ pub struct Known<'a> {
     pub outcome: Option<&'a FrameStats>,
     /// The objects of the scene.
     pub objects: u64,
-    /// Objects in the frustum of the frame of the outcome.
+    /// The number of objects in the frustum in the frame of the outcome.
     pub in_frustum: Option<u64>,
     /// The times of the newest frames.
     pub times: &'a FrameTimeSeries,
-    /// True if passes are listed one by one.
+    /// True if all passes are listed individually.
     pub lists_passes: bool,
-    /// GPU memory in use.
+    /// The GPU memory in use.
     pub used_bytes: u64,
     /// The device's name.
     pub device: &'a str,
@@ -48,9 +48,9 @@ pub struct Known<'a> {
     pub strategy: Strategy,
     /// True if the culling is frozen.
     pub is_frozen: bool,
-    /// True if the path is recorded.
+    /// True if the path is being recorded.
     pub is_recording: bool,
-    /// The way in which draws depend on results.
+    /// The way in which draws depend on test results.
     pub predicates: &'a str,
     pub tester: &'a str,
     /// The number of frames in flight.
@@ -61,12 +61,12 @@ pub struct Known<'a> {
     pub claim: &'a ExactnessVerdict,
     /// The facts about the window, if there is one.
     pub screen: Option<&'a ScreenFacts>,
-    /// The order of transparent objects, if fragments were asked for.
+    /// The method of transparency, if sorting by fragments was requested.
     pub transparency: Option<&'a TransparencyReport>,
 }
 
 impl Known<'_> {
-    /// Returns the numbers that a person looks for first.
+    /// Returns the most important numbers.
     pub fn overview(&self, hint: &str) -> Overview {
         let mean_ms = self.times.mean_ms().map(f64::from);
         let rate = mean_ms.map_or(UNKNOWN.to_owned(), |mean_ms| match 1e3 / mean_ms.max(1e-3) {
@@ -76,7 +76,7 @@ impl Known<'_> {
         let drawn = self.outcome.map(|outcome| outcome.draws);
         let number = |number: Option<u64>| number.map_or(UNKNOWN.to_owned(), short);
         let figure = |value: String, name| HudFigure { value, name };
-        // While frames with and without culling are compared, each moment is drawn twice.
+        // During a comparison, each moment is drawn twice.
         let [rate_name, time_name, caption] = if self.is_comparing {
             ["pairs/s", "ms/pair", "time of a pair of frames, ms"]
         } else {
@@ -99,7 +99,7 @@ impl Known<'_> {
                 figure(number(drawn), "drawn"),
             ],
             split: self.in_frustum.zip(drawn).map(|(all, drawn)| {
-                // Objects that moved since may be in the frustum no more.
+                // Objects that have moved since may have left the frustum.
                 Split { drawn, culled: all.saturating_sub(drawn) }
             }),
             times: [figure(in_ms(gpu), "GPU"), figure(in_ms(cpu), "CPU")],
@@ -154,7 +154,7 @@ impl Known<'_> {
         let of_outcome = |number: fn(&FrameStats) -> u64| {
             outcome.map_or(UNKNOWN.to_owned(), |outcome| grouped(number(outcome)))
         };
-        // Before the first frame there is nothing to report.
+        // Before the first frame there is no report.
         let of_report = |number: u32| match self.frame {
             0 => UNKNOWN.to_owned(),
             _ => grouped(number.into()),
@@ -176,7 +176,7 @@ impl Known<'_> {
         ]
     }
 
-    /// Returns the costs of all this text, beside the engine's own numbers.
+    /// Returns the costs of the HUD, in addition to the engine's own numbers.
     fn overlay(&self) -> Facts {
         let [_, cpu] = self.times.cpu_ms();
         let [_, gpu] = self.times.gpu_ms();
@@ -214,14 +214,14 @@ fn what_is_shown(screen: &ScreenFacts) -> Vec<(String, String)> {
     facts
 }
 
-/// Returns the frame pacing of the newest frames.
+/// Returns the pacing statistics of the newest frames.
 fn how_evenly(screen: &ScreenFacts) -> Facts {
     let summary = &screen.summary;
     let of = |times: Option<Distribution>, pick: fn(&Distribution) -> Duration| {
         ms(times.as_ref().map(|times| pick(times).as_secs_f64() * 1e3))
     };
     let count = |number: Option<u64>| number.map_or(UNKNOWN.to_owned(), grouped);
-    // Without reports from the screen, the starts of frames are known at least.
+    // Without reports of present times, at least the starts of frames are known.
     let intervals = summary.present_intervals.or(summary.start_intervals);
     let hitches = summary.hitches.or(summary.start_hitches);
     vec![
@@ -236,7 +236,7 @@ fn how_evenly(screen: &ScreenFacts) -> Facts {
     ]
 }
 
-/// Returns the frame pacing of the newest frames in one line.
+/// Returns the pacing statistics of the newest frames in one line.
 pub fn in_short(screen: &ScreenFacts) -> String {
     let facts: Vec<String> =
         how_evenly(screen).into_iter().map(|(name, value)| format!("{name} {value}")).collect();
@@ -252,11 +252,11 @@ fn ms(ms: Option<f64>) -> String {
     ms.map_or(UNKNOWN.to_owned(), |ms| format!("{ms:.2} ms"))
 }
 
-/// Returns three significant digits, and the unit.
+/// Returns a time with three significant digits and its unit.
 pub(super) fn in_ms(ms: Option<f32>) -> String {
     match ms {
         None => UNKNOWN.to_owned(),
-        // Wider than its column in milliseconds.
+        // Too wide for its column in milliseconds.
         Some(ms) if ms >= 9_999.5 => format!("{} s", digits(f64::from(ms) * 1e-3)),
         Some(ms) => format!("{} ms", digits(ms.into())),
     }
@@ -271,7 +271,7 @@ fn digits(ms: f64) -> String {
     }
 }
 
-/// Returns a number that fits a column: from millions on, three significant digits.
+/// Returns a number that fits a column: with three significant digits from a million on.
 fn short(number: u64) -> String {
     match number {
         0..1_000_000 => grouped(number),

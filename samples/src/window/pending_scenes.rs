@@ -1,4 +1,5 @@
-//! Scenes that are loaded while the window is open: the first one, and files dropped into it.
+//! Scenes that are loaded while the window is open: the first scene, and files dropped into the
+//! window.
 
 use antumbra::gpu::{CancellationToken, Device};
 
@@ -12,22 +13,23 @@ use bench::run_error::RunError;
 
 const DROP_ONE: &str = "drop a file (.glb, .gltf, .stl or .obj) into this window";
 
-/// The scenes that are loading.
+/// The scene that is loading.
 pub struct PendingScenes {
     loading: Option<Loading>,
-    /// The action that waits for the same scene with lights, which is loading then.
+    /// The action that waits for the current scene with lights, which is then loading.
     waiting_for_lights: Option<Action>,
-    /// True until the scene for which the window was opened is shown.
+    /// True until the first scene of the window is shown.
     is_first: bool,
     /// True if the message about an empty window was shown.
     is_invited: bool,
 }
 
 impl PendingScenes {
-    /// Returns the loading scenes, and the one to show at once.
+    /// Returns the pending scenes, and the scene to show first. A file is loaded in the background,
+    /// and an empty sky is shown until then; other scenes are generated before this returns.
     ///
     /// # Errors
-    /// A scene that cannot be made; a device that fails.
+    /// A scene that cannot be generated; a failed device.
     pub fn open(
         source: &SceneSource,
         device: &Device,
@@ -56,15 +58,15 @@ impl PendingScenes {
         self.is_first
     }
 
-    /// Returns true if any scene is loading.
+    /// Returns true if a scene is loading.
     pub fn is_awaited(&self) -> bool {
         self.loading.is_some()
     }
 
-    /// Begins to load or make another scene, in place of any other that is loading.
+    /// Begins to load or generate another scene, and cancels a previous one.
     ///
     /// # Errors
-    /// When the system has no thread for it.
+    /// When the system cannot start a thread.
     pub fn load(
         &mut self,
         device: &Device,
@@ -79,11 +81,11 @@ impl PendingScenes {
         Ok(())
     }
 
-    /// Begins to make the scene that is shown with lights, for an action that needs them; where it
-    /// is being made already, the action takes the place of the one before.
+    /// Begins to generate the current scene with lights, for an action that requires them. If this
+    /// is already in progress, the action replaces the previous one.
     ///
     /// # Errors
-    /// When the system has no thread for it.
+    /// When the system cannot start a thread.
     pub fn load_lit(
         &mut self,
         device: &Device,
@@ -98,12 +100,12 @@ impl PendingScenes {
         Ok(())
     }
 
-    /// Checks for loaded scenes, and makes `session` show them; returns true if there is any
-    /// progress to show.
+    /// Checks for loaded scenes, and shows them in `session`. Returns true if there is progress to
+    /// show.
     ///
     /// # Errors
-    /// The first scene cannot be shown; a failed device. Another file that cannot be shown leaves
-    /// the scene as it is, with a message.
+    /// The first scene cannot be shown; a failed device. Another file that cannot be shown only
+    /// causes a message.
     pub fn look(&mut self, session: &mut Session) -> Result<bool, RunError> {
         if !std::mem::replace(&mut self.is_invited, true) {
             session.keep_telling(DROP_ONE.to_owned());

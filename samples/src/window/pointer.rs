@@ -1,26 +1,26 @@
-//! The mouse: looks around while a button is held or while it is captured; a click identifies an
+//! The mouse: looks around while a button is held or the mouse is captured; a click identifies an
 //! object.
 
-/// The distance in pixels: a mouse that moved less between press and release has clicked.
+/// The least movement of a drag, in pixels: with less movement, a press and release is a click.
 const DRAG_PIXELS: f64 = 4.0;
 
 /// A button with an action.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Button {
-    /// The left button: a click identifies the object that it hits.
+    /// The left button: a click identifies the object below it.
     Left,
-    /// The right button: a click captures the mouse, or frees it.
+    /// The right button: a click captures or frees the mouse.
     Right,
 }
 
 /// The effect of an event of the mouse on the window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PointerAction {
-    /// The mouse is kept in the window and hidden.
+    /// Keep the mouse in the window and hide it.
     Grab,
-    /// The mouse is let go and shown.
+    /// Free the mouse and show it.
     Release,
-    /// The object under it is identified; in the middle of the image if the mouse is captured.
+    /// Identify the object below the mouse, or in the middle of the image if the mouse is captured.
     Identify,
 }
 
@@ -28,7 +28,7 @@ pub enum PointerAction {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pointer {
     is_captured: bool,
-    /// The held button, and the distance that the mouse moved since, in pixels.
+    /// The held button, and the distance that the mouse has moved since, in pixels.
     held: Option<(Button, f64)>,
 }
 
@@ -38,7 +38,7 @@ impl Pointer {
         self.is_captured || self.is_dragging()
     }
 
-    /// Returns true while the mouse stays in the window without a button held.
+    /// Returns true while the mouse is kept in the window.
     pub fn is_captured(&self) -> bool {
         self.is_captured
     }
@@ -47,7 +47,7 @@ impl Pointer {
         self.held.is_some_and(|(_, moved_pixels)| moved_pixels >= DRAG_PIXELS)
     }
 
-    /// Handles a press. A second button does nothing while one is held.
+    /// Handles a press. While a button is held, others are ignored.
     pub fn press(&mut self, button: Button) {
         self.held.get_or_insert((button, 0.0));
     }
@@ -73,13 +73,13 @@ impl Pointer {
         }
     }
 
-    /// Captures the mouse, or frees it.
+    /// Captures or frees the mouse.
     pub fn toggle_capture(&mut self) -> PointerAction {
         self.is_captured = !self.is_captured;
         if self.is_captured { PointerAction::Grab } else { PointerAction::Release }
     }
 
-    /// Frees the mouse from any mode; `None` if it was free.
+    /// Frees the mouse from any mode; `None` if it was free already.
     pub fn free(&mut self) -> Option<PointerAction> {
         let was_looking = self.is_looking();
         *self = Self::default();
@@ -113,7 +113,7 @@ mod tests {
         pointer.press(Button::Right);
         assert_eq!(pointer.release(Button::Right), Some(PointerAction::Grab));
         assert!(pointer.is_captured() && pointer.is_looking());
-        // Captured, a click still identifies, and a drag lets nothing go.
+        // While captured, a click still identifies, and a drag does not free the mouse.
         pointer.press(Button::Left);
         assert_eq!(pointer.release(Button::Left), Some(PointerAction::Identify));
         pointer.press(Button::Left);

@@ -1,21 +1,20 @@
-//! Scopes of the frame loop: each is in the trace and, with the feature `tracy`, in that profiler,
-//! too.
+//! Scopes of the frame loop: each is recorded in the trace and, with the feature `tracy`, in Tracy.
 
 use antumbra::gpu::PassTime;
 use antumbra::pacing::Time;
 
 /// A scope of the CPU's work.
 pub struct Scope {
-    /// Its name in the trace.
+    /// The name in the trace.
     pub name: &'static str,
-    /// The time of its beginning.
+    /// The time at which it began.
     pub began: Time,
     #[cfg(feature = "tracy")]
     _zone: Option<tracy_client::Span>,
 }
 
 impl Scope {
-    /// Begins a scope now, at `began`. For a profiler it ends when this is dropped.
+    /// Begins a scope at `began`, the current time. In Tracy it ends when it is dropped.
     pub fn begin(name: &'static str, began: Time) -> Self {
         Self {
             name,
@@ -27,8 +26,9 @@ impl Scope {
     }
 }
 
-/// The connection to Tracy besides scopes. It listens on this machine only, and keeps nothing while
-/// no profiler is connected. Without the feature `tracy` there is no thread and no socket.
+/// The connection to Tracy for values other than scopes. It listens only on this machine, and
+/// stores nothing while no profiler is connected. Without the feature `tracy` there is no thread
+/// and no socket.
 #[cfg(feature = "tracy")]
 pub struct Profiler {
     client: tracy_client::Client,
@@ -37,12 +37,12 @@ pub struct Profiler {
 
 #[cfg(feature = "tracy")]
 impl Profiler {
-    /// Starts to listen, once in a process.
+    /// Starts to listen; may be called once per process.
     pub fn start() -> Self {
         Self { client: tracy_client::Client::start(), plots: Vec::new() }
     }
 
-    /// Sends the submit of a frame, with the passes that were read back.
+    /// Marks the submission of a frame, and sends the passes that were read back.
     pub fn frame(&mut self, passes: &[PassTime]) {
         self.client.frame_mark();
         if !tracy_client::Client::is_connected() {
@@ -51,7 +51,7 @@ impl Profiler {
         for pass in passes {
             let place = self.plots.iter().position(|(label, _)| *label == pass.label);
             let place = place.unwrap_or_else(|| {
-                // Names are never freed; there are as many as labels.
+                // Names are never freed; there is one per label.
                 let name = tracy_client::PlotName::new_leak(format!("GPU {} (ms)", pass.label));
                 self.plots.push((pass.label, name));
                 self.plots.len() - 1

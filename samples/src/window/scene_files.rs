@@ -1,14 +1,14 @@
-//! The files that can be chosen: those opened before, and those beside them.
+//! The files in the list of scenes: files that were opened, and files beside them.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The entries of a folder that are looked at.
+/// The most entries of a folder that are read.
 const MOST_ENTRIES: usize = 10_000;
 
-/// Returns the files of scenes that were opened, the newest first, and those in the folder of the
-/// newest, or in the working folder if none was.
+/// Returns the opened scene files, the newest first, followed by the scene files in the folder of
+/// the newest. If none was opened, the working folder is used.
 pub fn to_choose(opened: &[PathBuf]) -> Vec<PathBuf> {
     let newest = opened.last().and_then(|file| file.parent());
     let folder = newest.filter(|folder| !folder.as_os_str().is_empty());
@@ -22,7 +22,7 @@ pub fn to_choose(opened: &[PathBuf]) -> Vec<PathBuf> {
     files
 }
 
-/// Returns the files of scenes in a folder, by name. None of one that cannot be read.
+/// Returns the scene files in a folder, sorted by name; none if it cannot be read.
 fn beside(folder: &Path, is_named: bool) -> BTreeSet<PathBuf> {
     let entries = fs::read_dir(folder).into_iter().flatten().take(MOST_ENTRIES).flatten();
     let files =

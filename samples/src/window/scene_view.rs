@@ -1,4 +1,4 @@
-//! The view of a scene: the first camera, the camera's own paths, and the scene's motion.
+//! The view of a scene: the first camera, the camera's paths, and the scene's motion.
 
 use std::path::Path;
 
@@ -20,15 +20,15 @@ use scenes::YardMotion;
 
 /// The time of the transition from one clip to another, in seconds.
 const FADE_S: f64 = 0.3;
-/// The step of time while time stands still, in seconds.
+/// The time step while time is stopped, in seconds.
 const STEP_S: f64 = 1.0 / 60.0;
-/// The longest step: after a pause of the program time goes on, it does not jump.
+/// The longest time step: after a pause of the program, time does not jump.
 const LONGEST_STEP_S: f32 = 0.25;
 /// The speed of flight in scenes of the size of streets, in metres per second.
 const WALKING_M: f32 = 4.0;
-/// The clear distance in its middle without which a view is before a wall.
+/// The least clear distance in front of a camera, in metres; below it, the view shows a wall.
 const WALL_M: f32 = 2.5;
-/// The moments of a camera's clip at which it is looked for a view that is not before a wall.
+/// The number of times in a camera's clip at which a view without a wall in front is searched.
 const MOMENTS: u32 = 16;
 /// The approximate time of crossing a scene, in seconds.
 const CROSSING_S: f32 = 30.0;
@@ -38,7 +38,7 @@ const CROSSING_S: f32 = 30.0;
 enum Guide {
     Nobody,
     Track(CameraTrack),
-    /// A camera of the file, by its place.
+    /// A camera of the file, by its index.
     Camera(usize),
     /// A view of everything.
     Overview,
@@ -46,13 +46,13 @@ enum Guide {
 
 /// The view of a scene: its cameras, its paths, and what moves in it.
 pub struct SceneView {
-    /// The name after which written files are called.
+    /// The name that written files are given.
     pub name: String,
     /// The first camera.
     pub start: Camera,
     /// The speed of flight, in metres per second.
     pub speed_m: f32,
-    /// The messages about it that are shown once.
+    /// The messages about the scene that are shown once.
     pub notes: Vec<String>,
     /// The keys to try next from the first camera.
     pub hint: Option<String>,
@@ -67,7 +67,7 @@ pub struct SceneView {
     motion: Option<(YardMotion, f64)>,
 }
 
-/// The names of the meshes of a scene, for people.
+/// The names of the meshes of a scene.
 #[derive(Default)]
 struct MeshNames {
     names: Vec<String>,
@@ -84,11 +84,11 @@ impl MeshNames {
     }
 }
 
-/// The motion in a scene out of a file.
+/// The motion in a scene from a file.
 struct Life {
     animator: SceneAnimator,
     cameras: Vec<import::SceneCamera>,
-    /// The clips that play.
+    /// The playing clips.
     clips: Clips,
     /// The time in the scene.
     seconds: f64,
@@ -96,7 +96,7 @@ struct Life {
 }
 
 impl SceneView {
-    /// Creates the view of a scene in which nothing moves but the camera.
+    /// Creates the view of a scene without motion.
     pub fn still(name: &str, start: Camera) -> Self {
         Self {
             name: name.to_owned(),
@@ -113,13 +113,13 @@ impl SceneView {
         }
     }
 
-    /// Returns the same view, with names of the meshes of `scene`.
+    /// Returns the view with the mesh names of `scene`.
     pub fn with_names(mut self, scene: &Scene) -> Self {
         self.names = MeshNames::of(scene);
         self
     }
 
-    /// Returns the same view of the courtyard, in motion.
+    /// Returns the view with the motion of the courtyard.
     pub fn with_motion(self, motion: YardMotion) -> Self {
         Self { motion: Some((motion, 0.0)), ..self }
     }
@@ -130,17 +130,17 @@ impl SceneView {
         self.names.names.get(mesh as usize).map(String::as_str)
     }
 
-    /// Returns the same view, with a camera on this path.
+    /// Returns the view with a camera on this path.
     pub fn with_track(mut self, track: Option<CameraTrack>) -> Self {
         self.guide = track.map_or(Guide::Nobody, Guide::Track);
         self
     }
 
-    /// Creates the view of a file's scene, seen on images of that size at first. Their left is
-    /// covered up to a share of the width.
+    /// Creates the view of a file's scene for images of this size. A panel covers up to this share
+    /// of the width on the left.
     ///
     /// # Errors
-    /// A camera that the file does not have; a recorded path that is none.
+    /// A camera that the file does not have; a recorded path that is invalid.
     pub fn of_file(
         file: &Path,
         imported: GltfScene,
@@ -166,8 +166,8 @@ impl SceneView {
         animator.pose(0.0);
         let around = playback::portrait(&bounds, size, covered);
         let first = camera.and_then(|place| Some((place, cameras.get(place)?)));
-        // A camera that nobody asked for and that a clip moves may begin in a wall, or right before
-        // one.
+        // A camera that was not requested and that a clip moves may begin in a wall or right in
+        // front of one.
         let is_free = wanted.is_none() && recorded.is_none();
         let driven = first.filter(|(_, camera)| is_free && animator.drive(clips.playing(), camera));
         let clear_s = driven.map(|(_, camera)| clear_moment(&mut animator, &scene, camera, size));
@@ -201,8 +201,7 @@ impl SceneView {
         })
     }
 
-    /// Returns the camera of its own path in a frame of `size` pixels; `None` where the user
-    /// steers.
+    /// Returns the camera of a path in a frame of `size` pixels; `None` while the user steers.
     pub fn camera(&self, frame: u32, size: [u32; 2]) -> Option<Camera> {
         match (&self.guide, &self.life) {
             (Guide::Track(track), _) => Some(track.camera(frame)),
@@ -214,12 +213,12 @@ impl SceneView {
         }
     }
 
-    /// Lets the user steer from now on. Returns true if the camera followed a path before.
+    /// Lets the user steer. Returns true if the camera followed a path before.
     pub fn take_over(&mut self) -> bool {
         !matches!(std::mem::replace(&mut self.guide, Guide::Nobody), Guide::Nobody)
     }
 
-    /// Lets `seconds` pass; cameras move to their places.
+    /// Advances the time by `seconds`, and moves cameras accordingly.
     pub fn advance(&mut self, seconds: f32) {
         if let Some((_, passed_s)) = &mut self.motion
             && seconds.is_finite()
@@ -233,8 +232,8 @@ impl SceneView {
         life.animator.pose(life.seconds);
     }
 
-    /// Moves everything in `renderer` to its place at the current time. Meshes that `camera`, the
-    /// only one, cannot see get no pose; without a camera all do.
+    /// Moves everything in `renderer` to its place at the current time. If `camera` is the only
+    /// camera, meshes that it cannot see are not posed; with `None` all meshes are.
     ///
     /// # Errors
     /// When the renderer refuses a change.
@@ -255,7 +254,7 @@ impl SceneView {
         Ok(())
     }
 
-    /// Returns the place of the light that moves, if one does.
+    /// Returns the state of the moving light, if there is one.
     pub fn moved_light(&self) -> Option<LightMove> {
         let (motion, passed_s) = self.motion.as_ref()?;
         motion.at(*passed_s).lights.first().copied()
@@ -266,20 +265,20 @@ impl SceneView {
         self.life.is_some()
     }
 
-    /// Stops or continues time. Returns the message about it.
+    /// Stops or continues time. Returns a message about it.
     ///
     /// # Errors
-    /// The reason why that cannot be.
+    /// The reason why that is impossible.
     pub fn toggle_pause(&mut self) -> Result<String, String> {
         let life = self.living()?;
         life.is_paused = !life.is_paused;
         Ok(if life.is_paused { "time stands still" } else { "time goes on" }.to_owned())
     }
 
-    /// Advances one step, and stops time. Returns the message about it.
+    /// Advances the time by one step, and stops it. Returns a message about it.
     ///
     /// # Errors
-    /// The reason why that cannot be.
+    /// The reason why that is impossible.
     pub fn step(&mut self) -> Result<String, String> {
         let life = self.living()?;
         life.is_paused = true;
@@ -287,10 +286,10 @@ impl SceneView {
         Ok(format!("one step: {:.3} s", life.seconds))
     }
 
-    /// Plays the next clip alone.
+    /// Plays only the next clip. Returns a message about it.
     ///
     /// # Errors
-    /// The reason why that cannot be.
+    /// The reason why that is impossible.
     pub fn next_clip(&mut self) -> Result<String, String> {
         let life = self.living()?;
         life.clips = life.clips.next(&life.animator);
@@ -299,10 +298,10 @@ impl SceneView {
         Ok(told)
     }
 
-    /// Plays all clips at once.
+    /// Plays all clips at once. Returns a message about it.
     ///
     /// # Errors
-    /// The reason why that cannot be.
+    /// The reason why that is impossible.
     pub fn all_clips(&mut self) -> Result<String, String> {
         let life = self.living()?;
         life.clips = Clips::all(&life.animator, None);
@@ -311,8 +310,8 @@ impl SceneView {
         Ok(told)
     }
 
-    /// Looks at everything if the clip no longer plays that moves the camera: without the clip its
-    /// place was never meant for a view, and is often inside of something.
+    /// Shows everything if the clip that moves the current camera does not play any more. Without
+    /// the clip, the camera's place is often inside of an object.
     fn leave_standing_camera(&mut self) {
         let (Guide::Camera(place), Some(life)) = (&self.guide, &self.life) else { return };
         let Some(camera) = life.cameras.get(*place) else { return };
@@ -322,10 +321,10 @@ impl SceneView {
         }
     }
 
-    /// Looks through a camera of the file, counted from 1.
+    /// Looks through a camera of the file, counted from 1. Returns a message about it.
     ///
     /// # Errors
-    /// The reason why that cannot be.
+    /// The reason why that is impossible.
     pub fn look_through(&mut self, number: u32) -> Result<String, String> {
         let place = (number as usize).saturating_sub(1);
         let Some(life) = &mut self.life else { return Err(NO_FILE.to_owned()) };
@@ -379,8 +378,8 @@ impl SceneView {
     }
 }
 
-/// Returns the first time, in seconds, of [`MOMENTS`] in the clip of a camera at which its view is
-/// not before a wall: a walk through rooms begins where there is something to see.
+/// Returns the first of [`MOMENTS`] times in a camera's clip, in seconds, at which no wall is right
+/// in front of the camera.
 fn clear_moment(
     animator: &mut SceneAnimator,
     scene: &Scene,
@@ -397,7 +396,8 @@ fn clear_moment(
     })
 }
 
-/// Returns the keys for the first of `count` cameras, which a clip moves, and for the others.
+/// Returns a hint at the keys for the first of `count` cameras, which a clip moves, and for the
+/// others.
 fn how_to_look(first: &str, count: usize) -> String {
     let others = match count {
         0 | 1 => String::new(),

@@ -1,4 +1,4 @@
-//! The display of images and its timing: a swapchain and the pacer that decides when frames
+//! The presentation of images and its timing: a swapchain, and the pacer that decides when frames
 //! start.
 
 use std::collections::VecDeque;
@@ -20,11 +20,11 @@ use super::conditions::Conditions;
 use super::frame_pacing_stats::FramePacingStats;
 use bench::run_error::RunError;
 
-/// The most frames whose end is still of interest.
+/// The most frames whose completion is tracked.
 const MOST_QUEUED: usize = 64;
-/// The number of images that a swapchain is assumed to have before it is made.
+/// The assumed number of images before a swapchain is created.
 const USUAL_IMAGES: u32 = 3;
-/// The longest time that the loop blocks to learn when an image shows: keys wait meanwhile.
+/// The longest time that the loop blocks for a present time, since keys have to wait.
 const LONGEST_LOOK: Duration = Duration::from_millis(20);
 
 /// The options of showing images.
@@ -43,9 +43,9 @@ pub struct ScreenOptions {
 pub struct ScreenFacts {
     /// The present mode in use.
     pub mode: PresentMode,
-    /// The mode that was asked for, if the window does not have it.
+    /// The requested mode, if the window does not support it.
     pub fallback: Option<PresentMode>,
-    /// Images of the window.
+    /// The number of images of the window.
     pub images: u32,
     /// The refresh period, once it is known.
     pub refresh: Option<Duration>,
@@ -53,7 +53,7 @@ pub struct ScreenFacts {
     pub summary: Summary,
 }
 
-/// A frame that was given to the screen.
+/// A frame that was presented.
 #[derive(Clone, Copy, Debug)]
 struct Queued {
     frame: PacedFrameId,
@@ -73,15 +73,15 @@ pub struct Screen {
     queued: VecDeque<Queued>,
     reports: PresentReports,
     refresh: Refresh,
-    /// The swapchain that the pacer knows: its mode, its images, the number of replacements.
+    /// The swapchain as known to the pacer: its mode, its images, the number of replacements.
     known: (PresentMode, usize, u64),
-    /// The present mode that was asked for last: the swapchain follows with its next image.
+    /// The present mode that was requested last: the swapchain changes to it with its next image.
     wanted: PresentMode,
 }
 
 impl Screen {
-    /// Prepares to show images of `device` in the window of `surface`; its monitor refreshes in
-    /// about `refresh`, if that is known.
+    /// Prepares to show images of `device` in the window of `surface`. `refresh` is the approximate
+    /// period of its monitor, if it is known.
     ///
     /// # Errors
     /// A device that does not support it; a failed call.
@@ -134,7 +134,7 @@ impl Screen {
         })
     }
 
-    /// Returns the next step: delivers the times that became known, then asks the pacer.
+    /// Returns the next step: delivers new times to the pacer, then calls it.
     ///
     /// # Errors
     /// A lost device.
@@ -151,7 +151,7 @@ impl Screen {
         Ok(step)
     }
 
-    /// Shows the newest image of `renderer` as the pacer's `frame`.
+    /// Presents the newest image of `renderer` as the pacer's `frame`.
     ///
     /// # Errors
     /// Errors that are not in [`antumbra::gpu::PresentSkipped`].
@@ -161,7 +161,7 @@ impl Screen {
         frame: PacedFrameId,
         size: [u32; 2],
     ) -> Result<PresentResult, RunError> {
-        // Frames that are finished by now cannot be the reason to wait for the window's image.
+        // Frames that are finished at this time cannot be why acquiring an image takes long.
         self.look()?;
         let from = self.clock.now();
         let shown = renderer.present(&mut self.swapchain, size);
@@ -187,12 +187,12 @@ impl Screen {
         Ok(PresentResult::Presented(presented))
     }
 
-    /// Notes that the frame that started will not be shown.
+    /// Notes that a started frame will not be shown.
     pub fn drop_frame(&mut self, frame: PacedFrameId) {
         self.pacer.feedback(frame, Feedback::Dropped);
     }
 
-    /// Returns true if a frame may begin: not while a hidden window holds the one before back.
+    /// Returns true if a frame may begin: not while a hidden window holds the previous frame back.
     ///
     /// # Errors
     /// A failed call.
@@ -206,7 +206,7 @@ impl Screen {
         self.swapchain.set_mode(mode);
     }
 
-    /// Returns the mode that was asked for last.
+    /// Returns the mode that was requested last.
     pub fn wanted_mode(&self) -> PresentMode {
         self.wanted
     }
@@ -233,7 +233,7 @@ impl Screen {
         }
     }
 
-    /// Notes the conditions of the frame `next`: another set of them resets the statistics.
+    /// Notes the conditions of the frame `next`: a change resets the statistics.
     pub fn follow(&mut self, conditions: Conditions, next: PacedFrameId) {
         self.evenness.follow(conditions, next);
     }
@@ -268,7 +268,7 @@ impl Screen {
         self.pacer.present_through(presentation).map_err(RunError::machine)
     }
 
-    /// Checks the results of the frames that are queued. Never waits.
+    /// Checks the results of the queued frames. Never waits.
     fn look(&mut self) -> Result<(), RunError> {
         let completed = self.device.completed()?;
         let at = self.clock.now();
@@ -280,7 +280,7 @@ impl Screen {
                 pacer.feedback(queued.frame, Feedback::FoundFinished { at });
             }
         }
-        // Of two reports the display's own times are the better ones.
+        // If there are two reports, the display's own times are better.
         self.swapchain.timings(|timing| {
             if let Some(queued) = queued.iter_mut().find(|queued| queued.id == timing.id) {
                 let at = Time::from_nanos(timing.shown_ns);
@@ -309,7 +309,7 @@ impl Screen {
         Ok(())
     }
 
-    /// Sleeps in the driver rather than in the loop, if the driver reports when an image shows.
+    /// Sleeps in the driver instead of the loop, if the driver reports present times.
     fn await_showing(&mut self, wait: &Wait) -> Result<(), RunError> {
         if !matches!(wait.reason, WaitReason::Deadline | WaitReason::QueueFull(_)) {
             return Ok(());
@@ -327,7 +327,7 @@ impl Screen {
     }
 }
 
-/// Returns the same mode in the pacer's terms.
+/// Returns the pacer's equivalent of the mode.
 fn pacers(mode: PresentMode) -> pacing::PresentationMode {
     match mode {
         PresentMode::Fifo => pacing::PresentationMode::Fifo,

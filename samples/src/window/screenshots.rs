@@ -1,4 +1,4 @@
-//! Images on their way to files, without waiting for the GPU.
+//! Images that are written to files without waiting for the GPU.
 
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -10,7 +10,7 @@ use bench::png_file::write_png;
 use bench::run_error::RunError;
 use bench::terminal::output::say_wrote;
 
-/// An image that the GPU draws.
+/// An image that the GPU is drawing.
 struct Pending {
     image: Rc<Readback>,
     tick: Tick,
@@ -32,12 +32,12 @@ struct Lost {
 }
 
 impl Screenshots {
-    /// Adds an image that can be read when `tick` is over, for the file at `path`.
+    /// Adds an image that can be read once `tick` has completed, for the file at `path`.
     pub fn push(&mut self, image: Rc<Readback>, tick: Tick, path: PathBuf) {
         self.pending.push(Pending { image, tick, path });
     }
 
-    /// Writes the images that can be read by now; returns the newest file that was written.
+    /// Writes the images that can be read; returns the newest written file.
     ///
     /// # Errors
     /// A lost device; a file that cannot be written.
@@ -62,7 +62,7 @@ impl Screenshots {
     /// Writes an image that was read back, under a free name. Returns its path.
     ///
     /// # Errors
-    /// A file that cannot be written: that is also an error in the [end](Self::finish).
+    /// A file that cannot be written; [`finish`](Self::finish) reports it, too.
     pub fn write(&mut self, image: &Readback, path: &Path) -> Result<PathBuf, RunError> {
         let [width, height] = image.size();
         let written = image.rgba8().map_err(RunError::from).and_then(|pixels| {
@@ -78,10 +78,10 @@ impl Screenshots {
         written
     }
 
-    /// Waits for the rest and writes it.
+    /// Waits for the remaining images and writes them.
     ///
     /// # Errors
-    /// A lost device; any image that could not be written, now or before.
+    /// A lost device; an image that could not be written, at this or an earlier time.
     pub fn finish(&mut self, device: &Device) -> Result<(), RunError> {
         let is_over = if self.pending.is_empty() { Ok(()) } else { device.wait_idle() };
         let written = is_over.map_err(RunError::from).and_then(|_| self.write_finished(device));

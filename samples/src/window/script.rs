@@ -1,7 +1,7 @@
 //! Scripts: actions before numbered frames, so that a run can be repeated automatically.
 //!
-//! A line is the number of a frame and an [`Action`]: `60 strategy hzb`. Frames count from 0,
-//! and do not go back. Empty lines and lines that begin with `#` are ignored.
+//! A line has the number of a frame and an [`Action`]: `60 strategy hzb`. Frames are counted from 0
+//! and must not decrease. Empty lines and lines that begin with `#` are ignored.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use bench::input_file;
 use bench::options::UsageError;
 use bench::terminal::shown;
 
-/// The largest file that is read.
+/// The largest file that is accepted.
 const MOST_BYTES: u64 = 16 << 20;
 
 /// Actions in the order of their frames.

@@ -7,18 +7,18 @@ use antumbra::cull::FrameId;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Search {
     pub(super) pixel: [u32; 2],
-    /// The newest frame of the view when it began: later ones answer.
+    /// The newest frame of the view when the search began: later frames answer it.
     pub(super) after: FrameId,
 }
 
-/// The object that is selected, and the pixel for the next selection.
+/// The selected object, and the pixel of the next selection.
 #[derive(Debug, Default)]
 pub struct Selection {
     /// The pixel to identify before the next frame.
     pub(super) pixel: Option<[u32; 2]>,
-    /// The search that is on its way.
+    /// The pending search.
     pub(super) search: Option<Search>,
     pub(super) object: Option<ObjectId>,
-    /// True if the card is to be logged when its results are read back.
+    /// True if the card must be logged when its results are read back.
     pub(super) is_new: bool,
 }

@@ -1,4 +1,4 @@
-//! The program without its window: a scene, a camera, and one frame after the other on request.
+//! The program without its window: a scene, a camera, and one frame at a time on request.
 
 use std::collections::VecDeque;
 use std::path::PathBuf;
@@ -53,9 +53,10 @@ pub struct Session {
     pub(super) scene_view: SceneView,
     /// The lights of the scene that change with the hour.
     pub(super) daylight: Option<Daylight>,
-    /// The same scene with lights that change with the hour, if it could have such and has none.
+    /// The source of the same scene with lights that change with the hour, if such lights are
+    /// possible but not loaded.
     pub(super) lit: Option<SceneSource>,
-    /// The action that waits for them.
+    /// The action that waits for these lights.
     pub(super) waiting_for_lights: Option<Action>,
     /// The lens flares of scenes with such lights.
     pub(super) flares: FlareChoice,
@@ -70,15 +71,15 @@ pub struct Session {
     /// The running comparison of frames with and without culling.
     pub(super) comparison: Option<Comparison>,
     pub(super) selection: Selection,
-    /// The list or field that is open.
+    /// The open list or field.
     pub(super) menu: Option<Menu>,
-    /// The row of the list that was clicked.
+    /// The clicked row of the list.
     pub(super) clicked_row: Option<usize>,
     pub(super) has_top_down: bool,
     pub(super) hud_level: HudLevel,
     /// True if the page of all keys is open.
     pub(super) has_help: bool,
-    /// True if the text over the image is out of date.
+    /// True if the text over the image is outdated.
     pub(super) is_page_stale: bool,
     pub(super) hud: Hud,
     /// The triangles of the HUD over images.
@@ -184,7 +185,7 @@ impl Session {
         self.frame
     }
 
-    /// Returns the names of the scene, of the strategy, and of the counted frames per second.
+    /// Returns the names of the scene, the strategy, and the unit of the frame rate.
     pub fn title_words(&self) -> TitleWords<'_> {
         let unit = self.comparison.as_ref().map_or("frames/s", |_| "pairs/s");
         TitleWords { scene: &self.scene_view.name, strategy: self.strategy.name(), unit }
@@ -200,18 +201,18 @@ impl Session {
         self.script.next_before(self.frame)
     }
 
-    /// Returns true once if the text over the image is out of date.
+    /// Returns true once if the text over the image is outdated.
     pub fn take_stale_page(&mut self) -> bool {
         std::mem::take(&mut self.is_page_stale)
     }
 
-    /// Turns the view as the mouse moved; the camera's own path ends.
+    /// Turns the view by a movement of the mouse, and ends the camera's path.
     pub fn turn(&mut self, right: f64, down: f64) {
         self.take_over();
         self.fly.turn(right, down);
     }
 
-    /// Changes the camera's speed by so many notches of a wheel.
+    /// Changes the camera's speed by this number of notches of a wheel.
     pub fn hasten(&mut self, notches: f32) {
         self.fly.hasten(notches);
         self.tell(format!("speed {:.2} m/s", self.fly.speed_m()));
@@ -224,10 +225,10 @@ impl Session {
         }
     }
 
-    /// Draws images of another size from now on.
+    /// Changes the size of images.
     ///
     /// # Errors
-    /// A size that the device does not support; no memory.
+    /// A size that the device does not support; not enough memory.
     pub fn resize(&mut self, size: [u32; 2]) -> Result<(), RunError> {
         self.renderer.resize(size)?;
         self.update_debug_overlay()
@@ -246,9 +247,8 @@ impl Session {
     }
 
     /// Draws the next frame, `seconds` after the last one, and copies it to `image`, if there is
-    /// one. A frame is copied to one place only, and a screenshot of it is written from there. So a
-    /// caller that uses the same place again waits for the frame and calls [`Session::after_frame`]
-    /// before the next.
+    /// one. Each frame is copied to a single buffer, from which a screenshot is written, too. So
+    /// before reusing a buffer, a caller must wait for its frame and call [`Session::after_frame`].
     ///
     /// # Errors
     /// When the device fails, or a file cannot be written.
@@ -261,13 +261,13 @@ impl Session {
         let scope = self.begin_scope("render");
         let began = scope.began;
         self.follow_selection()?;
-        // Decisions stay while the culling is frozen, so all else stays, too.
+        // Decisions do not change while the culling is frozen, so the scene must not change either.
         if self.frozen.is_none() {
             self.scene_view.advance(seconds);
         }
         let camera = self.camera(steering, seconds);
         if self.frozen.is_none() {
-            // The debug overlay may show the scene from above.
+            // The debug overlay may show the scene from above, which needs all poses.
             let is_only = self.debug_overlay == DebugOverlay::default();
             self.scene_view.show(&mut self.renderer, is_only.then_some(&camera))?;
             if let Some(detail) = &self.scene_view.detail {
@@ -313,7 +313,7 @@ impl Session {
         Ok(tick)
     }
 
-    /// Returns the buffer for the requested screenshot, `image` if there is one, and its file.
+    /// Returns the buffer for the requested screenshot (`image` if there is one) and its file.
     fn screenshot(
         &mut self,
         image: Option<&Rc<Readback>>,
@@ -330,12 +330,12 @@ impl Session {
         Ok(Some((image, self.folder.join(name))))
     }
 
-    /// Begins a scope that traces and profilers show under this name, until [`Session::end_scope`].
+    /// Begins a scope with this name for traces and profilers; [`Session::end_scope`] ends it.
     pub fn begin_scope(&self, name: &'static str) -> Scope {
         Scope::begin(name, self.clock.now())
     }
 
-    /// Ends the scope.
+    /// Ends a scope.
     pub fn end_scope(&mut self, scope: Scope) {
         if let Some(trace) = &mut self.trace {
             trace.cpu(scope.name, scope.began, self.clock.now());
@@ -354,8 +354,8 @@ impl Session {
         Ok(())
     }
 
-    /// Finishes a frame that was submitted, and presented if there is a window: writes images
-    /// that can be read, and checks the shaders for changes.
+    /// Finishes a frame that was submitted, and presented if there is a window: writes images that
+    /// can be read, and checks the shaders for changes.
     ///
     /// # Errors
     /// When the device fails.
@@ -387,7 +387,7 @@ impl Session {
         Ok(())
     }
 
-    /// Shows the debug overlay that is on, the view from above in the lower right.
+    /// Shows the active debug overlay, with the view from above in the lower right.
     pub(super) fn update_debug_overlay(&mut self) -> Result<(), RunError> {
         let corner = corner(self.renderer.size()).filter(|_| self.has_top_down);
         self.debug_overlay.top_down = corner;
@@ -397,8 +397,8 @@ impl Session {
         Ok(())
     }
 
-    /// Writes the remaining files: a path being recorded, pending images, the trace. Each is
-    /// tried regardless of failures of the others.
+    /// Writes the remaining files: the recorded path, pending images, the trace. A failure does not
+    /// prevent the others from being written.
     ///
     /// # Errors
     /// A file or an earlier screenshot that cannot be written.
@@ -416,18 +416,18 @@ impl Session {
     }
 }
 
-/// The wish for the scene that is shown with lights that change with the hour.
+/// The request to load the current scene with lights that change with the hour.
 #[derive(Clone, Debug)]
 pub struct LightingRequest {
-    /// The scene that has them.
+    /// The source of the scene with lights.
     pub source: SceneSource,
-    /// The action that waits for it.
+    /// The action that waits for the scene.
     pub action: Action,
 }
 
-/// The files that a session needs, opened before there is a device.
+/// The files that a session needs, opened before the device is created.
 pub struct Files {
-    /// The actions without input.
+    /// The script of actions.
     pub script: Script,
     /// The capture of a frame.
     pub capture: Option<Capture>,
@@ -437,7 +437,7 @@ impl Files {
     /// Reads the files that the options name.
     ///
     /// # Errors
-    /// A file that cannot be read, or has other contents.
+    /// A file that cannot be read, or has invalid contents.
     pub fn open(source: &SceneSource, options: &ShowOptions) -> Result<Self, RunError> {
         if let Some(file) = source.recorded_path() {
             RecordedPath::read(file)?;

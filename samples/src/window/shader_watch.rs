@@ -1,4 +1,4 @@
-//! A watch over a folder of shaders, for changes.
+//! Watches a folder of shaders for changes.
 
 use std::fs;
 use std::path::PathBuf;
@@ -16,8 +16,7 @@ pub struct ShaderWatch {
     next_look: Time,
 }
 
-/// The values that change when a file does: the number of files, their size in all, and the newest
-/// change.
+/// Values that change with the files: their number, their total size, and the newest modification.
 type Seen = (usize, u64, Option<SystemTime>);
 
 impl ShaderWatch {
@@ -31,7 +30,7 @@ impl ShaderWatch {
         &self.folder
     }
 
-    /// Returns true if something has changed since it last returned true. Checks a few times per
+    /// Returns true if the files have changed since it last returned true. Checks a few times per
     /// second.
     pub fn has_changed(&mut self, now: Time) -> bool {
         if now < self.next_look {
@@ -44,7 +43,7 @@ impl ShaderWatch {
 }
 
 fn look(folder: &PathBuf) -> Seen {
-    // A folder that cannot be read now may be there again later.
+    // A folder that cannot be read may become readable later.
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let files = entries.filter_map(|entry| {
         let is_shader = !entry.file_name().to_string_lossy().ends_with(".spv");

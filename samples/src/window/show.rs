@@ -129,10 +129,10 @@ pub enum FlareChoice {
     On,
 }
 
-/// The options of showing a scene. Every value is in its range.
+/// The options of showing a scene. Every value is valid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShowOptions {
-    /// The actions without input.
+    /// The script of actions.
     pub script: Option<PathBuf>,
     /// The size at the start.
     pub size: FrameSize,
@@ -164,17 +164,18 @@ pub struct ShowOptions {
     pub times_passes: bool,
     /// The treatment of broken parts of files.
     pub broken_parts: BrokenParts,
-    /// The triangles above which a mesh of a file is cut into pieces, if one is.
+    /// The number of triangles above which a mesh of a file is cut into pieces; `None` cuts no
+    /// mesh.
     pub cut_above_triangles: Option<usize>,
-    /// The quirks of the driver that are looked for.
+    /// The driver quirks that are tested.
     pub quirks: QuirksChoice,
-    /// The assumptions that the self-test found broken, once it ran.
+    /// The assumptions that the self-test found broken, once it has run.
     pub disabled: OnceLock<Vec<DriverAssumption>>,
     /// The device that draws.
     pub device: DeviceChoice,
     /// The checks of the validation layer.
     pub validation: ValidationChoice,
-    /// The folder of GLSL that is watched.
+    /// The folder of GLSL sources that is watched.
     pub shaders: Option<PathBuf>,
     /// The folder for written files.
     pub out: Option<PathBuf>,
@@ -235,7 +236,7 @@ impl ShowArguments {
     }
 }
 
-/// Reads the name of a strategy that needs no knowledge in advance.
+/// Parses the name of a strategy that needs no prior knowledge.
 fn parse_product(text: &str) -> Result<Strategy, String> {
     let strategy = parse_strategy(text)?;
     if strategy.needs_still_scene() {

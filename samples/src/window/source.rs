@@ -10,14 +10,14 @@ use scenes::Hour;
 pub enum SceneSource {
     /// A scene that is generated.
     Made {
-        /// The numbers from which it is generated.
+        /// The values from which it is generated.
         made: MadeScene,
-        /// The camera's own path.
+        /// The path of the camera.
         path: Option<PathChoice>,
-        /// The hour of its sun and lamps; without one it has no surfaces that cast shadows.
+        /// The hour of its sun and lamps; with `None`, it has no surfaces that cast shadows.
         hour: Option<Hour>,
     },
-    /// The courtyard, at this hour.
+    /// The courtyard at an hour.
     Courtyard {
         /// The hour of its sun.
         hour: Hour,
@@ -29,7 +29,7 @@ pub enum SceneSource {
         /// The options of showing it.
         settings: FileSource,
     },
-    /// No scene, until a file is dropped into the window.
+    /// No scene until a file is dropped into the window.
     Nothing {
         /// The options of showing that file.
         settings: FileSource,
@@ -37,7 +37,7 @@ pub enum SceneSource {
 }
 
 impl SceneSource {
-    /// Returns the recorded path that is walked again.
+    /// Returns the recorded path to replay, if there is one.
     pub fn recorded_path(&self) -> Option<&PathBuf> {
         match self {
             Self::Made { path: Some(PathChoice::Recorded(file)), .. } => Some(file),
@@ -46,7 +46,7 @@ impl SceneSource {
         }
     }
 
-    /// Returns the file, if it is one.
+    /// Returns the file, if the source is a file.
     pub fn file(&self) -> Option<&PathBuf> {
         match self {
             Self::File { file, .. } => Some(file),
@@ -54,7 +54,7 @@ impl SceneSource {
         }
     }
 
-    /// Returns its name, for people.
+    /// Returns the name of the source.
     pub fn name(&self) -> String {
         match self {
             Self::Made { made, .. } => made.scene.to_string(),
@@ -66,7 +66,7 @@ impl SceneSource {
         }
     }
 
-    /// Returns the same settings for another file, which has other cameras.
+    /// Returns the settings for another file, without the choice of a camera.
     pub fn settings_for_another(&self) -> FileSource {
         match self {
             Self::Made { .. } | Self::Courtyard { .. } => FileSource::default(),
@@ -80,16 +80,15 @@ impl SceneSource {
 /// The options of showing a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FileSource {
-    /// The camera to begin with; the first one if none is named.
+    /// The name of the first camera; with `None`, the file's first camera.
     pub camera: Option<String>,
     /// The recorded path of the camera.
     pub recorded: Option<PathBuf>,
-    /// The factor of all light; `None` is 1, with too bright lights dimmed.
+    /// The factor of all light; `None` is 1, with lights dimmed that are too bright.
     pub exposure: Option<f32>,
-    /// The largest error of surfaces in pixels with coarser levels of detail; `None` for the finest
+    /// The largest error of surfaces in pixels for coarser levels of detail; `None` uses the finest
     /// level.
     pub detail_pixels: Option<f32>,
-    /// True if objects of which few samples are visible take coarser levels than their distance
-    /// allows.
+    /// True if objects with few visible samples use coarser levels than their distance allows.
     pub has_detail_by_samples: bool,
 }

@@ -14,25 +14,25 @@ pub struct TitleWords<'a> {
     pub scene: &'a str,
     /// The name of the strategy.
     pub strategy: &'a str,
-    /// The name of frames per second.
+    /// The unit of the frame rate.
     pub unit: &'a str,
 }
 
-/// A counter of the frames between two titles.
+/// A counter of the frames between two changes of the title.
 #[derive(Clone, Debug, Default)]
 pub struct Title {
-    /// Scene, strategy and unit of the frames that are counted.
+    /// Scene, strategy and unit of the counted frames.
     subject: [String; 3],
     since: Option<Time>,
     frames: u32,
 }
 
 impl Title {
-    /// Counts a frame that began at `now`; returns the next title when one is due.
+    /// Counts a frame that began at `now`; returns the new title if it is due.
     pub fn count(&mut self, now: Time, words: &TitleWords<'_>) -> Option<String> {
         let TitleWords { scene, strategy, unit } = *words;
         if self.subject != [scene, strategy, unit] {
-            // Frames of another scene or strategy say nothing of these.
+            // Frames of another scene or strategy do not count.
             let subject = [scene, strategy, unit].map(str::to_owned);
             *self = Self { subject, ..Self::default() };
         }

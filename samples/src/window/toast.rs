@@ -6,11 +6,11 @@ use antumbra::pacing::Time;
 
 const FOR: Duration = Duration::from_secs(5);
 
-/// The messages to show: the newest one, and the error of shaders until they compile.
+/// The current messages: the newest one, and the error of shaders until they compile.
 #[derive(Clone, Debug, Default)]
 pub struct Toast {
     newest: String,
-    /// The end of its time; `None` until another message replaces it.
+    /// The end of the message's time; `None` if it stays until another message replaces it.
     until: Option<Time>,
     weight: Weight,
     broken_shaders: Option<String>,
@@ -21,18 +21,18 @@ enum Weight {
     /// A request that was carried out.
     #[default]
     Done,
-    /// A request that cannot be carried out, or an error: shown also without the HUD.
+    /// A request that cannot be carried out, or an error: shown even without the HUD.
     Refused,
 }
 
 impl Toast {
-    /// Shows for some seconds an action that was carried out, and logs it.
+    /// Shows a completed action for some seconds, and logs it.
     pub fn tell(&mut self, now: Time, text: String) {
         tracing::info!("{text}");
         self.put(text, Some(now.after(FOR)), Weight::Done);
     }
 
-    /// Shows for some seconds a request that cannot be carried out.
+    /// Shows for some seconds that a request cannot be carried out, and logs it.
     pub fn refuse(&mut self, now: Time, text: String) {
         tracing::warn!("{text}");
         self.put(text, Some(now.after(FOR)), Weight::Refused);
@@ -44,7 +44,7 @@ impl Toast {
         self.put(text, None, Weight::Refused);
     }
 
-    /// Shows the error of shaders, below all else, until they compile.
+    /// Shows the error of shaders below other messages until they compile.
     pub fn shaders_are_broken(&mut self, text: String) {
         tracing::warn!("{text}");
         self.broken_shaders = Some(text);
@@ -55,14 +55,14 @@ impl Toast {
         self.broken_shaders = None;
     }
 
-    /// Returns the messages to show.
+    /// Returns the current messages.
     pub fn at(&self, now: Time) -> Option<String> {
         let is_over = self.until.is_some_and(|until| now >= until);
         let newest = (!is_over && !self.newest.is_empty()).then_some(self.newest.as_str());
         join(newest, self.broken_shaders.as_deref())
     }
 
-    /// Returns the messages to show without the HUD: refusals and errors.
+    /// Returns the current messages without the HUD: refusals and errors.
     pub fn refused_at(&self, now: Time) -> Option<String> {
         match self.weight {
             Weight::Refused => self.at(now),

@@ -1,4 +1,4 @@
-//! A trace of the CPU's and the GPU's work on one time line, in the format of Chrome and Perfetto.
+//! A trace of CPU and GPU work on one time line, in the format of Chrome and Perfetto.
 
 use std::collections::VecDeque;
 use std::path::Path;
@@ -10,9 +10,9 @@ use serde_json::{Value, json};
 
 use bench::outputs::{WriteError, write_file};
 
-/// The most events that are kept; more are counted.
+/// The most events that are stored; further events are only counted.
 const MOST_EVENTS: usize = 1 << 20;
-/// The time after which the clocks are compared again, because they drift.
+/// The interval at which the clocks are compared again, because they drift.
 const COMPARE_EVERY_NS: u64 = 500_000_000;
 
 const CPU: u32 = 1;
@@ -23,19 +23,19 @@ const GPU: u32 = 2;
 struct Event {
     name: &'static str,
     thread: u32,
-    /// The time of its beginning; on the GPU's own clock for its events, until they are written.
+    /// The time of its beginning; for GPU events, on the GPU's clock until they are written.
     began_ns: f64,
     took_ns: f64,
-    /// The offset from its clock to ours, if it is known.
+    /// The offset from its clock to the CPU's, if it is known.
     offset_ns: Option<f64>,
 }
 
-/// The relation of the GPU's clock to ours.
+/// The relation of the GPU's clock to the CPU's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Calibration {
-    /// Both were read at once; so many nanoseconds may lie between the readings.
+    /// Both clocks were read at once, with at most `deviation_ns` between the readings.
     Read { offset_ns: f64, deviation_ns: u64, at_ns: u64 },
-    /// The GPU's work lies between our submission and our knowledge of its end.
+    /// The GPU's work lies between its submission and the time at which its end was known.
     Bounds { least_ns: f64, most_ns: f64 },
 }
 
@@ -48,8 +48,8 @@ impl Calibration {
         Self::Read { offset_ns, deviation_ns, at_ns }
     }
 
-    /// Narrows the bounds: work that was submitted and known to be finished at these times of ours
-    /// ran between these times of the GPU's clock.
+    /// Narrows the bounds by work that ran between the times `gpu_ns`, and that was submitted and
+    /// known to be finished at the times `ours_ns`.
     fn narrow(&mut self, ours_ns: [f64; 2], gpu_ns: [f64; 2]) {
         if let Self::Bounds { least_ns, most_ns } = self {
             *least_ns = least_ns.max(ours_ns[0] - gpu_ns[0]);
@@ -57,8 +57,7 @@ impl Calibration {
         }
     }
 
-    /// Returns the offset to add to times of the GPU. Work never starts before it is submitted, and
-    /// soon after.
+    /// Returns the offset to add to the GPU's times. Work starts after its submission, but soon.
     fn offset_ns(&self) -> f64 {
         let offset = match *self {
             Self::Read { offset_ns, .. } => offset_ns,
@@ -67,7 +66,7 @@ impl Calibration {
         if offset.is_finite() { offset } else { 0.0 }
     }
 
-    /// Returns the method of the calibration in words, for the reader of the trace.
+    /// Returns a description of the calibration for the reader of the trace.
     fn how(&self) -> String {
         match self {
             Self::Read { deviation_ns, .. } => {
@@ -82,7 +81,7 @@ impl Calibration {
     }
 }
 
-/// The events, up to a maximal number.
+/// A limited number of events.
 #[derive(Clone, Debug, Default)]
 struct Events {
     kept: Vec<Event>,
@@ -101,7 +100,7 @@ impl Events {
     }
 }
 
-/// A collector of events until they are written.
+/// Collects events until they are written.
 pub struct Trace {
     device: Device,
     events: Events,
@@ -132,8 +131,8 @@ impl Trace {
         self.push(Event { name, thread: CPU, began_ns, took_ns, offset_ns: None });
     }
 
-    /// Adds the submit of a frame, as one of so many in flight. Its recording began at `began`. The
-    /// passes of the frame in its slot before are known since `known`.
+    /// Records the submission of a frame, with this number of frames in flight. Its recording began
+    /// at `began`. The passes of the previous frame in its slot are known since `known`.
     ///
     /// # Errors
     /// A failed call.
@@ -165,7 +164,7 @@ impl Trace {
         self.calibration.narrow(ours, [first.began_ns as f64, end_ns]);
         let offset_ns = match self.calibration {
             Calibration::Read { offset_ns, .. } => Some(offset_ns),
-            // Better known in the end.
+            // Bounds are best at the end.
             Calibration::Bounds { .. } => None,
         };
         for pass in passes {
@@ -176,8 +175,8 @@ impl Trace {
         Ok(())
     }
 
-    /// Removes the frames in flight, whose passes are never read back: the ring of frames was
-    /// replaced.
+    /// Removes the frames in flight. Their passes are never read back, because the ring of frames
+    /// was replaced.
     pub fn forget_submitted(&mut self) {
         self.submitted.clear();
     }
@@ -186,10 +185,10 @@ impl Trace {
         self.events.push(event, MOST_EVENTS);
     }
 
-    /// Writes the file, whole or not at all.
+    /// Writes the file completely, or not at all.
     ///
     /// # Errors
-    /// When the folder or the disk refuses.
+    /// When the folder or the disk does not allow it.
     pub fn write(&self, path: &Path) -> Result<(), WriteError> {
         let device = &self.device.adapter().name;
         let text = to_json(&self.events, &self.calibration, device).to_string();
@@ -234,7 +233,7 @@ mod tests {
     fn bounds_close_in_on_the_offset() {
         let mut calibration = Calibration::UNKNOWN;
         assert_eq!(calibration.offset_ns(), 0.0);
-        // The GPU's clock is 1000 behind ours.
+        // The GPU's clock is 1000 behind the CPU's.
         for (submit, start, end, known) in [(5.0, 9.0, 30.0, 50.0), (60.0, 61.0, 70.0, 90.0)] {
             let gpu = [start - 1000.0, end - 1000.0];
             calibration.narrow([submit, known], gpu);

@@ -15,7 +15,7 @@ use bench::options::FrameSize;
 use bench::run;
 use bench::run_error::RunError;
 
-/// A new window.
+/// The options of a new window.
 #[derive(Clone, Debug)]
 pub struct WindowOptions<'a> {
     /// The title.
@@ -32,15 +32,15 @@ pub struct WindowOptions<'a> {
 pub struct WindowDevice {
     /// The window.
     pub window: Arc<Window>,
-    /// The connection to its display.
+    /// The connection to the window's display.
     pub display: DisplayLink,
     /// The instance.
     pub instance: Instance,
-    /// The window as the instance knows it.
+    /// The Vulkan surface of the window.
     pub surface: Surface,
     /// The device.
     pub device: Device,
-    /// The time between two images of its monitor, as far as it is known.
+    /// The refresh period of the window's monitor, if it is known.
     pub refresh: Option<Duration>,
 }
 
@@ -48,7 +48,7 @@ impl WindowDevice {
     /// Opens a window and a device for it.
     ///
     /// # Errors
-    /// No display, or no suited device.
+    /// No display, or no suitable device.
     pub fn open(
         event_loop: &ActiveEventLoop,
         options: &WindowOptions<'_>,

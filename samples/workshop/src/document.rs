@@ -1,4 +1,4 @@
-//! The state of the viewer: what is shown of each part, and where. A pure value.
+//! The state of the viewer: the display and the place of each part, as a pure value.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -15,25 +15,25 @@ use crate::hinge::{BadSolid, CollisionSolid, LidCollision, Turn, rotation};
 /// The way in which a part is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Display {
-    /// As it is.
+    /// Shown with its own material.
     #[default]
     Shown,
     /// Transparent.
     Ghosted,
-    /// Not at all.
+    /// Hidden.
     Hidden,
 }
 
 /// A lid and its hinge.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lid {
-    /// The group of all that turns.
+    /// The group of all parts that turn.
     pub group: PartId,
-    /// The hinge that it turns about.
+    /// The hinge of the lid.
     pub hinge: Hinge,
 }
 
-/// A command that cannot be done. Nothing has changed.
+/// A command that is impossible. Nothing has changed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum CommandError {
     /// A name that no part and no group has.
@@ -45,10 +45,10 @@ pub enum CommandError {
     /// A model without a lid.
     #[error("this model has no lid on a hinge")]
     NoLid,
-    /// A lid whose parts are apart.
+    /// A lid whose parts have been moved apart.
     #[error("the parts are apart: move them back (assemble) before the lid turns")]
     Exploded,
-    /// A model of too many parts to show some of them transparent.
+    /// A model with too many parts to show some of them transparent.
     #[error("parts are shown transparent in models of at most {0} parts, and this one has more")]
     TooManyToGhost(usize),
     /// Parts that cannot collide.
@@ -61,14 +61,14 @@ pub enum CommandError {
 pub struct CurvedPart {
     /// The mesh and its surface.
     pub curved: CurvedMesh,
-    /// The levels that the mesh was made at; none as the model came.
+    /// The levels of the mesh; `None` for the mesh of the loaded model.
     pub levels: Option<TessellationLevels>,
 }
 
 /// Objects that stay together in exploded views.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Body {
-    /// The objects that are shown.
+    /// The objects of the body.
     pub objects: Vec<ObjectId>,
     /// The box around them.
     pub bounds: Aabb,
@@ -78,16 +78,16 @@ pub struct Body {
 pub struct Document {
     /// The scene at rest. Its objects are the parts.
     pub scene: Scene,
-    /// The point of the model's file at which the scene has its origin, in metres; zero as created.
+    /// The point of the model's file that is the scene's origin, in metres; zero after creation.
     pub origin_m: DVec3,
-    /// The parts in their groups.
+    /// The tree of parts and groups.
     pub parts: PartTree,
     /// The lid, if the model has one.
     pub lid: Option<Lid>,
-    /// The curved meshes; none as created.
+    /// The curved meshes; empty after creation.
     pub curved: Vec<CurvedPart>,
-    /// The body of each object: the objects of a body stay together in exploded views, such as the
-    /// primitives of a mesh. Empty, as created, where each object is a body.
+    /// The body of each object. The objects of a body, such as the primitives of a mesh, stay
+    /// together in exploded views. If empty, as after creation, each object is its own body.
     pub bodies: Vec<u32>,
     /// The part of each object.
     part_of_object: Vec<Option<PartId>>,
@@ -101,7 +101,7 @@ pub struct Document {
 }
 
 impl Document {
-    /// Creates the state at rest: everything is shown in its place, nothing selected.
+    /// Creates the state at rest: all parts are shown in their places, and nothing is selected.
     pub fn new(scene: Scene, parts: PartTree, lid: Option<Lid>) -> Self {
         let count = scene.objects.len();
         let mut part_of_object = vec![None; count];
@@ -145,12 +145,12 @@ impl Document {
         self.displays.get(object.0 as usize).copied().unwrap_or(Display::Hidden)
     }
 
-    /// Returns the part that section planes leave of an object.
+    /// Returns how section planes affect an object.
     pub fn member(&self, object: ObjectId) -> SectionMember {
         self.members.get(object.0 as usize).copied().unwrap_or_default()
     }
 
-    /// Changes the part that section planes leave of objects.
+    /// Changes how section planes affect objects.
     pub fn set_member(&mut self, objects: &[ObjectId], member: SectionMember) {
         for object in objects {
             if let Some(of) = self.members.get_mut(object.0 as usize) {
@@ -159,7 +159,7 @@ impl Document {
         }
     }
 
-    /// Returns the place of an object now.
+    /// Returns the current transform of an object.
     pub fn transform(&self, object: ObjectId) -> Affine3A {
         let index = object.0 as usize;
         let rest =
@@ -172,20 +172,20 @@ impl Document {
         Affine3A { translation: turned.translation + antumbra::glam::Vec3A::from(by), ..turned }
     }
 
-    /// Returns the box of an object where it is now.
+    /// Returns the box of an object in its current place.
     pub fn bounds(&self, object: ObjectId) -> Aabb {
         let of = self.scene.objects.get(object.0 as usize);
         let placed = of.map(|of| Object { transform: self.transform(object), ..*of });
         placed.and_then(|placed| self.scene.bounds_of(&placed)).unwrap_or(Aabb::EMPTY)
     }
 
-    /// Returns the transparent objects of the scene. They are no parts: all of them are shown,
-    /// always and in their places.
+    /// Returns the transparent objects of the scene. They are not parts: they are always shown in
+    /// their places.
     pub fn transparent(&self) -> &[Object] {
         self.scene.surfaces.as_ref().map_or(&[], |surfaces| &surfaces.transparent)
     }
 
-    /// Returns the box around all that is shown; around the origin alone if that is nothing.
+    /// Returns the box around everything that is shown; the origin if nothing is.
     pub fn shown_bounds(&self) -> Aabb {
         let shown = self.objects().filter(|object| self.display(*object) != Display::Hidden);
         let parts = shown.map(|object| self.bounds(object));
@@ -203,7 +203,7 @@ impl Document {
         self.scene.mesh_of(self.scene.objects.get(object.0 as usize)?)
     }
 
-    /// Exchanges a mesh of the scene, with its surface.
+    /// Replaces a mesh of the scene and its surface.
     pub fn set_mesh(&mut self, id: MeshId, mesh: PreparedMesh) {
         let index = id.0 as usize;
         let Scene { meshes, surfaces, .. } = &mut self.scene;
@@ -228,7 +228,7 @@ impl Document {
         self.lid_rad
     }
 
-    /// Returns the objects that are selected, in ascending order.
+    /// Returns the selected objects, in ascending order.
     pub fn selected(&self) -> impl Iterator<Item = ObjectId> {
         self.selected.iter().copied()
     }
@@ -238,7 +238,7 @@ impl Document {
         self.selected.contains(&object)
     }
 
-    /// Returns the objects of a part or a group, by its name: the first one in the tree.
+    /// Returns the objects of the first part or group in the tree with this name.
     ///
     /// # Errors
     /// [`CommandError::NoPart`].
@@ -248,7 +248,7 @@ impl Document {
         Ok(self.parts.objects_of(PartId(place as u32)))
     }
 
-    /// Returns the objects of a name, or without one those that are selected.
+    /// Returns the objects with a name, or the selected objects without a name.
     ///
     /// # Errors
     /// [`CommandError::NoPart`], [`CommandError::NothingSelected`].
@@ -260,12 +260,12 @@ impl Document {
         }
     }
 
-    /// Selects these objects and no others.
+    /// Replaces the selection by these objects.
     pub fn select(&mut self, objects: impl IntoIterator<Item = ObjectId>) {
         self.selected = objects.into_iter().collect();
     }
 
-    /// Changes the way in which objects are shown. What is hidden is no longer selected.
+    /// Changes the display of objects. Hidden objects are removed from the selection.
     pub fn set_display(&mut self, objects: &[ObjectId], display: Display) {
         for object in objects {
             if let Some(of) = self.displays.get_mut(object.0 as usize) {
@@ -277,7 +277,7 @@ impl Document {
         }
     }
 
-    /// Hides all but what is selected.
+    /// Hides everything except the selection.
     ///
     /// # Errors
     /// [`CommandError::NothingSelected`].
@@ -292,7 +292,7 @@ impl Document {
         Ok(())
     }
 
-    /// Moves all shown parts apart by a gap, in metres, from where they are without displacements.
+    /// Moves all shown parts apart by a gap, in metres, starting from their places in the model.
     pub fn explode(&mut self, gap_m: f32) {
         self.assemble();
         let bodies = self.shown_bodies();
@@ -302,7 +302,7 @@ impl Document {
         }
     }
 
-    /// Returns the bodies of which something is shown, where they are now.
+    /// Returns the bodies with at least one shown object, in their current places.
     pub fn shown_bodies(&self) -> Vec<Body> {
         let mut bodies: Vec<Body> = Vec::new();
         let mut index_of_body: HashMap<u32, usize> = HashMap::new();
@@ -321,12 +321,12 @@ impl Document {
         bodies
     }
 
-    /// Moves all parts back.
+    /// Moves all parts back to their places.
     pub fn assemble(&mut self) {
         self.displacements.fill(Vec3::ZERO);
     }
 
-    /// Turns the lid towards an angle, until a part of it touches something that is not hidden.
+    /// Turns the lid towards an angle until one of its parts touches a part that is not hidden.
     ///
     /// # Errors
     /// [`CommandError::NoLid`], [`CommandError::Exploded`], [`CommandError::BadSolid`].

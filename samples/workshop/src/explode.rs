@@ -1,10 +1,10 @@
-//! Exploded views: displacements that part boxes by a guaranteed gap.
+//! Exploded views: displacements that separate boxes by a guaranteed gap.
 //!
-//! Boxes are placed one after the other, from the middle outwards. Each moves away from the middle
-//! along a direction of its own until it is clear of all that were placed before. A box along a ray
-//! meets another convex box in one interval, so each placed box is left behind once and the search
-//! ends. Touching, coincident and central parts separate, too: where a direction cannot be told
-//! from the places, it is one of a spiral over the sphere.
+//! Boxes are placed one at a time, from the middle outwards. Each box moves away from the middle
+//! along its own direction until it is clear of all boxes placed before. Along this ray, a box
+//! overlaps another box in a single interval, so each placed box is passed only once, and the
+//! search ends. Touching, coincident and central parts are separated, too: if the places do not
+//! determine a direction, it is taken from a spiral over the sphere.
 
 use std::f64::consts::PI;
 
@@ -12,21 +12,21 @@ use antumbra::cull::Aabb;
 use antumbra::glam::{DVec3, Vec3};
 use parry3d::partitioning::{Bvh, BvhNode};
 
-/// The angle between neighbours of the spiral, in radians: the golden angle.
+/// The angle between consecutive directions of the spiral, in radians: the golden angle.
 const GOLDEN_ANGLE_RAD: f64 = 2.399_963_229_728_653;
 
-/// The share of a coordinate that two places in single precision are rounded by together.
+/// The combined rounding error of two coordinates in single precision, relative to the coordinate.
 const PLACE_SHARE: f64 = 2.0 * f32::EPSILON as f64;
 
-/// The share of the assembly's size under which a box counts as central.
+/// The share of the assembly's size below which a box counts as central.
 const CENTRAL_SHARE: f64 = 1e-6;
 
-/// The share of sizes and displacements by which gaps are larger than asked, for the rounding of
-/// displacements and of what they are added to, in single precision.
+/// The share of sizes and displacements by which gaps are enlarged, against the rounding of
+/// displacements and of their sums with coordinates in single precision.
 const ROUNDING_SHARE: f64 = 1e-6;
 
-/// Returns a displacement for each box, in metres: displaced boxes lie at least `gap_m` apart along
-/// one of the axes. The box nearest to the middle stays.
+/// Returns a displacement for each box, in metres. The displaced boxes are at least `gap_m` apart
+/// along one of the axes. The box nearest to the middle does not move.
 pub fn explode(boxes: &[Aabb], gap_m: f32) -> Vec<Vec3> {
     let all = boxes.iter().fold(Aabb::EMPTY, |all, bounds| all.union(bounds));
     let middle = centre(&all);
@@ -60,13 +60,13 @@ pub fn explode(boxes: &[Aabb], gap_m: f32) -> Vec<Vec3> {
     displacements
 }
 
-/// Returns the least gap between two of the boxes, each pair along the axis that parts it most, in
-/// metres: negative where boxes overlap. `None` for fewer than two.
+/// Returns the least gap between two boxes, in metres. The gap of a pair is measured along the axis
+/// with the largest gap, and is negative if the boxes overlap. `None` for fewer than two boxes.
 pub fn least_gap(boxes: &[Aabb]) -> Option<f64> {
     let mut placed = BoxTree::default();
     let mut least: Option<f64> = None;
     for bounds in boxes.iter().map(DBox::of) {
-        // The first pairs are far from the least one: any other box is a bound.
+        // The first pairs may be far apart: the gap to any box is a valid bound.
         let bound = least.or_else(|| placed.boxes.last().map(|other| bounds.gap(other)));
         if let Some(bound) = bound {
             let gaps = placed.within(&bounds, bound.max(0.0)).map(|other| bounds.gap(other));
@@ -77,7 +77,7 @@ pub fn least_gap(boxes: &[Aabb]) -> Option<f64> {
     least
 }
 
-/// Boxes, found by their places.
+/// Boxes in a spatial index.
 #[derive(Default)]
 struct BoxTree {
     boxes: Vec<DBox>,
@@ -90,7 +90,7 @@ impl BoxTree {
         self.boxes.push(bounds);
     }
 
-    /// Returns the boxes that lie at most a gap from one, and perhaps some others.
+    /// Returns the boxes at most a gap away from a box, and possibly some others.
     fn within(&self, bounds: &DBox, gap: f64) -> impl Iterator<Item = &DBox> {
         let looser = DBox { min: bounds.min - gap, max: bounds.max + gap }.outer();
         let node = BvhNode::leaf(looser, 0);
@@ -98,7 +98,7 @@ impl BoxTree {
         found.filter_map(|index| self.boxes.get(index as usize))
     }
 
-    /// Returns the least distance along `direction`, from one below it on, at which a box is clear
+    /// Returns the least distance along `direction`, not less than `below`, at which a box is clear
     /// of all boxes.
     fn free_distance(&self, bounds: &DBox, direction: DVec3, gap: f64, below: f64) -> f64 {
         let mut distance = below;
@@ -106,7 +106,7 @@ impl BoxTree {
             let there = bounds.moved(direction * distance);
             let exits = self.within(&there, gap).filter(|other| there.gap(other) < gap);
             let exits = exits.map(|other| bounds.exit_distance(other, direction, gap));
-            // Some axis moves, since a direction has unit length: every exit is finite.
+            // A direction has unit length, so some axis moves and every exit is finite.
             let next = exits.fold(distance, f64::max);
             if next <= distance {
                 return distance;
@@ -116,7 +116,7 @@ impl BoxTree {
     }
 }
 
-/// Returns the `index`-th of `count` directions that are spread evenly over the sphere.
+/// Returns direction `index` of `count` directions that are spread evenly over the sphere.
 fn spiral_direction(index: usize, count: usize) -> DVec3 {
     let share = (index as f64 + 0.5) / count.max(1) as f64;
     let (sine, cosine) = (index as f64 * GOLDEN_ANGLE_RAD).rem_euclid(2.0 * PI).sin_cos();
@@ -153,12 +153,12 @@ impl DBox {
         Self { min: self.min + by, max: self.max + by }
     }
 
-    /// Returns the gap to another box along the axis that parts them most.
+    /// Returns the gap to another box along the axis with the largest gap.
     fn gap(&self, other: &Self) -> f64 {
         (other.min - self.max).max(self.min - other.max).max_element()
     }
 
-    /// Returns the distance along `direction` from which on this box is clear of another.
+    /// Returns the distance along `direction` from which on this box is clear of another one.
     fn exit_distance(&self, other: &Self, direction: DVec3, gap: f64) -> f64 {
         let exit = |axis: usize| {
             let speed = direction[axis];

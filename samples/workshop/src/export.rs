@@ -1,5 +1,5 @@
-//! Binary glTF 2.0 files of all that is shown: the tree of parts, each in its place, with the
-//! colours of its vertices and the numbers of its material. Textures are left out.
+//! Exports everything that is shown as a binary glTF 2.0 file: the tree of parts with their
+//! transforms, the colours of vertices, and the materials without textures.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -21,21 +21,21 @@ use thiserror::Error;
 
 use crate::document::{Display, Document};
 
-/// A model that cannot be exported.
+/// The reason why a model cannot be exported.
 #[derive(Debug, Error)]
 pub enum ExportError {
     /// No opaque part is shown.
     #[error("no opaque part is shown, so there is nothing to export: show one first")]
     Nothing,
-    /// A failure of the writer, such as a file of more than 4 GiB.
+    /// A failure of the writer, for example a file of more than 4 GiB.
     #[error("cannot write the model as glTF: {0}")]
     Writing(String),
 }
 
-/// Returns the file of all that is not hidden.
+/// Returns the file of all parts that are not hidden.
 ///
 /// # Errors
-/// [`ExportError::Nothing`]; more than 4 GiB.
+/// [`ExportError::Nothing`]; a file of more than 4 GiB.
 pub fn glb(document: &Document) -> Result<Vec<u8>, ExportError> {
     let is_shown = |object: &ObjectId| document.display(*object) != Display::Hidden;
     let shown: Vec<ObjectId> = document.objects().filter(is_shown).collect();
@@ -51,7 +51,7 @@ pub fn glb(document: &Document) -> Result<Vec<u8>, ExportError> {
         let id = document.scene.objects[object.0 as usize].mesh;
         let mut transform = document.transform(object);
         let mesh = if is_sheared(&transform) {
-            // Such a matrix is no matrix of a node: the vertices take it.
+            // A node cannot have such a matrix, so the vertices are transformed.
             let placed = placed(mesh, &std::mem::take(&mut transform));
             writer.mesh(document, id, &placed, Winding::Kept)
         } else {
@@ -60,7 +60,7 @@ pub fn glb(document: &Document) -> Result<Vec<u8>, ExportError> {
             *known.or_insert_with(|| writer.mesh(document, id, mesh, winding))
         };
         let matrix = Mat4::from(transform);
-        // A node without a matrix stands at the origin.
+        // A node without a matrix is at the origin.
         let matrix = (matrix != Mat4::IDENTITY).then(|| matrix.to_cols_array());
         let node = Node { matrix, mesh: Some(mesh), ..named(part) };
         nodes[place] = Some(writer.root.push(node));
@@ -75,10 +75,10 @@ pub fn glb(document: &Document) -> Result<Vec<u8>, ExportError> {
 /// The winding of a mesh's triangles in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Winding {
-    /// As here.
+    /// The winding in the engine.
     Kept,
-    /// Reversed: where a node mirrors, its front faces are clockwise (glTF 2.0, 3.7.4), but not
-    /// those that the engine draws.
+    /// Reversed: in glTF, the front faces of nodes that mirror are clockwise (glTF 2.0, 3.7.4). The
+    /// engine does not reverse them.
     Reversed,
 }
 
@@ -89,16 +89,16 @@ impl Winding {
     }
 }
 
-/// Returns true unless a transform is a scale, then a rotation, then a translation, as those of
-/// nodes must be.
+/// Returns true unless a transform is a scale, followed by a rotation and a translation, as nodes
+/// require.
 fn is_sheared(transform: &Affine3A) -> bool {
     let (scale, rotation, translation) = transform.to_scale_rotation_translation();
     let again = Affine3A::from_scale_rotation_translation(scale, rotation, translation);
-    // The tolerance of the format's validator, and less.
+    // Somewhat less than the tolerance of the glTF validator.
     !again.abs_diff_eq(*transform, 1.0e-5)
 }
 
-/// Returns a mesh whose vertices are at their places in the world.
+/// Returns a mesh whose vertices are transformed to the world.
 fn placed(mesh: &Mesh, transform: &Affine3A) -> Mesh {
     let of_normals = transform.matrix3.inverse().transpose();
     let mut placed = mesh.clone();
@@ -113,7 +113,7 @@ fn placed(mesh: &Mesh, transform: &Affine3A) -> Mesh {
     placed
 }
 
-/// Returns a sentence about what is shown and not in the [file](glb), if there is anything.
+/// Returns a sentence about shown parts that are missing in the [file](glb), if there are any.
 pub fn left_out(document: &Document) -> Option<String> {
     let objects = match document.transparent().len() {
         0 => None,
@@ -139,7 +139,7 @@ fn named(part: &PartNode) -> Node {
     Node { name: Some(part.name.clone()), ..Node::default() }
 }
 
-/// A file in the making.
+/// A file that is being written.
 #[derive(Default)]
 struct Writer {
     root: Root,
@@ -147,7 +147,7 @@ struct Writer {
 }
 
 impl Writer {
-    /// Adds a node for each group with something in it. Returns the nodes without a parent.
+    /// Adds a node per group that is not empty. Returns the nodes without a parent.
     fn groups(
         &mut self,
         parts: &[PartNode],
@@ -155,7 +155,7 @@ impl Writer {
     ) -> Vec<Index<Node>> {
         let mut children: Vec<Vec<Index<Node>>> = vec![Vec::new(); parts.len()];
         let mut roots = Vec::new();
-        // Parents come before what they hold.
+        // Parents precede their children.
         for (place, part) in parts.iter().enumerate().rev() {
             let inside = std::mem::take(&mut children[place]);
             if nodes[place].is_none() && !inside.is_empty() {
@@ -171,7 +171,7 @@ impl Writer {
         roots
     }
 
-    /// Moves nodes. What is below them keeps its own small coordinates.
+    /// Moves nodes. The coordinates of their descendants stay small.
     fn place(&mut self, nodes: &[Index<Node>], by_m: Vec3) {
         if by_m == Vec3::ZERO {
             return;
@@ -257,7 +257,7 @@ impl Writer {
         material.pbr_metallic_roughness.roughness_factor.0 = of.map_or(1.0, |of| of.roughness);
         if let Some(of) = of {
             material.name = Some(of.name.clone());
-            // The colours of vertices have the material's already, but for its opacity.
+            // Vertex colours already include the material's colour, except its opacity.
             let [.., alpha] = of.base_colour;
             material.pbr_metallic_roughness.base_color_factor.0 = [1.0, 1.0, 1.0, alpha];
             let strength = of.emission.into_iter().fold(1.0, f32::max);
@@ -285,7 +285,7 @@ impl Writer {
         self.root.push(accessor(view, ComponentType::F32, Type::Vec3, count))
     }
 
-    /// Adds bytes, from a multiple of four on.
+    /// Adds bytes at an offset that is a multiple of four.
     fn view(&mut self, of: impl Iterator<Item = u8>, target: Target) -> Index<buffer::View> {
         let first = self.bytes.len();
         self.bytes.extend(of);
@@ -315,7 +315,7 @@ impl Writer {
         self.root.asset.generator = Some("Antumbra workshop".to_owned());
         let json = self.root.to_vec().map_err(|error| writing(&error))?;
         let glb = Glb {
-            // The length is the writer's to find.
+            // The writer computes the length.
             header: Header { magic: *b"glTF", version: 2, length: 0 },
             json: Cow::Owned(json),
             bin: Some(Cow::Owned(self.bytes)),
@@ -378,8 +378,8 @@ mod tests {
         assert!((found.max - expected.max).length() < 1e-4, "{found:?} {expected:?}");
     }
 
-    /// Returns six times the volume that each object of a scene encloses, negative where its
-    /// triangles wind inwards.
+    /// Returns six times the volume that each object of a scene encloses, negative if its triangles
+    /// face inwards.
     fn volumes(scene: &antumbra::scene::Scene) -> Vec<f32> {
         let volume = |object: &antumbra::scene::Object| {
             let mesh = scene.mesh_of(object).unwrap();
@@ -431,13 +431,13 @@ mod tests {
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let mesh = Mesh::of_triangles("part", &corners.map(|corner| (corner, colour)));
         let mut scene = antumbra::scene::Scene::single(mesh).with_surfaces();
-        // As the engine has what a node mirrors.
+        // In the way that the engine stores what a node mirrors.
         scene.meshes[0].indices.swap(1, 2);
         let material = &mut scene.surfaces.as_mut().unwrap().materials[0];
         material.base_colour = [0.5, 0.25, 0.75, 1.0];
         material.emission = [0.1, 0.2, 0.3];
         let turned = Affine3A::from_rotation_z(0.5);
-        // A scale above a rotation, and a mirror: no node has such a matrix.
+        // A scale after a rotation, with a mirror: no node can have such a matrix.
         scene.objects[0].transform =
             Affine3A::from_scale(antumbra::glam::Vec3::new(-2.0, 1.0, 1.0)) * turned;
         let before = scene.clone();

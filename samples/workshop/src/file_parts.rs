@@ -1,4 +1,4 @@
-//! The tree of parts of a file: its nodes, as far as they hold something that is shown.
+//! The tree of parts of a file: its nodes that contain shown objects.
 
 use std::collections::HashMap;
 
@@ -8,8 +8,8 @@ use antumbra::import::GltfScene;
 use antumbra::scene::{MeshId, Object};
 use scenes::{PartId, PartNode, PartTree};
 
-/// Returns the parts of a file in the groups of its nodes. A node that holds one object and nothing
-/// else is a part, others are groups. What has no name has that of its mesh.
+/// Returns the parts of a file, grouped by nodes. A node with exactly one object and no descendants
+/// with objects is a part; other nodes are groups. Parts without a name get the name of their mesh.
 pub fn file_parts(file: &GltfScene) -> PartTree {
     let nodes = file.rig.nodes();
     let mut objects: Vec<Vec<ObjectId>> = vec![Vec::new(); nodes.len()];
@@ -38,7 +38,7 @@ pub fn file_parts(file: &GltfScene) -> PartTree {
         let name = if node.name.is_empty() { format!("node {place}") } else { node.name.clone() };
         let group = PartId(tree.len() as u32);
         tree.push(PartNode { name, parent: Some(parent), object: None });
-        // The primitives of one mesh have the name of their node, and a number.
+        // The primitives of a mesh have the name of their node and a number.
         tree.extend((1..).zip(own).map(|(number, object): (u32, _)| {
             let part = part(file, *object, Some(node));
             let name = if own.len() > 1 { format!("{}, {number}", part.name) } else { part.name };
@@ -50,15 +50,15 @@ pub fn file_parts(file: &GltfScene) -> PartTree {
     PartTree { nodes: tree }
 }
 
-/// Returns the body of each object of a file: the primitives of one mesh at one place are a body,
-/// and each instance of it is another.
+/// Returns the body of each object of a file. The primitives of one mesh at one place are a body;
+/// each further instance of the mesh is another body.
 pub fn file_bodies(file: &GltfScene) -> Vec<u32> {
     let mut count_of_mesh: HashMap<(RigNodeId, [u32; 12], MeshId), u32> = HashMap::new();
     let mut body_at: HashMap<(RigNodeId, [u32; 12], u32), u32> = HashMap::new();
     let objects = (0..).zip(file.scene.objects.iter().zip(&file.object_nodes));
     let body_of = |(number, (object, node)): (u32, (&Object, &RigNodeId))| {
         let place = object.transform.to_cols_array().map(f32::to_bits);
-        // Two objects with one mesh at one place are two instances.
+        // Two objects with the same mesh at the same place are two instances.
         let count = count_of_mesh.entry((*node, place, object.mesh)).or_default();
         let instance = std::mem::replace(count, *count + 1);
         *body_at.entry((*node, place, instance)).or_insert(number)
@@ -66,7 +66,7 @@ pub fn file_bodies(file: &GltfScene) -> Vec<u32> {
     objects.map(body_of).collect()
 }
 
-/// Returns the part of an object, with the name of its node or else of its mesh.
+/// Returns the part of an object, with the name of its node, or of its mesh if the node has none.
 fn part(file: &GltfScene, object: ObjectId, node: Option<&RigNode>) -> PartNode {
     let of_node = node.map(|node| node.name.clone()).filter(|name| !name.is_empty());
     let of_mesh = || {
@@ -77,7 +77,7 @@ fn part(file: &GltfScene, object: ObjectId, node: Option<&RigNode>) -> PartNode 
     PartNode { name: of_node.unwrap_or_else(of_mesh), parent: None, object: Some(object) }
 }
 
-/// Returns how many objects each node holds, with all below it.
+/// Returns the number of objects that each node and its descendants have.
 fn within(file: &GltfScene, objects: &[Vec<ObjectId>]) -> Vec<usize> {
     let mut within: Vec<usize> = objects.iter().map(Vec::len).collect();
     for id in file.rig.order().iter().rev() {
@@ -110,7 +110,8 @@ mod tests {
         let aside = antumbra::glam::Affine3A::from_translation(antumbra::glam::Vec3::X);
         let there = Object { transform: aside, ..first };
         first.mesh = MeshId(0);
-        // A mesh of two primitives, twice at one place, and its first primitive at another.
+        // A mesh of two primitives, twice at the same place, and its first primitive at another
+        // place.
         file.scene.objects =
             vec![first, second, first, second, Object { mesh: MeshId(0), ..there }];
         file.object_nodes = vec![RigNodeId(0); 5];
@@ -155,7 +156,7 @@ mod tests {
             paths.sort();
             paths
         };
-        // The file is a level of its own: its root is the model's.
+        // The file adds a level: its root is the root of the model.
         let mut expected = paths(&document);
         expected.iter_mut().for_each(|path| path.push(read.scene.name.clone()));
         expected.sort();

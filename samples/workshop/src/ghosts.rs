@@ -1,4 +1,4 @@
-//! The transparent objects that stand in for parts while these are ghosts.
+//! The transparent objects that replace parts while these are shown transparent.
 
 use antumbra::glam::{Affine3A, Mat3A, Vec3A};
 use antumbra::scene::{
@@ -7,18 +7,18 @@ use antumbra::scene::{
 
 use crate::document::CommandError;
 
-/// The most objects of a model whose parts can be shown transparent: each has a second object for
-/// it on the GPU, and transparent objects are sorted in every frame.
+/// The most objects of a model whose parts can be shown transparent. Each object needs a second
+/// object on the GPU, and transparent objects are sorted in every frame.
 const MOST_GHOSTED_OBJECTS: usize = 4096;
 
 /// The opacity of a transparent part.
 const GHOST_ALPHA: f32 = 0.25;
 
-/// The place of a transparent part that is not shown: a point.
+/// The transform of a transparent object that is not shown: it collapses to a point.
 pub(crate) const NOWHERE: Affine3A = Affine3A { matrix3: Mat3A::ZERO, translation: Vec3A::ZERO };
 
-/// Adds a transparent object for each object of a scene, shown nowhere, and returns the first.
-/// Changes nothing where there are too many objects.
+/// Adds a transparent object, which is not shown, for each object of a scene. Returns the first
+/// one. Changes nothing if there are too many objects.
 pub(crate) fn add_ghosts(scene: &mut Scene) -> Result<TransparentId, CommandError> {
     let Scene { meshes, objects, surfaces, .. } = scene;
     let surfaces = surfaces.get_or_insert_default();

@@ -1,10 +1,10 @@
-//! A lid on a hinge, which turns until it touches something.
+//! A lid on a hinge that turns until it touches something, by conservative advancement.
 //!
-//! By conservative advancement: a point that lies `r` from the axis moves at most `r` times the
-//! angle, so a part that is `d` away from another cannot touch it within an angle of `d / r`. Each
-//! pair of parts has its own safe angle, and only the pair whose safe angle ends first is measured
-//! again. Nothing between two measurements is missed, however thin it is. The angles at which a
-//! pair was found to be free are kept, so a drag to and fro measures little twice.
+//! A point at a distance of `r` from the axis moves by at most `r` times the angle. So a part at a
+//! distance of `d` from another part cannot touch it within an angle of `d / r`. Each pair of parts
+//! has its own safe angle, and only the pair whose safe angle ends first is measured again. No
+//! contact between two measurements is missed, however thin a part is. The angles at which a pair
+//! was found to be apart are kept, so dragging back and forth needs few new measurements.
 
 use antumbra::glam::{Affine3A, Quat, Vec3};
 use parry3d::math::{Pose, Real, Rot3, Vector};
@@ -16,28 +16,28 @@ use thiserror::Error;
 /// The distance at which parts count as touching, in metres.
 pub const TOUCH_M: f32 = 2.0e-5;
 
-/// Millimetres in a metre. The distance queries have absolute tolerances that take triangles of a
-/// few thousandths of a unit for points: in metres they find contacts where there are none.
+/// Millimetres per metre. The distance queries have absolute tolerances and take triangles of a few
+/// thousandths of a unit for points: in metres they would find contacts that do not exist.
 const MM: f32 = 1000.0;
 
-/// The step by which parts are turned that interpenetrate, in radians.
+/// The angle by which interpenetrating parts are turned at a time, in radians.
 const ENTANGLED_STEP_RAD: f32 = 0.002;
 
-/// The most measurements of one turn. A turn that needs more ends where it is, before contact.
+/// The most measurements per turn. A turn that needs more stops before a contact.
 const MOST_MEASUREMENTS: usize = 20_000;
 
-/// The triangles of a part in the world, where its hinge has angle 0.
+/// The triangles of a part in the world, at the hinge's angle 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CollisionSolid {
     /// The number of the part, for reports.
     pub part: usize,
-    /// Its corners, in metres.
+    /// The corners, in metres.
     pub corners: Vec<Vec3>,
     /// Three indices of corners for each triangle.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// A solid that cannot take part in collisions.
+/// A solid that cannot be used for collisions.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("part {part} cannot collide: {reason}")]
 pub struct BadSolid {
@@ -52,8 +52,8 @@ pub struct BadSolid {
 pub struct Turn {
     /// The angle at which it ended, in radians.
     pub angle_rad: f32,
-    /// The parts that touched there: of the lid, and of what stands still. `None` if the turn ended
-    /// where it was to end.
+    /// The parts in contact: a part of the lid, and a fixed one. `None` if the turn reached its
+    /// target.
     pub contact: Option<Contact>,
 }
 
@@ -66,7 +66,7 @@ pub struct Contact {
     pub fixed: usize,
 }
 
-/// A part as the collision queries take it.
+/// A part in the form that collision queries need.
 struct Shape {
     part: usize,
     mesh: TriMesh,
@@ -83,8 +83,8 @@ struct Pair {
     free: FreeAngles,
 }
 
-/// A range of angles of the hinge at which two parts do not touch, in radians. Empty if `low_rad`
-/// is not below `high_rad`.
+/// A range of angles of the hinge at which two parts do not touch, in radians. It is empty unless
+/// `low_rad` is below `high_rad`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct FreeAngles {
     low_rad: f32,
@@ -94,14 +94,14 @@ struct FreeAngles {
 impl FreeAngles {
     const NONE: Self = Self { low_rad: 0.0, high_rad: 0.0 };
 
-    /// Returns the range about an angle at which a pair is `distance_m` apart, up to where half of
-    /// the touching distance is left: then it counts as touching.
+    /// Returns the range around an angle at which a pair is `distance_m` apart. It ends where half
+    /// of the touching distance may be left.
     fn around(angle_rad: f32, distance_m: f32, radius_m: f32) -> Self {
         let reach_rad = ((distance_m - 0.5 * TOUCH_M) / radius_m).max(0.0);
         Self { low_rad: angle_rad - reach_rad, high_rad: angle_rad + reach_rad }
     }
 
-    /// Returns this range together with a known one where they meet, else this one.
+    /// Returns the union of this range and a known one if they overlap, else this range.
     fn joined(self, known: Self) -> Self {
         if known.high_rad < self.low_rad || self.high_rad < known.low_rad {
             return self;
@@ -112,8 +112,8 @@ impl FreeAngles {
         }
     }
 
-    /// Returns the angle by which a pair can turn from one angle until the range ends, in the
-    /// direction of `sign`. `None` outside of the range.
+    /// Returns the angle from `from_rad` to the end of the range in the direction of `sign`; `None`
+    /// if `from_rad` is outside of the range.
     fn ahead_rad(&self, from_rad: f32, sign: f32) -> Option<f32> {
         let end_rad = if sign < 0.0 { self.low_rad } else { self.high_rad };
         let is_inside = self.low_rad < from_rad && from_rad < self.high_rad;
@@ -121,14 +121,14 @@ impl FreeAngles {
     }
 }
 
-/// The way of a pair in a turn.
+/// The state of a pair during a turn.
 #[derive(Clone, Copy)]
 struct PairTurn {
-    /// The place of the pair in the list.
+    /// The index of the pair.
     pair: usize,
-    /// The angle turned up to which it cannot touch, in radians.
+    /// The angle from the start up to which the pair cannot touch, in radians.
     safe_rad: f32,
-    /// True once it was seen apart.
+    /// True once the pair was found apart.
     was_apart: bool,
 }
 
@@ -137,15 +137,14 @@ pub struct LidCollision {
     hinge: Hinge,
     moving: Vec<Shape>,
     fixed: Vec<Shape>,
-    /// The pairs that collide: all but those that interpenetrate as they were designed, such as a
+    /// The pairs that can collide: all pairs except those that interpenetrate by design, such as a
     /// pin and its bearing.
     pairs: Vec<Pair>,
 }
 
 impl LidCollision {
-    /// Creates the collision of parts that turn with those that stand still. Pairs that
-    /// interpenetrate where the hinge has its least angle, as they were designed, belong together
-    /// and never collide.
+    /// Creates the collision of moving and fixed parts. Pairs that interpenetrate at the hinge's
+    /// closed angle do so by design and never collide.
     ///
     /// # Errors
     /// A solid without triangles, or with indices that do not fit.
@@ -174,9 +173,10 @@ impl LidCollision {
         Ok(collision)
     }
 
-    /// Turns from one angle towards another, within the limits of the hinge, until parts touch that
-    /// are both there. Parts that touch at the start and separate do not hinder it, nor do those
-    /// that interpenetrate there, since one of them was not there before, until they are apart.
+    /// Turns from one angle towards another, within the hinge's limits, until two present parts
+    /// touch. A pair that touches at the start does not block the turn if it separates. Neither
+    /// does a pair that interpenetrates at the start, until it is apart: one of its parts was not
+    /// present before.
     pub fn turn(&mut self, from_rad: f32, to_rad: f32, is_there: &dyn Fn(usize) -> bool) -> Turn {
         let Hinge { shut_rad, open_rad, .. } = self.hinge;
         let to_rad = to_rad.clamp(shut_rad, open_rad);
@@ -216,7 +216,7 @@ impl LidCollision {
         Turn { angle_rad: from_rad + sign * reached_rad, contact: None }
     }
 
-    /// Returns the ways of the pairs that are both there, as far as they are known to be free.
+    /// Returns the turns of the pairs that are present, with their known free angles.
     fn pair_turns(
         &self,
         from_rad: f32,
@@ -238,24 +238,24 @@ impl LidCollision {
         known.map(turn_of).collect()
     }
 
-    /// Returns true if a touching pair is farther apart a small step later.
+    /// Returns true if a touching pair is farther apart after a small step.
     fn separates(&self, pair: Pair, angle_rad: f32, step_rad: f32) -> bool {
         let now_m = self.distance_m(pair, angle_rad);
         self.distance_m(pair, angle_rad + step_rad) > now_m
     }
 
-    /// Returns the distance of a pair, in metres; 0 where the surfaces meet.
+    /// Returns the distance of a pair, in metres; 0 if the surfaces intersect.
     fn distance_m(&self, pair: Pair, angle_rad: f32) -> f32 {
         let moved = pose(&rotation(&self.hinge, angle_rad));
         let moving = &self.moving[pair.moving].mesh;
         let fixed = &self.fixed[pair.fixed].mesh;
-        // Two meshes of triangles are always supported.
+        // Two triangle meshes are always supported.
         let found = query::distance(&moved, moving, &Pose::IDENTITY, fixed);
         found.map_or(0.0, |found| found.distance / MM)
     }
 }
 
-/// Returns the rotation about the axis of a hinge, also beyond its limits.
+/// Returns the rotation about the axis of a hinge, which may be beyond its limits.
 pub fn rotation(hinge: &Hinge, angle_rad: f32) -> Affine3A {
     let turn = Quat::from_axis_angle(hinge.axis, angle_rad);
     Affine3A::from_rotation_translation(turn, hinge.point - turn * hinge.point)
@@ -278,7 +278,7 @@ fn shape(solid: &CollisionSolid) -> Result<Shape, BadSolid> {
     Ok(Shape { part, mesh: mesh.map_err(|error| refuse(error.to_string()))? })
 }
 
-/// Returns a place or a displacement as the queries take it, in millimetres.
+/// Returns a place or a displacement in millimetres, for the queries.
 fn vector(of: Vec3) -> Vector {
     let of_mm = of * MM;
     Vector::new(of_mm.x, of_mm.y, of_mm.z)
@@ -321,7 +321,7 @@ mod tests {
         }
     }
 
-    /// Returns the hinge of a lid two metres long, a centimetre over a body.
+    /// Returns the hinge of a lid that is two metres long, a centimetre above a body.
     fn hinge() -> Hinge {
         let point = Vec3::new(0.0, 0.01, -1.0);
         Hinge { point, axis: Vec3::NEG_X, shut_rad: 0.0, closed_rad: 0.0, open_rad: 2.0 }
@@ -347,7 +347,7 @@ mod tests {
     #[test]
     fn a_lid_turns_until_it_touches() {
         let turn = collision(&[body(), ceiling()]).turn(0.0, 1.5, &|_| true);
-        // The upper edge of its end, on an arc about the axis, reaches the ceiling.
+        // The upper edge of the lid's end moves on an arc about the axis and reaches the ceiling.
         let radius_m = 2.0_f32.hypot(0.05);
         let expected_rad = (0.79 / radius_m).asin() - 0.05_f32.atan2(2.0);
         assert!((turn.angle_rad - expected_rad).abs() < 2.0 * TOUCH_M, "{turn:?}");
@@ -385,7 +385,7 @@ mod tests {
         let mut collision = collision(&[body(), ceiling()]);
         let first = collision.turn(0.0, 1.5, &|_| true);
         let known: Vec<FreeAngles> = collision.pairs.iter().map(|pair| pair.free).collect();
-        // Each pair is known all the way from the closed lid to the contact.
+        // Each pair is known to be apart all the way from the closed lid to the contact.
         for free in &known {
             let ahead_rad = free.ahead_rad(1e-4, 1.0).unwrap();
             assert!(ahead_rad > first.angle_rad - 2e-4, "{free:?}, {first:?}");
@@ -410,7 +410,7 @@ mod tests {
         let made = scenes::waffle_maker();
         let lid = crate::document::Lid { group: made.lid, hinge: made.hinge };
         let mut document = crate::document::Document::new(made.scene, made.parts, Some(lid));
-        // Lid and body are 0.6 mm apart along their whole rims, which have round corners.
+        // Lid and body are 0.6 mm apart along their rims, which have round corners.
         let turn = document.turn_lid(1.0).unwrap();
         assert_eq!(turn, Turn { angle_rad: 1.0, contact: None });
         let back = document.turn_lid(0.0).unwrap();

@@ -9,7 +9,7 @@ use antumbra::scene::Mesh;
 pub struct Ray {
     /// The point on the near plane.
     pub origin: DVec3,
-    /// The direction, over one metre of view depth.
+    /// The direction, scaled to one metre of view depth.
     pub along: DVec3,
 }
 
@@ -23,13 +23,13 @@ impl Ray {
         Self { origin, along: rays.along(ndc).as_dvec3() }
     }
 
-    /// Returns the point at a view depth behind the near plane.
+    /// Returns the point at a distance in view depth from the near plane.
     pub fn at(&self, depth_m: f64) -> DVec3 {
         self.origin + self.along * depth_m
     }
 }
 
-/// Returns where a point of a part lies in the world, in double precision.
+/// Returns the world position of a point of a part, in double precision.
 pub fn world_point(transform: &Affine3A, point: Vec3) -> DVec3 {
     let axes = DMat3::from_cols(
         transform.matrix3.x_axis.as_dvec3(),
@@ -39,16 +39,16 @@ pub fn world_point(transform: &Affine3A, point: Vec3) -> DVec3 {
     axes * point.as_dvec3() + transform.translation.as_dvec3()
 }
 
-/// The largest distance of the exact point from the seen one, as a share of the distance from the
-/// near plane: what single-precision depth loses.
+/// The largest distance between the exact and the seen point, relative to the distance from the
+/// near plane: the error of single-precision depth.
 const SEEN_SHARE: f64 = 2e-5;
 
-/// The distance from a section plane, as a share of the distance from the near plane, within which
-/// a point counts as kept: what double precision loses in the sums, and more.
+/// The distance from a section plane within which a point counts as kept, relative to the distance
+/// from the near plane: more than the rounding of sums in double precision.
 const PLANE_SHARE: f64 = 1e-9;
 
-/// Returns the first point of a part on a ray that may be what was seen there: of its mesh, as far
-/// as planes keep it, or of a cap. `None` if none lies near it.
+/// Returns the first point of a part on a ray that may be the seen point: a point of its mesh that
+/// the planes keep, or of a cap. `None` if there is none near the seen point.
 pub fn hit_part(
     mesh: &Mesh,
     transform: &Affine3A,
@@ -69,7 +69,7 @@ pub fn hit_part(
     let of_caps = planes.iter().filter_map(|plane| {
         let slope = plane.normal().dot(ray.along);
         let depth_m = -distance_m(plane, ray.origin) / slope;
-        // One sees a cap from the removed side, where an odd number of faces lies behind it.
+        // A cap is seen from the removed side, and an odd number of faces lies behind it.
         let behind = of_mesh.iter().filter(|of_face| **of_face > depth_m).count();
         (slope > 0.0 && depth_m >= 0.0 && behind % 2 == 1).then_some(depth_m)
     });
@@ -82,13 +82,13 @@ pub fn hit_part(
     all.min_by(f64::total_cmp).map(|depth_m| ray.at(depth_m))
 }
 
-/// Returns the distance of a point from a plane in metres, positive on the side that is kept.
+/// Returns the distance of a point from a plane in metres, positive on the kept side.
 fn distance_m(plane: &SectionPlane, point: DVec3) -> f64 {
     plane.normal().dot(point) + plane.offset_m()
 }
 
-/// Returns the view depths at which a ray meets the triangles of a mesh, from either side, in
-/// metres behind the near plane.
+/// Returns the view depths at which a ray hits the triangles of a mesh, from either side, in metres
+/// from the near plane.
 fn face_depths_m(mesh: &Mesh, transform: &Affine3A, ray: &Ray) -> impl Iterator<Item = f64> {
     let corner = |index: u32| {
         let position = mesh.vertices.get(index as usize)?.position;
@@ -100,8 +100,8 @@ fn face_depths_m(mesh: &Mesh, transform: &Affine3A, ray: &Ray) -> impl Iterator<
         .filter_map(move |[a, b, c]| hit_triangle([corner(*a)?, corner(*b)?, corner(*c)?], ray))
 }
 
-/// Returns the view depth at which a ray meets a triangle from either side (T. Möller and
-/// B. Trumbore, "Fast, Minimum Storage Ray-Triangle Intersection", 1997).
+/// Returns the view depth at which a ray hits a triangle from either side (T. Möller and B.
+/// Trumbore, "Fast, Minimum Storage Ray-Triangle Intersection", 1997).
 fn hit_triangle(corners: [DVec3; 3], ray: &Ray) -> Option<f64> {
     let [a, b, c] = corners;
     let ab = b - a;
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn on_a_cap_the_point_is_the_planes_and_never_one_that_was_cut_away() {
-        // Two sides of a part, 10 mm apart, seen from 200 m: depth is known to 4 mm.
+        // Two sides of a part, 10 mm apart, seen from 200 m: the depth is accurate to 4 mm.
         let grey = [0.5; 3];
         let corners = [0.0, -0.01].map(|z| {
             [[-1.0, -1.0, z], [3.0, -1.0, z], [-1.0, 3.0, z]].map(|corner| (corner, grey))
@@ -173,12 +173,12 @@ mod tests {
         };
         let both = SectionMode::Intersection;
         assert_eq!(hit(both, &[], -0.001), Some(0.0));
-        // Kept is what lies below -1 mm, then what lies below -8.5 mm.
+        // The planes keep what lies below -1 mm, and then below -8.5 mm.
         for (offset_m, seen_m) in [(-0.001, -0.001_5), (-0.008_5, -0.009_9)] {
             let point = hit(both, &[(DVec3::NEG_Z, offset_m)], seen_m).unwrap();
             assert!((point - offset_m).abs() < 1e-12, "{point}");
         }
-        // A cap that another plane removes is none.
+        // A cap that another plane removes does not count.
         let removed = [(DVec3::NEG_Z, -0.001), (DVec3::NEG_X, 0.0)];
         assert_eq!(hit(both, &removed, -0.001), None);
         assert!(hit(SectionMode::Union, &removed, -0.001_5).is_some());
@@ -186,7 +186,7 @@ mod tests {
 
     #[test]
     fn a_thousand_kilometres_away_points_are_as_exact() {
-        // 1e6 m and the places of the corners are numbers of single precision, their sums are not.
+        // 1e6 m and the corners are exact in single precision, their sums are not.
         let mesh = triangle();
         let transform = Affine3A::from_scale_rotation_translation(
             Vec3::splat(0.01),

@@ -1,4 +1,4 @@
-//! The files that a run reads, which it may not write.
+//! The files that a run reads and must not overwrite.
 
 use std::fs::File;
 use std::io::Read;
@@ -9,11 +9,11 @@ use bench::outputs::OutputFile;
 use bench::terminal::shown;
 use percent_encoding::percent_decode_str;
 
-/// The most bytes of a model that names are looked for in. Those of glTF are in front.
+/// The most bytes of a model in which file names are searched. In glTF they are at the beginning.
 const MOST_BYTES: u64 = 1 << 28;
 
-/// Returns the file of a model and the files that it names: buffers and images of glTF, and
-/// materials of OBJ. Files that cannot be read name nothing.
+/// Returns the file of a model and the files that it refers to: buffers and images of glTF, and
+/// materials of OBJ. Unreadable files have no references.
 pub fn files_of(model: &Path) -> Vec<PathBuf> {
     let folder = model.parent().unwrap_or(Path::new(""));
     let extension = model.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
@@ -26,7 +26,7 @@ pub fn files_of(model: &Path) -> Vec<PathBuf> {
     std::iter::once(model.to_owned()).chain(named).collect()
 }
 
-/// Returns the beginning of a file; nothing of one that cannot be read.
+/// Returns the beginning of a file; empty if it cannot be read.
 fn beginning(file: &Path) -> Vec<u8> {
     let mut bytes = Vec::new();
     let read = File::open(file).and_then(|file| file.take(MOST_BYTES).read_to_end(&mut bytes));
@@ -36,18 +36,18 @@ fn beginning(file: &Path) -> Vec<u8> {
     bytes
 }
 
-/// Returns the JSON of a glTF file: all of it, or the first chunk of a binary one.
+/// Returns the JSON of a glTF file: the whole file, or the first chunk of a binary one.
 fn json_of(file: &[u8]) -> &[u8] {
     if !file.starts_with(b"glTF") {
         return file;
     }
-    // The header is 12 bytes, that of the chunk 8, which begins with the chunk's length.
+    // The header has 12 bytes. The chunk's header has 8 bytes and begins with the chunk's length.
     let length = file.get(12..16).and_then(|bytes| <[u8; 4]>::try_from(bytes).ok());
     let length = length.map_or(0, u32::from_le_bytes) as usize;
     file.get(20..20_usize.saturating_add(length)).unwrap_or_default()
 }
 
-/// Returns the files beside a glTF file that its buffers and images are in.
+/// Returns the file names of a glTF file's buffers and images.
 fn uris(json: &[u8]) -> Vec<String> {
     let Ok(root) = serde_json::from_slice::<serde_json::Value>(json) else { return Vec::new() };
     let lists = ["buffers", "images"].into_iter().filter_map(|list| root[list].as_array());
@@ -56,14 +56,14 @@ fn uris(json: &[u8]) -> Vec<String> {
     files.map(|uri| percent_decode_str(uri).decode_utf8_lossy().into_owned()).collect()
 }
 
-/// Returns the files of materials that an OBJ file names.
+/// Returns the material files that an OBJ file refers to.
 fn libraries(obj: &[u8]) -> Vec<String> {
     let text = String::from_utf8_lossy(obj);
     let names = text.lines().filter_map(|line| line.trim().strip_prefix("mtllib "));
     names.map(|name| name.trim().to_owned()).collect()
 }
 
-/// Refuses to write over what is read.
+/// Refuses to overwrite input files.
 ///
 /// # Errors
 /// The option that names such a file.
@@ -81,7 +81,7 @@ pub fn keep_inputs(outputs: &[OutputFile<'_>], inputs: &[PathBuf]) -> Result<(),
     Ok(())
 }
 
-/// Refuses a report over what the same run writes.
+/// Refuses to write the report over another output file of the same run.
 ///
 /// # Errors
 /// The name of the report.

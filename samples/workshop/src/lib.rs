@@ -1,8 +1,8 @@
-//! A CAD viewer on the engine: parts that are picked, hidden, taken apart, measured and exported.
+//! A CAD viewer on the engine: parts can be picked, hidden, moved apart, measured and exported.
 //!
-//! The state of the viewer is a pure value, a [`document::Document`]: commands of a [`script`]
-//! change it, and a [`viewport::ModelViewport`] on the GPU follows. A [`session::WorkshopSession`]
-//! holds both. In a [`window`] the commands come from the user.
+//! The state of the viewer is a pure value, a [`document::Document`]. Commands of a [`script`]
+//! change it, and a [`viewport::ModelViewport`] shows it on the GPU. A [`session::WorkshopSession`]
+//! has both. In a [`window`], the commands come from the user.
 #![forbid(unsafe_code)]
 
 pub mod args;

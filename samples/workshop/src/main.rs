@@ -1,5 +1,5 @@
-//! A CAD viewer: shows a model in a window, or carries out a script on it without one, and reports
-//! what it did.
+//! A CAD viewer: shows a model in a window, or runs a script on it without a window and writes a
+//! report.
 #![forbid(unsafe_code)]
 
 use std::process::ExitCode;
@@ -20,7 +20,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Carries out the script of the arguments, or opens a window.
+/// Runs the script of the arguments, or opens a window.
 fn work(arguments: &WorkshopArguments) -> Result<Ending, RunError> {
     let mut ending = Ending::default();
     run::run(arguments, &mut ending)?;

@@ -1,4 +1,4 @@
-//! Measuring: the edge of a model near a point that was seen.
+//! Measures the edge of a model near a seen point.
 
 use antumbra::cull::CullView;
 use antumbra::glam::{Affine3A, DVec2, DVec3, Vec3};
@@ -6,21 +6,21 @@ use antumbra::scene::{EdgeRules, FeatureEdges, Mesh};
 
 use crate::hit::world_point;
 
-/// The distance in pixels within which an edge is meant.
+/// The distance in pixels within which an edge is selected.
 const REACH_PIXELS: f64 = 8.0;
 
 /// An edge of a model near a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NearEdge {
-    /// Its length from corner to corner, in metres.
+    /// The length from corner to corner, in metres.
     pub length_m: f64,
     /// The distance of its nearest point from the pixel, in pixels.
     pub apart_pixels: f64,
 }
 
-/// Returns the edge of the model that is meant by a point seen on a mesh: the nearest one in space,
-/// if it is near a place of the image, too. The place is in pixels. An edge goes from corner to
-/// corner of the model, however many triangles lie along it. `None` if no edge is near.
+/// Returns the edge of the model at a point seen on a mesh: the nearest edge in space, if it is
+/// also near a place of the image, in pixels. An edge extends from corner to corner of the model,
+/// regardless of the number of triangles along it. `None` if no edge is near.
 pub fn near_edge(
     mesh: &Mesh,
     transform: &Affine3A,
@@ -46,7 +46,7 @@ pub fn near_edge(
     Some(NearEdge { length_m: edges.chain_length(chain, &positions, transform), apart_pixels })
 }
 
-/// Returns the point of a segment that is nearest to another point.
+/// Returns the point of a segment that is nearest to a point.
 fn nearest_of_segment(from: DVec3, to: DVec3, point: DVec3) -> DVec3 {
     let along = to - from;
     let length_squared = along.length_squared();
@@ -70,7 +70,7 @@ mod tests {
 
     use super::*;
 
-    /// Returns a strip of so many quads, 1 m long in all and 0.2 m wide, bent nowhere.
+    /// Returns a flat strip of `quads` quads, 1 m long and 0.2 m wide.
     fn strip(quads: u32) -> Mesh {
         let grey = [0.5; 3];
         let mut corners = Vec::new();
@@ -90,7 +90,7 @@ mod tests {
     #[test]
     fn an_edge_of_five_triangles_is_one_edge_in_any_projection() {
         let mesh = strip(5);
-        // Twice as large, and turned out of the image's plane.
+        // Twice as large, and rotated out of the image plane.
         let transform = Affine3A::from_rotation_y(0.7) * Affine3A::from_scale(Vec3::splat(2.0));
         let near_long = transform.transform_point3(Vec3::new(0.31, 0.001, 0.0)).as_dvec3();
         let in_the_middle = transform.transform_point3(Vec3::new(0.31, 0.1, 0.0)).as_dvec3();

@@ -1,4 +1,5 @@
-//! The camera of the viewer: around a target, in perspective or not, and the cube that turns it.
+//! The camera of the viewer, which orbits a target in perspective or orthographic projection, and
+//! the views of the cube that turns it.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -8,12 +9,13 @@ use antumbra::{Camera, Projection};
 /// The vertical field of view in full perspective, in radians.
 const FOV_Y_RAD: f32 = 40.0 * PI / 180.0;
 
-/// The half height of the image over its distance under which a perspective is drawn as an
-/// orthographic projection: what lies as far behind the target as the image is high is then shown
-/// half a pixel in a thousand away, and farther eyes lose as much to single precision.
+/// The ratio of half the image's height to the distance below which a perspective is replaced by an
+/// orthographic projection. At a depth of one image height behind the target, this moves a point by
+/// half a pixel in an image of a thousand pixels. Farther eyes would lose as much to single
+/// precision.
 const LEAST_TANGENT: f32 = 1.0e-3;
 
-/// The largest share of the distance at which the near plane lies.
+/// The largest ratio of the near plane's distance to the target's.
 const NEAR_SHARE: f32 = 1.0e-3;
 
 /// The least height of an image at its target, in metres.
@@ -22,35 +24,35 @@ const LEAST_HEIGHT_M: f32 = 1.0e-5;
 /// The largest height, in metres.
 const MOST_HEIGHT_M: f32 = 1.0e6;
 
-/// A camera that looks at a target from around it.
+/// A camera that orbits a target.
 ///
-/// From perspective to orthographic the image keeps its height at the target, while the eye moves
-/// away and the angle of sight closes (a dolly zoom), so that the change is smooth.
+/// Between perspective and orthographic projection, the image keeps its height at the target, while
+/// the eye moves away and the field of view narrows (a dolly zoom). So the change is smooth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrbitCamera {
     /// The point in the middle of the image, in metres.
     pub target: Vec3,
-    /// The angle about the vertical, in radians: 0 looks along -z, positive turns left.
+    /// The angle about the vertical axis, in radians: 0 looks along -z, positive angles turn left.
     pub yaw_rad: f32,
-    /// The angle above the horizon of the direction of sight, in radians, within a quarter turn.
+    /// The elevation of the view direction, in radians, within a quarter turn.
     pub pitch_rad: f32,
     /// The height of the image at the target, in metres.
     pub height_m: f32,
-    /// The share of the way from perspective (0) to orthographic (1).
+    /// The position between perspective (0) and orthographic (1).
     pub flatness: f32,
 }
 
 impl OrbitCamera {
-    /// Returns a camera that sees a ball of `radius_m` around `target` whole, in full perspective,
+    /// Returns a camera in full perspective that sees a whole ball of `radius_m` around `target`,
     /// in images at least as wide as high.
     pub fn around(target: Vec3, radius_m: f32) -> Self {
-        // Where the ball touches the cone of sight it is wider than at its middle.
+        // The ball touches the view cone in front of its middle.
         let height_m = 2.0 * radius_m.max(1.0e-6) / (FOV_Y_RAD * 0.5).cos();
         let (yaw_rad, pitch_rad) = CubeView::ISOMETRIC.angles();
         Self { target, yaw_rad, pitch_rad, height_m, flatness: 0.0 }
     }
 
-    /// Returns the direction of sight.
+    /// Returns the view direction.
     pub fn forward(&self) -> Vec3 {
         let (sine, cosine) = self.yaw_rad.sin_cos();
         let (rise, level) = self.pitch_rad.sin_cos();
@@ -67,13 +69,13 @@ impl OrbitCamera {
         self.right().cross(self.forward())
     }
 
-    /// Returns half the height of the image over the distance of the target.
+    /// Returns the ratio of half the image's height to the distance of the target.
     fn tangent(&self) -> f32 {
         (FOV_Y_RAD * 0.5).tan() * (1.0 - self.flatness.clamp(0.0, 1.0))
     }
 
-    /// Returns the camera. It sees everything within `radius_m` of the target that is before the
-    /// eye.
+    /// Returns the camera. It sees everything within `radius_m` of the target that is in front of
+    /// the eye.
     pub fn camera(&self, radius_m: f32) -> Camera {
         let forward = self.forward();
         let up = self.up();
@@ -91,8 +93,8 @@ impl OrbitCamera {
         Camera { eye, forward, up, projection, near }
     }
 
-    /// Returns the orbit of a camera in full perspective: the same eye and direction, around the
-    /// point of its line of sight that is nearest to another one.
+    /// Returns the orbit of a camera in full perspective, with the same eye and direction. The
+    /// target is the point on its line of sight that is nearest to `near`.
     pub fn of_camera(camera: &Camera, near: Vec3) -> Self {
         let forward = camera.forward.normalize_or(Vec3::NEG_Z);
         let distance_m = (near - camera.eye).dot(forward).max(1.0e-3);
@@ -105,8 +107,8 @@ impl OrbitCamera {
         }
     }
 
-    /// Returns the camera turned about its target, by angles in radians: the model follows the
-    /// pointer to the right and down.
+    /// Returns the camera turned about its target by angles in radians, so that the model follows
+    /// the pointer to the right and down.
     #[must_use]
     pub fn turned_by(&self, right_rad: f32, down_rad: f32) -> Self {
         let pitch_rad = (self.pitch_rad - down_rad).clamp(-FRAC_PI_2, FRAC_PI_2);
@@ -114,7 +116,7 @@ impl OrbitCamera {
         Self { yaw_rad, pitch_rad, ..*self }
     }
 
-    /// Returns the camera moved so that the target's plane follows the pointer, in shares of the
+    /// Returns the camera moved so that the target's plane follows the pointer, in multiples of the
     /// image's height.
     #[must_use]
     pub fn panned(&self, right: f32, down: f32) -> Self {
@@ -122,8 +124,8 @@ impl OrbitCamera {
         Self { target: self.target + by, ..*self }
     }
 
-    /// Returns the camera with an image of `factor` the height, in metres, that keeps a place of
-    /// the target's plane where it is. The place is given from the middle, in shares of the image's
+    /// Returns the camera with the height of its image multiplied by `factor`. A place of the
+    /// target's plane stays fixed; it is given relative to the middle, in multiples of the image's
     /// height.
     #[must_use]
     pub fn zoomed(&self, factor: f32, right: f32, down: f32) -> Self {
@@ -132,8 +134,8 @@ impl OrbitCamera {
         Self { height_m, ..self.panned(-right * kept, -down * kept) }
     }
 
-    /// Returns the camera with the same image whose target is as far away as a point, as long as
-    /// that is before the eye.
+    /// Returns the camera with the same image whose target is at the depth of a point, if the point
+    /// is in front of the eye.
     #[must_use]
     pub fn at_depth_of(&self, point: Vec3) -> Self {
         let forward = self.forward();
@@ -149,7 +151,7 @@ impl OrbitCamera {
         Self { target: self.target + forward * behind_m, height_m, ..*self }
     }
 
-    /// Returns the camera at a share of 0 to 1 of the way to another one.
+    /// Returns the camera between this one (share 0) and another one (share 1).
     #[must_use]
     pub fn between(&self, to: &Self, share: f32) -> Self {
         let mix = |from: f32, to: f32| from + (to - from) * share;
@@ -163,8 +165,8 @@ impl OrbitCamera {
         }
     }
 
-    /// Returns the camera on the way from this one to a view of the cube, at a share of 0 to 1:
-    /// the shorter way around, slow at both ends.
+    /// Returns the camera between this one (share 0) and a view of the cube (share 1): along the
+    /// shorter way, slow at both ends.
     pub fn turned_to(&self, view: CubeView, share: f32) -> Self {
         let share = share.clamp(0.0, 1.0);
         let eased = share * share * (3.0 - 2.0 * share);
@@ -173,18 +175,18 @@ impl OrbitCamera {
     }
 }
 
-/// One of the 26 views of the view cube: onto a face, an edge or a corner.
+/// One of the 26 views of the view cube: of a face, an edge or a corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct CubeView {
-    /// The side that the eye is on along each axis: -1, 0 or 1. Not all are 0.
+    /// The side of the eye along each axis: -1, 0 or 1. At least one is not 0.
     side: [i8; 3],
 }
 
 impl CubeView {
-    /// The distance from the middle of a face beyond which a click means the edge, in half edges.
+    /// The distance from the middle of a face beyond which a click selects the edge, in half edges.
     pub const EDGE: f32 = 0.7;
 
-    /// The view onto the corner of top, front and right.
+    /// The view from the corner of top, front and right.
     pub const ISOMETRIC: Self = Self { side: [1, 1, 1] };
 
     /// Returns the view with a name: `front`, `top-left`, `back-top-right`, or `iso`.
@@ -211,8 +213,8 @@ impl CubeView {
         Some(Self { side })
     }
 
-    /// Returns the view under a ray that meets the cube from -1 to 1: the middle of a face shows
-    /// that face, a band along an edge the edge, and a corner the corner.
+    /// Returns the view where a ray hits the cube from -1 to 1: the middle of a face gives the
+    /// face, a band along an edge the edge, and a corner the corner.
     pub fn under(origin: Vec3, direction: Vec3) -> Option<Self> {
         let to_low = (Vec3::NEG_ONE - origin) / direction;
         let to_high = (Vec3::ONE - origin) / direction;
@@ -228,12 +230,12 @@ impl CubeView {
         (side != [0; 3]).then_some(Self { side })
     }
 
-    /// Returns the view onto a side, given along each axis as -1, 0 or 1; `None` for the middle.
+    /// Returns the view from a side, given along each axis as -1, 0 or 1; `None` for the middle.
     pub fn of_side(side: [i8; 3]) -> Option<Self> {
         (side != [0; 3]).then_some(Self { side: side.map(i8::signum) })
     }
 
-    /// Returns yaw and pitch of an [`OrbitCamera`] on this side, in radians.
+    /// Returns the yaw and the pitch of an [`OrbitCamera`] on this side, in radians.
     fn angles(self) -> (f32, f32) {
         let [x, y, z] = self.side.map(f32::from);
         if x == 0.0 && z == 0.0 {
@@ -290,7 +292,7 @@ mod tests {
             let deeper = camera.at_depth_of(held);
             let offset = |camera: &OrbitCamera| (place(camera, held) - before).truncate().length();
             assert!(offset(&deeper) < 1e-5, "another target, the same image");
-            // The image of a height of 1 spans 2 of normalised device coordinates.
+            // An image of height 1 spans 2 in normalised device coordinates.
             let right = before.x * 0.5;
             let down = before.y * 0.5;
             assert!(offset(&deeper.zoomed(0.1, right, down)) < 1e-4);
@@ -306,7 +308,7 @@ mod tests {
         assert!((orbit.forward() - camera.forward).length() < 1e-6);
     }
 
-    /// Returns where a point lies in the image, in normalised device coordinates.
+    /// Returns the place of a point in the image, in normalised device coordinates.
     fn place(camera: &OrbitCamera, point: Vec3) -> Vec3 {
         CullView::new(&camera.camera(2.0), [1000, 1000], 8).view_proj.project_point3(point)
     }
@@ -324,7 +326,7 @@ mod tests {
             let now = OrbitCamera { flatness, ..camera };
             let kept = place(&now, in_plane);
             let moved = place(&now, behind);
-            // Half a pixel of a thousand.
+            // Half a pixel in an image of a thousand pixels.
             assert!((kept - expected).truncate().length() < 1e-3, "{flatness}: {kept}");
             assert!((moved - last).truncate().length() < 2e-3, "{flatness}: {moved} after {last}");
             assert!(moved.z > 0.0 && moved.z < 1.0, "{flatness}: cut off at {moved}");

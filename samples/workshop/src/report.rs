@@ -1,4 +1,4 @@
-//! The report of a script: what each command did, in JSON.
+//! The report of a script: the outcome of each command, as JSON.
 
 use bench::transparency::{FragmentsReport, TransparencyReport};
 use serde::Serialize;
@@ -10,25 +10,25 @@ pub struct ScriptReport {
     pub version: u32,
     /// The name of the model.
     pub model: String,
-    /// The device that drew it.
+    /// The device that drew the model.
     pub device: String,
-    /// The number of its parts.
+    /// The number of parts.
     pub parts: u64,
-    /// The number of its triangles.
+    /// The number of triangles.
     pub triangles: u64,
     /// The commands in their order.
     pub steps: Vec<ScriptStep>,
-    /// The order of transparent parts; absent where fragments were not asked for.
+    /// The method of transparency; absent unless fragments were requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub transparency: Option<TransparencyReport>,
-    /// The messages of the validation layers.
+    /// The number of messages of the validation layers.
     pub validation_messages: u64,
 }
 
 /// A command and its outcome.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ScriptStep {
-    /// The command, as the script has it.
+    /// The command, as written in the script.
     pub command: String,
     /// The outcome.
     #[serde(flatten)]
@@ -39,45 +39,45 @@ pub struct ScriptStep {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CommandOutcome {
-    /// It was done.
+    /// The command was carried out.
     Done,
-    /// It could not be done, for this reason. Nothing has changed.
+    /// The command was impossible, for this reason. Nothing has changed.
     Refused(String),
-    /// The machine failed, for this reason. The script ended here.
+    /// The machine failed, for this reason. The script ended at this command.
     Failed(String),
-    /// The part under a pixel; `None` where there is none.
+    /// The part under a pixel; `None` if there is none.
     Picked(Option<PickedPoint>),
-    /// The parts that are selected.
+    /// The selected parts.
     Selected(Vec<String>),
-    /// The lid turned.
+    /// The lid was turned.
     Lid(LidTurn),
-    /// The parts moved apart.
+    /// The parts were moved apart.
     Exploded {
-        /// The least gap between the boxes of two parts, along the axis that parts them most, in
+        /// The least gap between the boxes of two parts, along the axis with the largest gap, in
         /// millimetres; `None` for a single part.
         least_gap_mm: Option<f64>,
     },
     /// A distance was measured.
     Distance {
-        /// The distance, in millimetres; `None` where no part is under one of the pixels.
+        /// The distance, in millimetres; `None` if there is no part under one of the pixels.
         distance_mm: Option<f64>,
     },
     /// An edge of the model was measured.
     Edge {
-        /// Its length from corner to corner, in millimetres; `None` where no edge is near.
+        /// The length from corner to corner, in millimetres; `None` if no edge is near.
         length_mm: Option<f64>,
     },
-    /// Edges are drawn, or no longer.
+    /// The drawing of edges was changed.
     Edges {
-        /// The stage that widens lines on this device; absent where no edges are drawn.
+        /// The stage that widens lines on this device; absent if no edges are drawn.
         #[serde(skip_serializing_if = "Option::is_none")]
         path: Option<String>,
     },
-    /// Curved parts were made anew.
+    /// Curved parts were tessellated.
     Tessellated {
-        /// Their triangles.
+        /// The number of their triangles.
         triangles: u64,
-        /// The way in which the device computed them.
+        /// The method by which the device computed them.
         path: String,
     },
     /// Frames were drawn.
@@ -89,12 +89,12 @@ pub enum CommandOutcome {
     Image {
         /// The file.
         file: String,
-        /// The parts that own a pixel of it.
+        /// The parts that own a pixel of the image.
         visible: Vec<String>,
-        /// The fragments of its transparent parts; absent where none are sorted.
+        /// The fragments of its transparent parts; absent if fragments are not sorted.
         #[serde(skip_serializing_if = "Option::is_none")]
         fragments: Option<FragmentsReport>,
-        /// A sentence about fragments that are not in it, and the remedy; absent where all are.
+        /// A sentence about missing fragments and the remedy; absent if none are missing.
         #[serde(skip_serializing_if = "Option::is_none")]
         inexact: Option<String>,
     },
@@ -102,16 +102,16 @@ pub enum CommandOutcome {
     Exported {
         /// The file.
         file: String,
-        /// Its size in bytes.
+        /// The size in bytes.
         bytes: u64,
-        /// A sentence about what is shown and not in it; absent where all is.
+        /// A sentence about shown parts that are missing in the file; absent if none are missing.
         #[serde(skip_serializing_if = "Option::is_none")]
         left_out: Option<String>,
     },
 }
 
-/// Returns a sentence about fragments of transparent parts that were not blended, and the remedy,
-/// if there are any.
+/// Returns a sentence about fragments of transparent parts that were not blended, with the remedy;
+/// `None` if all were.
 pub fn not_blended(fragments: &FragmentsReport) -> Option<String> {
     let FragmentsReport { without_room, left_out, .. } = *fragments;
     let without_room = (without_room > 0).then(|| {
@@ -125,7 +125,7 @@ pub fn not_blended(fragments: &FragmentsReport) -> Option<String> {
 }
 
 impl CommandOutcome {
-    /// Returns the reason why it was not done, or not as it should be, if there is one.
+    /// Returns the reason why the command failed or is incomplete, if there is one.
     pub fn failure(&self) -> Option<&str> {
         match self {
             Self::Refused(reason) => Some(reason),
@@ -134,7 +134,7 @@ impl CommandOutcome {
         }
     }
 
-    /// Returns it as a sentence for the user, unless the image tells it.
+    /// Returns the outcome as a sentence for the user, unless the image shows it.
     pub fn sentence(&self) -> Option<String> {
         match self {
             Self::Done | Self::Played { .. } | Self::Picked(_) => None,
@@ -185,6 +185,6 @@ pub struct PickedPoint {
 pub struct LidTurn {
     /// The angle, in degrees; 0 is closed.
     pub degrees: f32,
-    /// The parts that touch there: of the lid, and of what stands still.
+    /// The parts in contact: a part of the lid, and a fixed one.
     pub contact: Option<[String; 2]>,
 }

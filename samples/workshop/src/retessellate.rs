@@ -1,4 +1,4 @@
-//! Curved parts, made anew on the GPU at the levels of an image.
+//! Tessellates curved parts on the GPU, at the levels of an image.
 
 use antumbra::Camera;
 use antumbra::gpu::Device;
@@ -11,24 +11,24 @@ use crate::viewport::ModelViewport;
 /// The curved parts of an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tessellated {
-    /// Their triangles.
+    /// The number of their triangles.
     pub triangles: u64,
-    /// The way in which they were computed.
+    /// The method by which they were computed.
     pub path: TessellationPath,
 }
 
-/// Makes curved parts anew. Compiles its pass with the first of them.
+/// The tessellation of curved parts. The first use compiles its pipeline.
 #[derive(Default)]
 pub struct CurvedParts {
     tessellator: Option<Tessellator>,
 }
 
 impl CurvedParts {
-    /// Makes the curved parts of a document anew, in it and on the GPU. `None` if it has none.
-    /// Draws frames while the GPU is at work.
+    /// Tessellates the curved parts of a document, in the document and on the GPU. `None` if it has
+    /// none. Draws frames while the GPU is at work.
     ///
     /// # Errors
-    /// No room, no memory, a lost device.
+    /// No room, not enough memory, a lost device.
     pub fn tessellate(
         &mut self,
         viewport: &mut ModelViewport,
@@ -64,7 +64,7 @@ impl CurvedParts {
         Ok(triangles.zip(path).map(|(triangles, path)| Tessellated { triangles, path }))
     }
 
-    /// Returns what computes surfaces, made with the first of them.
+    /// Returns the tessellator, which the first call creates.
     fn tessellator(&mut self, device: &Device) -> Result<&mut Tessellator, Error> {
         let tessellator = match self.tessellator.take() {
             Some(tessellator) => tessellator,
@@ -74,7 +74,7 @@ impl CurvedParts {
     }
 }
 
-/// Draws frames until the surface is there.
+/// Draws frames until the surface is available.
 fn await_surface(
     tessellator: &mut Tessellator,
     viewport: &mut ModelViewport,
@@ -88,7 +88,7 @@ fn await_surface(
     }
 }
 
-/// Returns a mesh with the material of the one whose place it takes.
+/// Returns a mesh with the material of the mesh that it replaces.
 fn prepared(scene: &Scene, index: usize, mesh: Mesh) -> Result<PreparedMesh, Error> {
     let material = scene.surfaces.as_ref().and_then(|surfaces| surfaces.meshes.get(index));
     let with_surface = Scene::single(mesh).with_surfaces();

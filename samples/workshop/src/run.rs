@@ -1,4 +1,4 @@
-//! From the command line to the report.
+//! Runs the program from the command line to the report.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -26,7 +26,7 @@ use crate::window;
 /// The version of the report's format.
 const REPORT_VERSION: u32 = 1;
 
-/// The number of parts of the assembly, unless another one is asked for.
+/// The default number of parts of the assembly.
 const ASSEMBLY_PARTS: u32 = 1000;
 
 /// A model and the path of its camera.
@@ -35,10 +35,10 @@ pub(crate) struct Model {
     pub(crate) path: Vec<Camera>,
 }
 
-/// Carries out the script of the arguments, or opens a window where there is none.
+/// Runs the script of the arguments, or opens a window without one.
 ///
 /// # Errors
-/// A command line, a script or a file that is wrong; no display; a failure of the device.
+/// An invalid command line, script or file; no display; a failure of the device.
 pub fn run(arguments: &WorkshopArguments, ending: &mut Ending) -> Result<(), RunError> {
     arguments.check()?;
     match &arguments.script {
@@ -47,8 +47,8 @@ pub fn run(arguments: &WorkshopArguments, ending: &mut Ending) -> Result<(), Run
     }
 }
 
-/// Carries out a script, and writes its report. What is refused is a failure of the ending, and the
-/// commands after it are carried out.
+/// Runs a script and writes its report. A refused command counts as a failure of the run, but the
+/// following commands are carried out.
 fn carry_out(
     arguments: &WorkshopArguments,
     script: &Path,
@@ -106,7 +106,7 @@ fn carry_out(
     failed
 }
 
-/// Returns the report of a model before the first command.
+/// Returns the report of a model without commands.
 pub(crate) fn begin_report(document: &Document, device: &str) -> ScriptReport {
     ScriptReport {
         version: REPORT_VERSION,
@@ -133,7 +133,7 @@ pub(crate) fn write_report(
     }
 }
 
-/// Makes or reads the model of the arguments.
+/// Generates or reads the model of the arguments.
 pub(crate) fn model(arguments: &WorkshopArguments) -> Result<Model, RunError> {
     match arguments.model.as_str() {
         "waffle" => {
@@ -153,7 +153,7 @@ pub(crate) fn model(arguments: &WorkshopArguments) -> Result<Model, RunError> {
             })
         }
         file if file.contains(['.', '/']) => {
-            // Parts are whole: pieces would be picked, cut open and taken apart one by one.
+            // Parts must stay whole: pieces would be picked, cut and moved apart individually.
             let options = LoadOptions {
                 cut_above_triangles: None,
                 place: ScenePlace::NearOrigin,

@@ -1,7 +1,7 @@
 //! Scripts: a command per line, in order. Empty lines and lines that begin with `#` are ignored.
 //!
-//! Names of parts and groups may hold spaces: they are the rest of a line. A length is in
-//! millimetres, an angle in degrees, a pixel counts from the upper left.
+//! The names of parts and groups may contain spaces: they extend to the end of the line. Lengths
+//! are in millimetres, angles in degrees, and pixels count from the upper left.
 
 use std::path::{Path, PathBuf};
 
@@ -17,10 +17,10 @@ use bench::terminal::shown;
 use crate::document::Display;
 use crate::orbit::{CubeView, OrbitCamera};
 
-/// The largest gap of an exploded view: a kilometre, beyond which places lose millimetres.
+/// The largest gap of an exploded view: a kilometre, beyond which coordinates lose millimetres.
 const MOST_GAP_MM: f32 = 1.0e6;
 
-/// The largest script that is read.
+/// The largest script that is accepted.
 const MOST_BYTES: u64 = 4 << 20;
 
 /// A pixel of the image.
@@ -32,78 +32,78 @@ pub struct Pixel {
     pub y: u32,
 }
 
-/// Something that a user does.
+/// An action of the user.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
-    /// Selects the part under a pixel, or nothing where there is none.
+    /// Selects the part under a pixel, or clears the selection if there is none.
     Pick(Pixel),
     /// Selects a part or a group by its name.
     Select(String),
-    /// Selects nothing.
+    /// Clears the selection.
     Deselect,
-    /// Hides what is selected, or a part by its name.
+    /// Hides the selection, or a part by its name.
     Hide(Option<String>),
-    /// Shows a part by its name, or all.
+    /// Shows a part by its name, or all parts.
     Show(Option<String>),
-    /// Hides all but what is selected.
+    /// Hides everything except the selection.
     Isolate,
-    /// Shows what is selected transparent, or a part by its name.
+    /// Shows the selection, or a part by its name, transparent.
     Ghost(Option<String>),
-    /// Drags the lid towards an angle, until it touches something.
+    /// Turns the lid towards an angle until it touches something.
     Lid {
         /// The angle, in degrees; 0 is closed.
         degrees: f32,
     },
-    /// Moves the children of a group apart.
+    /// Moves all shown parts apart.
     Explode {
         /// The least gap between their boxes, in millimetres.
         gap_mm: f32,
     },
-    /// Moves all parts back.
+    /// Moves all parts back to their places.
     Assemble,
-    /// Measures the distance of the points under two pixels.
+    /// Measures the distance between the points under two pixels.
     Distance {
         /// The pixel of one point.
         from: Pixel,
-        /// The pixel of the other.
+        /// The pixel of the other point.
         to: Pixel,
     },
     /// Measures the edge of the model near the point under a pixel.
     Edge(Pixel),
-    /// Draws edges.
+    /// Changes the drawing of edges.
     Edges(EdgeMode),
-    /// Explains the images by an overlay, or by none.
+    /// Changes the debug overlay.
     Overlay(DebugOverlay),
-    /// Cuts the model by planes, or by none.
+    /// Changes the section planes.
     Section(SectionPlanes),
-    /// Cuts a part or a group by its name, or what is selected, or leaves it whole.
+    /// Changes how section planes affect a part or a group by its name, or the selection.
     Member {
-        /// The part that planes leave of it.
+        /// The effect of section planes.
         member: SectionMember,
         /// The name.
         name: Option<String>,
     },
     /// Turns the camera to a view of the cube.
     View(CubeView),
-    /// Moves the camera. Windows and animations do so, no script.
+    /// Moves the camera. Only windows and animations use this, not scripts.
     Camera(OrbitCamera),
-    /// Selects objects, as windows do.
+    /// Selects objects; used by windows.
     SelectObjects(Vec<ObjectId>),
-    /// Changes the way in which objects are shown, as windows do.
+    /// Changes the display of objects; used by windows.
     DisplayObjects {
         /// The objects.
         objects: Vec<ObjectId>,
-        /// The way.
+        /// The display.
         display: Display,
     },
-    /// Measures the distance of two points that were seen, in metres.
+    /// Measures the distance between two seen points, in metres.
     DistanceOfPoints {
         /// One point.
         from: DVec3,
-        /// The other.
+        /// The other point.
         to: DVec3,
     },
-    /// Measures the edge of an object near a point of it that was seen.
+    /// Measures the edge of an object near a seen point of it.
     EdgeOfObject {
         /// The object.
         object: ObjectId,
@@ -112,29 +112,29 @@ pub enum Command {
     },
     /// Changes the projection: 0 is perspective, 1 orthographic.
     Flatness(f32),
-    /// Makes curved parts anew for the image.
+    /// Tessellates curved parts for the image.
     Tessellate {
         /// The wanted length of the sides of their triangles, in pixels.
         piece_px: f32,
     },
-    /// Sees everything that is shown.
+    /// Moves the camera so that everything shown is visible.
     Fit,
     /// Plays the camera's path once, in a number of frames.
     Play {
-        /// The frames.
+        /// The number of frames.
         frames: u32,
     },
     /// Writes an image.
     Image(PathBuf),
-    /// Writes what is shown, in its place, as a binary glTF file.
+    /// Writes everything shown, in its place, as a binary glTF file.
     Export(PathBuf),
 }
 
 impl Command {
-    /// Reads one command.
+    /// Parses a command.
     ///
     /// # Errors
-    /// What is wrong, and what is expected.
+    /// The error in the line, and what is expected.
     pub fn parse(line: &str) -> Result<Self, String> {
         let (verb, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         let rest = rest.trim();
@@ -208,8 +208,8 @@ impl Command {
 }
 
 impl Command {
-    /// Returns the command for a scene whose origin lies at a point of the coordinates of a script,
-    /// in metres.
+    /// Returns the command relative to the scene's origin, which is at `origin_m` in the
+    /// coordinates of the script, in metres.
     #[must_use]
     pub fn from_origin(&self, origin_m: DVec3) -> Self {
         match self {
@@ -218,7 +218,7 @@ impl Command {
         }
     }
 
-    /// Returns its first word in a script, or one of its kind from a window.
+    /// Returns the first word of the command in a script, or an equivalent for commands of windows.
     pub fn verb(&self) -> &'static str {
         match self {
             Self::Pick(_) => "pick",
@@ -249,7 +249,7 @@ impl Command {
         }
     }
 
-    /// Returns true if it may change which parts are shown, and how.
+    /// Returns true if the command may change the display of parts.
     pub fn changes_displays(&self) -> bool {
         matches!(
             self,
@@ -261,7 +261,7 @@ impl Command {
         )
     }
 
-    /// Returns true if it may change where surfaces are, or which of them are shown.
+    /// Returns true if the command may move surfaces, or change which are shown.
     pub fn changes_surfaces(&self) -> bool {
         let moves = matches!(
             self,
@@ -275,7 +275,7 @@ impl Command {
         moves || self.changes_displays()
     }
 
-    /// Returns the pixels that it asks about.
+    /// Returns the pixels to which the command refers.
     pub fn pixels(&self) -> Vec<Pixel> {
         match self {
             Self::Pick(at) | Self::Edge(at) => vec![*at],
@@ -284,7 +284,7 @@ impl Command {
         }
     }
 
-    /// Returns the file that it writes.
+    /// Returns the file that the command writes.
     pub fn written_file(&self) -> Option<&Path> {
         match self {
             Self::Image(file) | Self::Export(file) => Some(file),
@@ -296,9 +296,9 @@ impl Command {
 /// A line of a script.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScriptLine {
-    /// The line as it stands there.
+    /// The text of the line.
     pub text: String,
-    /// The command that it names.
+    /// The command in the line.
     pub command: Command,
 }
 
@@ -328,7 +328,7 @@ fn number(text: &str, what: &str) -> Result<f32, String> {
     number.ok_or_else(|| format!("{what} is a number, not '{text}'"))
 }
 
-/// Reads so many pixels, two numbers each.
+/// Parses `COUNT` pixels, two numbers each.
 fn pixels<const COUNT: usize>(text: &str) -> Result<[Pixel; COUNT], String> {
     let numbers: Option<Vec<u32>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
     let numbers = numbers.filter(|numbers| numbers.len() == 2 * COUNT).ok_or_else(|| {
@@ -340,7 +340,7 @@ fn pixels<const COUNT: usize>(text: &str) -> Result<[Pixel; COUNT], String> {
     Ok(std::array::from_fn(|index| Pixel { x: numbers[2 * index], y: numbers[2 * index + 1] }))
 }
 
-/// Reads planes between semicolons, `union` before them, or `off`.
+/// Parses planes separated by semicolons, optionally after `union`, or `off`.
 fn section(text: &str) -> Result<SectionPlanes, String> {
     if text == "off" {
         return Ok(SectionPlanes::default());
@@ -373,7 +373,7 @@ fn depth_complexity(text: &str) -> Result<DebugOverlay, String> {
     Ok(DebugOverlay { has_depth_complexity, ..DebugOverlay::default() })
 }
 
-/// Reads the path of a file that is to be written.
+/// Parses the path of an output file.
 fn file(text: &str, extension: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     if path.extension().is_some_and(|found| found == extension) {

@@ -1,4 +1,4 @@
-//! A session of the viewer: commands change the document, the viewport follows.
+//! A session of the viewer: commands change the document, and the viewport shows it.
 
 use std::path::Path;
 
@@ -27,10 +27,10 @@ use crate::retessellate::{CurvedParts, Tessellated};
 use crate::script::{Command, Pixel};
 use crate::viewport::{ModelViewport, PointedPixel, SeenObject};
 
-/// Millimetres in a metre.
+/// Millimetres per metre.
 const MM: f64 = 1000.0;
 
-/// A document that is shown.
+/// A shown document.
 pub struct WorkshopSession {
     /// The document.
     pub document: Document,
@@ -40,35 +40,35 @@ pub struct WorkshopSession {
     /// The cameras of the model's path.
     path: Vec<Camera>,
     size: FrameSize,
-    /// The box around all that is shown.
+    /// The box around everything that is shown.
     bounds: Aabb,
     hovered: Option<ObjectId>,
 }
 
-/// The results of frames that are over.
+/// The results of completed frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LateResults {
     /// The answer for the pixel of the pointer.
     pub pointed: Option<PointedPixel>,
-    /// The visibility of the objects that were asked for.
+    /// The visibility of the watched objects.
     pub seen: Vec<SeenObject>,
-    /// The number of objects that were drawn, if it is news.
+    /// The number of drawn objects, if it is new.
     pub drawn: Option<u64>,
 }
 
-/// The questions that a frame of a window is to answer.
+/// The questions that a frame of a window answers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameQuestions {
     /// The pixel of the pointer.
     pub pointer: Option<Pixel>,
-    /// The object that has the outline of the hovered one.
+    /// The object that is outlined as hovered.
     pub hovered: Option<ObjectId>,
-    /// The objects whose visibility is wanted.
+    /// The objects whose visibility is requested.
     pub watched: Vec<ObjectId>,
 }
 
 impl WorkshopSession {
-    /// Shows a document as it is at rest, from a corner.
+    /// Creates a session that shows a document at rest, seen from a corner.
     ///
     /// # Errors
     /// A scene or size beyond the device's limits, no memory, a failed call.
@@ -91,7 +91,7 @@ impl WorkshopSession {
         Ok(session)
     }
 
-    /// Carries out a command. A command that is refused changes nothing.
+    /// Carries out a command. A refused command changes nothing.
     ///
     /// # Errors
     /// A failure of the device, or of writing a file.
@@ -157,7 +157,7 @@ impl WorkshopSession {
         Ok(outcome)
     }
 
-    /// Carries out a command about the document alone.
+    /// Carries out a command that only affects the document.
     fn change(&mut self, command: &Command) -> Result<CommandOutcome, CommandError> {
         let document = &mut self.document;
         match command {
@@ -247,8 +247,8 @@ impl WorkshopSession {
         Ok(CommandOutcome::Distance { distance_mm })
     }
 
-    /// Measures the edge nearest to a pixel, of the parts at it and beside it: lines are drawn half
-    /// outside of their parts.
+    /// Measures the edge nearest to a pixel, on the parts at the pixel and its neighbours: half of
+    /// a line is drawn outside of its part.
     fn edge(&mut self, at: Pixel) -> Result<CommandOutcome, RunError> {
         let mut nearest: Option<NearEdge> = None;
         let place = DVec2::new(f64::from(at.x), f64::from(at.y)) + 0.5;
@@ -262,7 +262,7 @@ impl WorkshopSession {
             let Some((object, point)) = self.hit(Pixel { x, y })? else { continue };
             let near = self.near_edge(object, point, place);
             nearest = nearest.into_iter().chain(near).min_by(|a, b| {
-                // Of an edge that is found twice the first stays.
+                // If an edge is found twice, the first result is kept.
                 a.apart_pixels.total_cmp(&b.apart_pixels)
             });
         }
@@ -280,7 +280,7 @@ impl WorkshopSession {
         near_edge(self.document.mesh(object)?, &transform, &self.view(), point, place)
     }
 
-    /// Returns the part that owns a pixel, as the GPU drew it, and the point of it there.
+    /// Returns the part that owns a pixel in the GPU's image, and its point there.
     fn hit(&mut self, at: Pixel) -> Result<Option<(ObjectId, DVec3)>, RunError> {
         let camera = self.camera();
         let Some(seen) = self.viewport.pick(&camera, at)? else { return Ok(None) };
@@ -307,7 +307,7 @@ impl WorkshopSession {
         Ok(CommandOutcome::Played { frames })
     }
 
-    /// Makes the curved parts anew for the image.
+    /// Tessellates the curved parts for the image.
     fn tessellate(&mut self, piece_px: f32) -> Result<CommandOutcome, RunError> {
         let camera = self.camera();
         let made =
@@ -323,7 +323,7 @@ impl WorkshopSession {
     }
 
     fn image(&mut self, file: &Path) -> Result<CommandOutcome, RunError> {
-        // The pointer is no part of an image. The next frame of a window has its outline again.
+        // Images do not include the pointer. The next frame of a window restores its outline.
         self.hovered = None;
         self.outline()?;
         let camera = self.camera();
@@ -344,7 +344,7 @@ impl WorkshopSession {
         })
     }
 
-    /// Returns a sentence about transparent parts that are not shown as was asked for.
+    /// Returns a sentence about transparent parts that are not shown as requested.
     pub fn transparency_notice(&self) -> Option<String> {
         let is_ghosted = |object| self.document.display(object) == Display::Ghosted;
         let fallback = self.transparency().and_then(|report| report.fallback).filter(|_| {
@@ -354,7 +354,7 @@ impl WorkshopSession {
         fallback.or_else(|| not_blended(&self.viewport.fragments()?))
     }
 
-    /// Returns the order of transparent parts, if fragments were asked for.
+    /// Returns the method of transparency, if fragments were requested.
     pub fn transparency(&self) -> Option<TransparencyReport> {
         self.viewport.transparency()
     }
@@ -375,11 +375,11 @@ impl WorkshopSession {
         let bounds = &self.bounds;
         let reach =
             (bounds.max - self.camera.target).abs().max((bounds.min - self.camera.target).abs());
-        // A little more, so that nothing lies on a plane of the frustum.
+        // Slightly more, so that nothing lies on a plane of the frustum.
         self.camera.camera(reach.length().max(1.0e-3) * 1.01)
     }
 
-    /// Brings the viewport up to the document.
+    /// Updates the viewport from the document.
     fn follow(&mut self) -> Result<(), RunError> {
         self.bounds = self.document.shown_bounds();
         self.viewport.follow(&self.document)?;
@@ -393,7 +393,7 @@ impl WorkshopSession {
     }
 }
 
-/// The part of it that windows use.
+/// The methods for windows.
 impl WorkshopSession {
     /// Returns the camera, as the user moves it.
     pub fn orbit(&self) -> OrbitCamera {
@@ -405,7 +405,7 @@ impl WorkshopSession {
         self.viewport.view_of(&self.camera())
     }
 
-    /// Returns the box around all that is shown.
+    /// Returns the box around everything that is shown.
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }
@@ -415,10 +415,10 @@ impl WorkshopSession {
         self.viewport.frame()
     }
 
-    /// Checks that frames tell what is below the pointer.
+    /// Checks that frames can report the object below the pointer.
     ///
     /// # Errors
-    /// A device that cannot.
+    /// A device that does not support this.
     pub fn check_pointer(&mut self) -> Result<(), RunError> {
         self.viewport.point_at(Some(Pixel { x: 0, y: 0 }))?;
         Ok(self.viewport.point_at(None)?)
@@ -434,7 +434,7 @@ impl WorkshopSession {
         self.viewport.renderer()
     }
 
-    /// Draws images of another size from now on.
+    /// Changes the size of images.
     ///
     /// # Errors
     /// A size that the device does not support; no memory.
@@ -444,7 +444,7 @@ impl WorkshopSession {
         Ok(())
     }
 
-    /// Draws a frame, and over it what a host draws.
+    /// Draws a frame with the host's overlay on top.
     ///
     /// # Errors
     /// No memory, a lost device, a frame that takes too long.
@@ -453,7 +453,7 @@ impl WorkshopSession {
         questions: &FrameQuestions,
         overlay: Option<&dyn HostOverlay>,
     ) -> Result<(), RunError> {
-        // Where the device cannot, there is no answer.
+        // Without support of the device, there is no answer.
         let _is_asked = self.viewport.point_at(questions.pointer).is_ok();
         self.viewport.watch(&questions.watched);
         if self.hovered != questions.hovered {
@@ -464,7 +464,7 @@ impl WorkshopSession {
         Ok(self.viewport.draw(&camera, overlay)?)
     }
 
-    /// Returns what is known of the frames that are over. Waits for nothing.
+    /// Returns the results of completed frames. Never waits.
     pub fn late_results(&mut self) -> LateResults {
         LateResults {
             pointed: self.viewport.pointed(),
@@ -474,7 +474,7 @@ impl WorkshopSession {
     }
 }
 
-/// Returns a camera that sees all that is shown, from a corner.
+/// Returns a camera that sees everything shown, from a corner.
 fn fitted(bounds: &Aabb, size: FrameSize) -> OrbitCamera {
     let middle = (bounds.min + bounds.max) * 0.5;
     let camera = OrbitCamera::around(middle, (bounds.max - bounds.min).length() * 0.5);
@@ -483,7 +483,7 @@ fn fitted(bounds: &Aabb, size: FrameSize) -> OrbitCamera {
     OrbitCamera { height_m: camera.height_m * narrow, ..camera }
 }
 
-/// Returns the camera at a place of a closed path: between two of its cameras.
+/// Returns the camera at a place of a closed path, interpolated between its cameras.
 fn along(path: &[Camera], place: f32) -> Camera {
     let index = place as usize % path.len();
     let from = path[index];

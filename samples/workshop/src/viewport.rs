@@ -1,4 +1,4 @@
-//! The document on the GPU: follows its state, draws it, finds the part under a pixel.
+//! The document on the GPU: follows its state, draws it, and finds the part under a pixel.
 
 use antumbra::cull::{CullView, FrameId, SectionPlanes, Strategy};
 use antumbra::glam::Affine3A;
@@ -18,19 +18,19 @@ use crate::document::{CommandError, Display, Document};
 use crate::ghosts::{NOWHERE, add_ghosts};
 use crate::script::Pixel;
 
-/// The colour of the line around what is selected.
+/// The colour of the outline of the selection.
 const SELECTED_COLOUR: [f32; 3] = [1.0, 0.35, 0.0];
 
-/// The colour of the line around what is below the pointer.
+/// The colour of the outline of the hovered object.
 const HOVERED_COLOUR: [f32; 3] = [0.05, 0.45, 1.0];
 
-/// The width of both lines, in pixels.
+/// The width of both outlines, in pixels.
 const OUTLINE_PIXELS: f32 = 2.0;
 
-/// The frames of a view after which its results have been read.
+/// The number of frames after which a view's results have been read back.
 const FRAMES_BEFORE_OVERLAY: u32 = 4;
 
-/// Room for curved parts that are made anew.
+/// The spare capacity for tessellated parts.
 const CURVED_ROOM: SpareCapacity = SpareCapacity {
     meshes: 2,
     vertices: 1 << 17,
@@ -42,10 +42,10 @@ const CURVED_ROOM: SpareCapacity = SpareCapacity {
     textures: Vec::new(),
 };
 
-/// An object as the renderer has it.
+/// The state of an object in the renderer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Placed {
-    /// Its id in the renderer; `None` while it is not shown opaque.
+    /// The id in the renderer; `None` while the object is not shown opaque.
     object: Option<ObjectId>,
     display: Display,
     transform: Affine3A,
@@ -59,15 +59,15 @@ pub struct ModelViewport {
     counting: RenderView,
     /// The objects of the document, in their order.
     placed: Vec<Placed>,
-    /// The renderer's mesh for each one of the document.
+    /// The renderer's mesh for each mesh of the document.
     meshes: Vec<MeshId>,
-    /// The transparent object for the first part, which those for the others follow; or the reason
+    /// The transparent object of the first part, which the others follow in order; or the reason
     /// why parts cannot be shown transparent.
     first_ghost: Result<TransparentId, CommandError>,
     /// The objects whose visible samples are counted, by their ids in the document.
     watched: Vec<ObjectId>,
-    /// The newest frame whose objects may have had other ids: answers about it and those before it
-    /// could name another object.
+    /// The newest frame whose objects may have had other ids. Answers about it and earlier frames
+    /// are ignored, since they could name other objects.
     renumbered: Option<FrameId>,
 }
 
@@ -78,11 +78,11 @@ pub struct PointedPixel {
     pub frame: FrameId,
     /// The pixel.
     pub pixel: Pixel,
-    /// The object and its point; `None` where there is none.
+    /// The object and its point; `None` for the background.
     pub surface: Option<PointedSurface>,
 }
 
-/// An object of the document, and whether the newest frame that is known showed a sample of it.
+/// An object of the document, and its visibility in the newest frame with results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SeenObject {
     /// The object.
@@ -92,7 +92,7 @@ pub struct SeenObject {
 }
 
 impl ModelViewport {
-    /// Uploads a document as it is at rest.
+    /// Uploads a document at rest.
     ///
     /// # Errors
     /// A scene or size beyond the device's limits, no memory, a failed call.
@@ -144,17 +144,17 @@ impl ModelViewport {
         self.renderer.view_of(camera)
     }
 
-    /// Returns the order of transparent parts, if fragments were asked for.
+    /// Returns the method of transparency, if fragments were requested.
     pub fn transparency(&self) -> Option<TransparencyReport> {
         TransparencyReport::of(&self.renderer)
     }
 
-    /// Returns the fragments of transparent parts in the newest image, if they are sorted.
+    /// Returns the fragments of transparent parts in the newest image, if fragments are sorted.
     pub fn fragments(&self) -> Option<FragmentsReport> {
         FragmentsReport::most(std::iter::once(self.renderer.fragment_counts()))
     }
 
-    /// Takes over what has changed in the document.
+    /// Applies the changes of the document.
     ///
     /// # Errors
     /// No memory, a failed call.
@@ -205,7 +205,7 @@ impl ModelViewport {
             self.placed[index].object = Some(object);
         }
         for (index, placed) in self.placed.iter().enumerate() {
-            // An id that is given again begins as cut.
+            // A reused id starts as affected by section planes.
             if let Some(object) = placed.object {
                 self.renderer.set_section_member(object, document.member(ObjectId(index as u32)));
             }
@@ -218,7 +218,7 @@ impl ModelViewport {
         &self.renderer
     }
 
-    /// Draws images of another size from now on.
+    /// Changes the size of images.
     ///
     /// # Errors
     /// A size that the device does not support; no memory.
@@ -226,7 +226,7 @@ impl ModelViewport {
         self.renderer.resize(size)
     }
 
-    /// Draws a frame, and over it what a host draws.
+    /// Draws a frame with the host's overlay on top.
     ///
     /// # Errors
     /// No memory, a lost device, a frame that takes too long.
@@ -239,7 +239,7 @@ impl ModelViewport {
         self.renderer.render(&mut self.view, FrameRequest { overlay, ..request }).map(|_| ())
     }
 
-    /// Finds what is at a pixel in each frame from now on, or nothing.
+    /// Finds the object at a pixel in each frame from now on; `None` ends this.
     ///
     /// # Errors
     /// A device whose fragment shaders cannot write to buffers.
@@ -252,7 +252,7 @@ impl ModelViewport {
         self.view.plan().frame
     }
 
-    /// Returns the answer of the newest frame that is over. Waits for nothing.
+    /// Returns the answer of the newest completed frame. Never waits.
     pub fn pointed(&self) -> Option<PointedPixel> {
         let is_known = |frame: FrameId| self.renumbered.is_none_or(|last| frame > last);
         let pointed = self.view.pointed().filter(|pointed| is_known(pointed.frame))?;
@@ -264,8 +264,7 @@ impl ModelViewport {
         Some(PointedPixel { frame: pointed.frame, pixel: Pixel { x, y }, surface })
     }
 
-    /// Counts the visible samples of these objects and no others from now on, where the device
-    /// can.
+    /// Counts the visible samples of exactly these objects from now on, if the device supports it.
     pub fn watch(&mut self, objects: &[ObjectId]) {
         if self.watched == objects {
             return;
@@ -273,11 +272,12 @@ impl ModelViewport {
         self.watched = objects.to_vec();
         let placed = objects.iter().filter_map(|object| self.placed.get(object.0 as usize));
         let known: Vec<ObjectId> = placed.filter_map(|placed| placed.object).collect();
-        // Where it cannot, nothing is known of them.
+        // Without support, nothing is known about them.
         let _is_counting = self.view.watch(&known).is_ok();
     }
 
-    /// Returns what is known of each watched object: of an older frame, as nothing is waited for.
+    /// Returns the known visibility of each watched object. It is of an older frame, since this
+    /// never waits.
     pub fn seen(&self) -> impl Iterator<Item = SeenObject> {
         self.view.visible_samples().iter().filter_map(|count| {
             let object = self.document_object(count.object)?;
@@ -285,19 +285,19 @@ impl ModelViewport {
         })
     }
 
-    /// Returns the number of objects that the newest frame drew whose results are known, if any
-    /// became known since the last call.
+    /// Returns the number of objects drawn in the newest frame with results, if there are new
+    /// results since the last call.
     pub fn take_drawn(&mut self) -> Option<u64> {
         self.view.drain_stats().next_back().map(|outcome| outcome.draws)
     }
 
-    /// Draws a frame and returns its image, rows of RGBA from the top. Waits for it.
+    /// Draws a frame, waits for it, and returns its image: rows of RGBA from the top.
     ///
     /// # Errors
-    /// Those of [`ModelViewport::draw`].
+    /// The errors of [`ModelViewport::draw`].
     pub fn image(&mut self, camera: &Camera) -> Result<Vec<u8>, Error> {
         if self.overlay().has_depth_complexity {
-            // It shows what is known to be visible, by the results of earlier frames.
+            // The overlay shows known visible objects, from the results of earlier frames.
             for _ in 0..FRAMES_BEFORE_OVERLAY {
                 self.draw(camera, None)?;
             }
@@ -310,11 +310,12 @@ impl ModelViewport {
         Ok(image.rgba8()?.to_vec())
     }
 
-    /// Draws a frame and returns what it shows at a pixel, with the object of the document. Waits
-    /// for it.
+    /// Draws a frame, waits for it, and returns the surface at a pixel, with the object of the
+    /// document.
     ///
     /// # Errors
-    /// A device whose fragment shaders cannot write to buffers; those of [`ModelViewport::draw`].
+    /// A device whose fragment shaders cannot write to buffers; the errors of
+    /// [`ModelViewport::draw`].
     pub fn pick(&mut self, camera: &Camera, at: Pixel) -> Result<Option<PointedSurface>, Error> {
         self.view.point_at(Some([at.x, at.y]))?;
         self.draw(camera, None)?;
@@ -338,7 +339,7 @@ impl ModelViewport {
         Ok(seen)
     }
 
-    /// Outlines what is selected, and the object below the pointer.
+    /// Outlines the selection and the object below the pointer.
     ///
     /// # Errors
     /// A failed call.
@@ -364,8 +365,8 @@ impl ModelViewport {
         self.renderer.set_outlined(&outlines)
     }
 
-    /// Exchanges a mesh of the document. Its objects are shown again with the next
-    /// [`ModelViewport::follow`], as soon as it is uploaded.
+    /// Replaces a mesh of the document. Its objects are shown again at the next
+    /// [`ModelViewport::follow`] after its upload.
     ///
     /// # Errors
     /// No room.
@@ -394,15 +395,15 @@ impl ModelViewport {
         Ok(())
     }
 
-    /// Draws until all meshes are there.
+    /// Draws frames until all meshes are uploaded.
     ///
     /// # Errors
-    /// Those of [`ModelViewport::draw`].
+    /// The errors of [`ModelViewport::draw`].
     pub fn await_uploads(&mut self, camera: &Camera) -> Result<(), Error> {
         while self.renderer.is_uploading() {
             self.draw(camera, None)?;
         }
-        // What arrived last is drawn from the next frame on.
+        // The last uploaded mesh is drawn from the next frame on.
         self.draw(camera, None)
     }
 
@@ -440,16 +441,17 @@ impl ModelViewport {
         self.renderer.debug_overlay()
     }
 
-    /// Forgets what frames so far tell of objects, whose ids may be other objects' from now on.
+    /// Forgets the answers of earlier frames about objects whose ids may now belong to other
+    /// objects.
     fn renumber(&mut self) {
         self.watched.clear();
         self.renumbered = Some(self.frame());
     }
 
-    /// Returns the object of the document that the renderer knows by an id.
+    /// Returns the object of the document that has this id in the renderer.
     fn document_object(&self, id: ObjectId) -> Option<ObjectId> {
         let is_it = |placed: &Placed| placed.object == Some(id);
-        // Most have kept their ids.
+        // Most objects have kept their ids.
         if self.placed.get(id.0 as usize).is_some_and(is_it) {
             return Some(id);
         }

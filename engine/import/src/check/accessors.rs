@@ -14,8 +14,8 @@ use crate::error::{At, Fault, Reason};
 use crate::layout::{self, Layout};
 use crate::verdict::Verdict;
 
-/// Checks every view and every accessor; limits count those that are used. The values of sparse
-/// indices are left to [`Source`](crate::Source)'s reader of them.
+/// Checks every view and every accessor; only used ones count towards limits. The values of sparse
+/// indices are checked later, in the module `values`.
 pub(crate) fn views_and_accessors(
     root: &Root,
     limits: &Limits,

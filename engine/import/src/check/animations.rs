@@ -1,4 +1,4 @@
-//! Checks of animations: targets that exist, and as many keys as they need.
+//! Checks of animations: their targets must exist, and the numbers of keys and values must match.
 
 use gltf::json::accessor::Type;
 use gltf::json::animation::{Channel, Interpolation, Property, Sampler};
@@ -22,7 +22,7 @@ pub(super) fn check(root: &Root, verdict: &mut Verdict) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Checks the channels of an animation, and the samplers that these name.
+/// Checks the channels of an animation, and the samplers to which they refer.
 fn check_animation(root: &Root, number: usize, animation: &Animation) -> Result<(), Fault> {
     for (index, channel) in animation.channels.iter().enumerate() {
         let sampler = channel.sampler.value();
@@ -76,7 +76,7 @@ fn check_channel(root: &Root, animation: &Animation, channel: &Channel) -> Resul
         }
     };
     let values_per_key = match sampler.interpolation {
-        // A tangent before, the value, a tangent after.
+        // The tangent in, the value, the tangent out.
         Checked::Valid(Interpolation::CubicSpline) => 3 * values_per_key,
         _ => values_per_key,
     };

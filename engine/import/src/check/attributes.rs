@@ -25,7 +25,7 @@ const SNORM16: Form = (ComponentType::I16, true);
 pub(super) struct Allowed {
     kinds: &'static [Type],
     forms: &'static [Form],
-    /// The types also allowed with `KHR_mesh_quantization`.
+    /// The additional types that `KHR_mesh_quantization` allows.
     quantised: &'static [Form],
 }
 
@@ -47,7 +47,7 @@ pub(super) const POSITION_DELTA: Allowed = of(&[Type::Vec3], &[FLOAT], &[I8, SNO
 /// The types of a morph target's displacements of normals or tangents.
 pub(super) const DIRECTION_DELTA: Allowed = of(&[Type::Vec3], &[FLOAT], &[SNORM8, SNORM16]);
 
-/// Returns the types allowed for a vertex attribute; `None` for those of applications.
+/// Returns the types allowed for a vertex attribute; `None` for attributes of applications.
 pub(super) fn allowed(semantic: &Semantic) -> Option<Allowed> {
     Some(match semantic {
         Semantic::Positions => POSITION,
@@ -77,9 +77,9 @@ pub(super) fn check_form(
     matches(accessor, kinds, forms.iter(), "")
 }
 
-/// The types of attributes that are floats alone.
+/// The types of attributes that must be floats.
 pub(super) const FLOATS: &[Form] = &[FLOAT];
-/// The types of attributes that are floats, or integers in place of fractions.
+/// The types of attributes that are floats or normalised integers.
 pub(super) const FRACTIONS: &[Form] = &[FLOAT, SNORM8, UNORM8, SNORM16, UNORM16];
 /// The types of indices.
 pub(super) const INDICES: &[Form] = &[U8, U16, (ComponentType::U32, false)];
@@ -111,7 +111,7 @@ fn matches<'a>(
     let is_normalised = accessor.normalized;
     let fits = kinds.contains(&kind)
         && forms.any(|&(allowed, normalised)| {
-            // The flag means nothing for floats.
+            // The flag has no meaning for floats.
             allowed == component && (normalised == is_normalised || component == ComponentType::F32)
         });
     if fits {
@@ -121,7 +121,7 @@ fn matches<'a>(
     Err(Reason::malformed(format!("its elements may not be {elements}{hint}")))
 }
 
-/// Returns the elements of an accessor in words, such as "vectors of 3 floats".
+/// Returns a description of an accessor's elements, such as "vectors of 3 floats".
 fn shown(kind: Type, component: ComponentType, is_normalised: bool) -> String {
     let normalised = if is_normalised { "normalised " } else { "" };
     let numbers = match component {

@@ -1,4 +1,4 @@
-//! The bounds that accessors give for their elements: wrong ones are replaced by the true bounds.
+//! The bounds that accessors state for their elements: wrong ones are replaced by the true bounds.
 
 use gltf::Semantic;
 use gltf::json::validation::Checked;
@@ -8,11 +8,11 @@ use crate::element::Kind;
 use crate::elements::{self, Store};
 use crate::verdict::Verdict;
 
-/// The distance that elements may be out of their bounds, as a share of the bounds: exporters round
-/// them.
+/// The distance by which elements may exceed their bounds, as a share of the bounds: exporters
+/// round bounds.
 const TOLERANCE: f32 = 1e-5;
 
-/// Checks the bounds of all used accessors. Wrong ones, and missing ones that are required, are
+/// Checks the bounds of all used accessors. Wrong bounds, and missing bounds that are required, are
 /// noted and replaced.
 pub(crate) fn check(root: &mut Root, store: &Store, verdict: &mut Verdict) {
     for (index, is_needed) in needed(root, verdict).into_iter().enumerate() {
@@ -38,8 +38,8 @@ pub(crate) fn check(root: &mut Root, store: &Store, verdict: &mut Verdict) {
     }
 }
 
-/// Returns true for each accessor with positions or times of something shown, which must have
-/// bounds.
+/// Returns true for each accessor that must have bounds: it holds positions or times of shown
+/// parts.
 fn needed(root: &Root, verdict: &Verdict) -> Vec<bool> {
     let mut needed = vec![false; root.accessors.len()];
     let meshes = root.meshes.iter().enumerate();
@@ -64,8 +64,8 @@ fn needed(root: &Root, verdict: &Verdict) -> Vec<bool> {
     needed
 }
 
-/// Returns the least and the greatest of each component, integers without normalisation; `None`
-/// with numbers that are not finite.
+/// Returns the least and the greatest value of each component, integers without normalisation;
+/// `None` if a number is not finite.
 fn extents(root: &Root, store: &Store, accessor: usize) -> Option<[Vec<f32>; 2]> {
     extents_of::<1>(root, store, accessor)
         .or_else(|| extents_of::<2>(root, store, accessor))
@@ -92,7 +92,7 @@ fn extents_of<const N: usize>(
     is_finite.then(|| [least.to_vec(), most.to_vec()])
 }
 
-/// Returns true if the bounds of an accessor, as far as it has any, hold its elements.
+/// Returns true if the bounds of an accessor hold its elements, or if it has none.
 fn holds(accessor: &Accessor, least: &[f32], most: &[f32]) -> bool {
     let margin = |bound: f32| bound.abs() * TOLERANCE + f32::MIN_POSITIVE;
     let all = |bound: &Option<Value>, extents: &[f32], holds: fn(f32, f32, f32) -> bool| {

@@ -1,4 +1,5 @@
-//! The cost of a file's scene, against the limits: a short file can name a large mesh often.
+//! The cost of a file's scene, compared with the limits: a short file can use a large mesh many
+//! times.
 
 use std::collections::BTreeMap;
 
@@ -15,13 +16,13 @@ use crate::error::{Fault, Reason};
 use crate::layout::Layout;
 use crate::verdict::Verdict;
 
-/// The vertices of a point or a segment of a line: two ends at most, unless it is skinned or
-/// morphed and becomes a box.
+/// The vertices of a point or a segment of a line: at most two ends, or a box if it is skinned or
+/// morphed.
 const SPRITE_VERTICES: u64 = 2;
 const BOX_VERTICES: u64 = 8;
 const BOX_CORNERS: u64 = 36;
 
-/// The counts of a scene; they saturate.
+/// The counts of a scene; additions saturate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Cost {
     primitives: u64,
@@ -47,7 +48,7 @@ impl Cost {
         Self {
             primitives: primitives.saturating_mul(count),
             vertices: vertices.saturating_mul(count),
-            // The elements of accessors are read once.
+            // The elements of accessors are read only once.
             listed_vertices,
             corners: corners.saturating_mul(count),
             morph_values: morph_values.saturating_mul(count),
@@ -55,7 +56,7 @@ impl Cost {
     }
 }
 
-/// Fails at the first shown object that exceeds a limit. Everything else of the JSON was checked.
+/// Fails at the first shown object that exceeds a limit. The rest of the JSON was checked before.
 pub(super) fn check(
     root: &Root,
     instancing: &BTreeMap<usize, Instancing>,
@@ -93,8 +94,8 @@ pub(super) fn check(
     check_keys(root, limits)
 }
 
-/// Checks each primitive by itself: reading an attribute takes memory for all vertices, even if the
-/// primitive uses few.
+/// Checks each primitive individually: reading an attribute takes memory for all of its vertices,
+/// even if the primitive uses few.
 fn check_single(root: &Root, limits: &Limits, verdict: &Verdict) -> Result<(), Fault> {
     for (mesh_index, mesh) in root.meshes.iter().enumerate() {
         if !verdict.is_used(Kind::Mesh.at(mesh_index)) {
@@ -109,7 +110,7 @@ fn check_single(root: &Root, limits: &Limits, verdict: &Verdict) -> Result<(), F
     Ok(())
 }
 
-/// Returns the cost of a node: objects, and meshes of its own where it is skinned or morphed.
+/// Returns the cost of a node: its objects, and its own meshes if it is skinned or morphed.
 fn of_node(root: &Root, node: &Node, cost: Cost, instances: u64) -> Cost {
     let mesh = node.mesh.and_then(|mesh| root.get(mesh));
     let is_skinned = node.skin.is_some() || mesh.is_some_and(|mesh| meshes::target_count(mesh) > 0);
@@ -162,7 +163,7 @@ fn of_primitive(root: &Root, primitive: &Primitive) -> Cost {
     // Each target moves up to three attributes of three numbers.
     let targets = primitive.targets.as_ref().map_or(0, Vec::len) as u64;
     let morph_values = vertices.saturating_mul(targets).saturating_mul(9);
-    // So does each set of four joints, with as many weights.
+    // Each set of four joints has four weights, too.
     let is_joints = |name: &&Checked<Semantic>| matches!(name, Checked::Valid(Semantic::Joints(_)));
     let sets = primitive.attributes.keys().filter(is_joints).count() as u64;
     let morph_values = morph_values.saturating_add(vertices.saturating_mul(sets.saturating_mul(8)));

@@ -1,4 +1,4 @@
-//! Extensions that a file requires or uses.
+//! The extensions that a file requires or uses.
 
 use std::collections::BTreeSet;
 
@@ -54,11 +54,11 @@ const LACKING: &[(&str, &str)] = &[
 const NOTHING: &str = "the rendered image lacks nothing without it";
 const PLAIN_TEXTURES: &str = "textures are shown by their plain copies";
 
-/// The extension that readers without it would refuse or show wrongly.
+/// The extension whose attributes readers without it would refuse or show wrongly.
 pub(super) const QUANTISATION: &str = "KHR_mesh_quantization";
 
-/// Refuses a file that requires what is not supported; notes what it merely uses, and the
-/// extensions of its objects that it does not name as used.
+/// Refuses a file that requires unsupported extensions. Notes unsupported extensions that are only
+/// used, and extensions of objects that are not listed as used.
 pub(crate) fn required(
     root: &Root,
     of_objects: &BTreeSet<String>,
@@ -95,7 +95,7 @@ pub(crate) fn required(
     Ok(())
 }
 
-/// Returns the loss in the rendered image without an extension, for people.
+/// Returns the loss in the rendered image without an extension, for a message.
 fn lacking(name: &str) -> String {
     match LACKING.binary_search_by_key(&name, |(known, _)| known) {
         Ok(place) => {

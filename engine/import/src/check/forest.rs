@@ -1,5 +1,5 @@
-//! The forest of shown nodes: whatever keeps the nodes of the shown scene from being one is taken
-//! out before anything else looks at them.
+//! Makes the nodes of the shown scene a forest, before any other check: everything that violates
+//! this structure is left out.
 
 use gltf::json::{Index, Node, Root, Scene};
 
@@ -14,14 +14,14 @@ use crate::notes::Notes;
 use crate::placeholder::Placeholder;
 use crate::reach::shown_scene;
 
-/// Takes out of the shown scene the nodes that are nowhere, edges to nodes that do not exist or
-/// have a parent already, and references of nodes to what does not exist. A file without scenes
-/// gets one before: what is below a node that is left out does not become a root.
+/// Leaves out nodes of the shown scene whose transform is invalid, edges to children that do not
+/// exist or already have a parent, and invalid references of nodes. A file without scenes first
+/// gets a scene, so that nodes below a node that is left out do not become roots.
 ///
-/// Of the `faults` of elements that cannot be read, those of nodes count.
+/// Of the `faults` of unreadable elements, only the faults of nodes matter.
 ///
 /// # Errors
-/// More nodes than the limit; those of [`Losses::leave_out`].
+/// More nodes than the limit; the errors of [`Losses::leave_out`].
 pub(crate) fn mend(
     root: &mut Root,
     faults: &[(Element, Fault)],
@@ -52,14 +52,14 @@ pub(crate) fn mend(
             mender.mend_node(node)?;
             let first = pending.len();
             mender.mend_children(node, &mut forest, &mut pending)?;
-            // The first child comes next.
+            // The first child must be processed next.
             pending.get_mut(first..).unwrap_or_default().reverse();
         }
     }
     Ok(())
 }
 
-/// Returns the scene of a file without scenes: all nodes that have no parent.
+/// Returns the scene of a file without scenes: all nodes without a parent.
 fn scene_of_all(nodes: &[Node]) -> Scene {
     let mut is_child = vec![false; nodes.len()];
     for child in nodes.iter().flat_map(|node| node.children.iter().flatten()) {
@@ -78,7 +78,7 @@ struct Mender<'a> {
 }
 
 impl Mender<'_> {
-    /// Lets the file name no scene where it names one that does not exist.
+    /// Removes the file's choice of a scene if that scene does not exist.
     fn mend_choice(&mut self) -> Result<(), Fault> {
         let Some(named) = self.root.scene else { return Ok(()) };
         let checked = in_range("scene", named.value(), self.root.scenes.len());
@@ -87,7 +87,8 @@ impl Mender<'_> {
         self.losses.repair(fault, "the first one is shown, or all nodes", self.notes)
     }
 
-    /// Returns the roots of the shown scene, each once; the scene keeps no others.
+    /// Returns the roots of the shown scene, each once, and removes the others from the scene's
+    /// list.
     fn roots(&mut self) -> Result<Vec<usize>, Fault> {
         let Some(scene) = shown_scene(self.root) else { return Ok(Vec::new()) };
         let count = self.root.nodes.len();
@@ -111,7 +112,7 @@ impl Mender<'_> {
         Ok(indices)
     }
 
-    /// Empties a node that has no place, and takes references to nothing out of others.
+    /// Empties a node if its transform is invalid; otherwise removes its invalid references.
     fn mend_node(&mut self, index: usize) -> Result<(), Fault> {
         let Some(node) = self.root.nodes.get(index) else { return Ok(()) };
         let object = || format!("node {index}");
@@ -120,7 +121,7 @@ impl Mender<'_> {
             let consequence = "it is left out with all below it";
             return self.losses.leave_out(reason.of(object()), consequence, self.notes);
         }
-        // Each turn takes one part of the node out.
+        // Each pass removes one part of the node.
         while let Some(node) = self.root.nodes.get(index)
             && let Err((part, reason)) = check_references(self.root, node)
         {
@@ -144,7 +145,7 @@ impl Mender<'_> {
         Ok(())
     }
 
-    /// Takes the children out of a node that it cannot have, and adds those that are new to a list.
+    /// Removes invalid children of a node, and appends the new ones to a list.
     fn mend_children(
         &mut self,
         index: usize,
@@ -174,13 +175,13 @@ impl Mender<'_> {
     }
 }
 
-/// The forest of the nodes that were visited.
+/// The forest of the visited nodes.
 struct Forest {
     /// The parent of each node that has one.
     parents: Vec<Option<u32>>,
-    /// The root below which each node was visited; [`Forest::NONE`] for the others.
+    /// The root below which each node was visited; [`Forest::NONE`] for nodes that were not.
     visited_below: Vec<u32>,
-    /// For each root that was adopted later: the root below which that was.
+    /// For each root that got a parent later: the root below which this parent is.
     adopted_below: Vec<u32>,
 }
 
@@ -204,10 +205,10 @@ impl Forest {
         self.visited_below[node] = node as u32;
     }
 
-    /// Makes one visited node the parent of another node.
+    /// Makes a visited node the parent of another node.
     ///
     /// # Errors
-    /// A node that does not exist, has a parent, or is above its parent.
+    /// A child that does not exist, already has a parent, or is an ancestor of the parent.
     fn adopt(&mut self, parent: usize, child: usize) -> Result<(), Reason> {
         in_range("child node", child, self.parents.len())?;
         if let Some(other) = self.parents[child] {
@@ -226,7 +227,7 @@ impl Forest {
         Ok(())
     }
 
-    /// Returns the node above a visited node that has no parent, and shortens the way to it.
+    /// Returns the root above a visited node, and shortens the path to it.
     fn root_of(&mut self, node: usize) -> u32 {
         let first = self.visited_below[node];
         let mut root = first;
@@ -255,7 +256,7 @@ mod tests {
         assert!(forest.adopt(2, 0).is_err() && forest.adopt(0, 0).is_err());
         assert!(forest.adopt(0, 2).is_err() && forest.adopt(1, 2).is_err());
         assert!(forest.adopt(0, 6).is_err());
-        // A root may become a child of another tree, and then has one parent, too.
+        // A root may become a child in another tree; then it has a parent.
         forest.add_root(3);
         assert_eq!(forest.adopt(3, 0), Ok(()));
         assert!(forest.adopt(2, 3).is_err() && forest.adopt(3, 0).is_err());

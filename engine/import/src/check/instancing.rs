@@ -12,9 +12,7 @@ use crate::error::{At, Fault, Reason};
 use crate::extensions::{INSTANCING, index};
 use crate::verdict::Verdict;
 
-/// The accessors of a node's instances: `EXT_mesh_gpu_instancing`.
-///
-/// All of them have `count` elements.
+/// The accessors of a node's instances (`EXT_mesh_gpu_instancing`), each with `count` elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Instancing {
     /// The number of instances, at least 1.
@@ -28,7 +26,7 @@ pub struct Instancing {
     pub scale: Option<usize>,
 }
 
-/// Checks the instances of all nodes. Meshes whose instances are wrong are taken off their nodes.
+/// Checks the instances of all nodes. A mesh with invalid instances is removed from its node.
 pub(super) fn check(
     root: &mut Root,
     verdict: &mut Verdict,
@@ -79,7 +77,7 @@ fn of_node(root: &Root, node: &Node) -> Result<Option<Instancing>, Reason> {
     }))
 }
 
-/// Returns the number of instances, which all attributes share, those of unknown name too.
+/// Returns the number of instances. All attributes must have this count, including unknown ones.
 fn same_count(root: &Root, attributes: &Map<String, Value>) -> Result<usize, Reason> {
     let mut count = None;
     for (name, value) in attributes {

@@ -1,5 +1,5 @@
-//! Checks of materials, textures, samplers, images, cameras and lights: indices, names of choices,
-//! numbers.
+//! Checks of materials, textures, samplers, images, cameras and lights: indices, enumerated values,
+//! and numbers.
 
 use gltf::json::camera::Type as CameraType;
 use gltf::json::extensions::scene::khr_lights_punctual::{Light, Type as LightType};

@@ -17,7 +17,7 @@ use crate::extensions::uses;
 use crate::leave_out::empty_primitive;
 use crate::verdict::Verdict;
 
-/// Checks all meshes. Broken primitives of those that are shown are emptied.
+/// Checks all meshes. Broken primitives of shown meshes are emptied.
 pub(super) fn check(root: &mut Root, verdict: &mut Verdict) -> Result<(), Fault> {
     for index in 0..root.meshes.len() {
         if verdict.is_used(Kind::Mesh.at(index)) {
@@ -44,7 +44,7 @@ pub(super) fn note_without_positions(root: &Root, verdict: &mut Verdict) {
     }
 }
 
-/// Empties the broken primitives of a mesh, and takes out weights that do not fit.
+/// Empties the broken primitives of a mesh, and removes weights that do not fit.
 fn mend_mesh(root: &mut Root, index: usize, verdict: &mut Verdict) -> Result<(), Fault> {
     let mut targets = None;
     let count = root.meshes.get(index).map_or(0, |mesh| mesh.primitives.len());
@@ -77,7 +77,7 @@ fn mend_mesh(root: &mut Root, index: usize, verdict: &mut Verdict) -> Result<(),
     }
     let Some(mesh) = root.meshes.get_mut(index) else { return Ok(()) };
     let targets = targets.unwrap_or(given);
-    // Emptied primitives have as many targets as the others.
+    // Emptied primitives keep the number of targets of the others.
     for primitive in &mut mesh.primitives {
         if primitive.attributes.is_empty() {
             primitive.targets = Some(vec![NO_TARGET; targets]);
@@ -88,7 +88,7 @@ fn mend_mesh(root: &mut Root, index: usize, verdict: &mut Verdict) -> Result<(),
     verdict.repair(reason.of(format!("mesh {index}")), "they are ignored")
 }
 
-/// Notes morph targets of normals or tangents that the primitive lacks.
+/// Notes morph targets for normals or tangents that the primitive does not have.
 fn note_targets_alone(primitive: &Primitive, name: &dyn Fn() -> String, verdict: &mut Verdict) {
     let lacks = |semantic| !primitive.attributes.contains_key(&Checked::Valid(semantic));
     let no_normals = lacks(Semantic::Normals);
@@ -126,7 +126,7 @@ fn same_targets(own: usize, others: usize) -> Result<(), Reason> {
     Err(Reason::malformed(text))
 }
 
-/// Checks the weights of a mesh, or of a node with one.
+/// Checks the weights of a mesh, or of a node with a mesh.
 pub(super) fn check_weights(weights: Option<&[f32]>, targets: usize) -> Result<(), Reason> {
     let weights = weights.unwrap_or_default();
     finite("weight", weights)?;
@@ -145,9 +145,9 @@ const NO_TARGET: MorphTarget = MorphTarget { positions: None, normals: None, tan
 struct Checker<'a> {
     root: &'a Root,
     primitive: &'a Primitive,
-    /// True if the file names the extension for attributes of integers.
+    /// True if the file declares the extension for integer attributes.
     is_quantised: bool,
-    /// The first attribute that needs the extension without it.
+    /// The first attribute that needs the extension although it is not declared.
     undeclared: Option<Fault>,
 }
 
@@ -199,7 +199,8 @@ impl<'a> Checker<'a> {
         Ok(())
     }
 
-    /// Checks the type of an attribute. Integers that need the extension are read without it, too.
+    /// Checks the type of an attribute. Integers that need the extension are accepted without it,
+    /// too.
     fn check_form(
         &mut self,
         accessor: &Accessor,
@@ -227,7 +228,7 @@ impl<'a> Checker<'a> {
         Err(Reason::malformed(text))
     }
 
-    /// Checks that joints come with weights.
+    /// Checks that joints and weights come together.
     fn check_partner(&self, semantic: &Semantic) -> Result<(), Reason> {
         let partner = match *semantic {
             Semantic::Joints(set) => Semantic::Weights(set),

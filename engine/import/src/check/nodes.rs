@@ -10,7 +10,7 @@ use crate::extensions::lights;
 use crate::notes::Note;
 use crate::verdict::Verdict;
 
-/// A part of a node that can be wrong by itself.
+/// A part of a node that can be invalid individually.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NodePart {
     Camera,
@@ -18,8 +18,8 @@ pub(super) enum NodePart {
     Mesh,
 }
 
-/// Checks all nodes and scenes; those that are shown were mended, and lose weights that do not fit
-/// the targets that their meshes have. Returns the parents of the shown nodes, which are a forest.
+/// Checks all nodes and scenes. Shown nodes form a forest already; weights that do not fit the
+/// targets of their meshes are removed. Returns the parents of the shown nodes.
 pub(super) fn check(root: &mut Root, verdict: &mut Verdict) -> Result<Vec<Option<u32>>, Fault> {
     for index in 0..root.nodes.len() {
         let element = Kind::Node.at(index);
@@ -47,7 +47,7 @@ pub(super) fn check(root: &mut Root, verdict: &mut Verdict) -> Result<Vec<Option
     Ok(parents)
 }
 
-/// Takes out weights of a node that do not fit its mesh.
+/// Removes weights of a node that do not fit its mesh.
 fn mend_weights(root: &mut Root, index: usize, verdict: &mut Verdict) -> Result<(), Fault> {
     let Some(node) = root.nodes.get(index) else { return Ok(()) };
     let Err(reason) = check_weights(root, node) else { return Ok(()) };
@@ -55,7 +55,7 @@ fn mend_weights(root: &mut Root, index: usize, verdict: &mut Verdict) -> Result<
     verdict.repair(reason.of(Kind::Node.at(index).to_string()), "they are ignored")
 }
 
-/// Returns the parents of nodes, out of those that are `counted`.
+/// Returns the parents of the nodes; only the children of `counted` nodes matter.
 ///
 /// # Errors
 /// A node with two parents, or that is its own ancestor.
@@ -73,16 +73,16 @@ fn check_children(node: &Node, count: usize) -> Result<(), Reason> {
     children.try_for_each(|child| in_range("child node", child.value(), count))
 }
 
-/// Checks that the weights of a node are as many as the targets of its mesh.
+/// Checks that a node has one weight per target of its mesh.
 fn check_weights(root: &Root, node: &Node) -> Result<(), Reason> {
     let Some(mesh) = node.mesh.and_then(|mesh| root.get(mesh)) else { return Ok(()) };
     meshes::check_weights(node.weights.as_deref(), meshes::target_count(mesh))
 }
 
-/// Checks the references of a node to all but other nodes.
+/// Checks the references of a node except its children.
 ///
 /// # Errors
-/// The first part of it that is wrong.
+/// The first part of the node that is invalid.
 pub(super) fn check_references(root: &Root, node: &Node) -> Result<(), (NodePart, Reason)> {
     let of = |part: NodePart| move |reason: Reason| (part, reason);
     if let Some(camera) = node.camera {
@@ -103,7 +103,7 @@ pub(super) fn check_references(root: &Root, node: &Node) -> Result<(), (NodePart
     Ok(())
 }
 
-/// Checks the numbers that place a node.
+/// Checks the numbers of a node's transform.
 pub(super) fn check_numbers(node: &Node) -> Result<(), Reason> {
     finite("matrix", node.matrix.as_ref().map_or(&[], |matrix| matrix))?;
     finite("translation", node.translation.as_ref().map_or(&[], |translation| translation))?;
@@ -111,7 +111,7 @@ pub(super) fn check_numbers(node: &Node) -> Result<(), Reason> {
     finite("scale", node.scale.as_ref().map_or(&[], |scale| scale))
 }
 
-/// Notes the parent of a node's children; each has one at most.
+/// Notes the parent of a node's children; a child may have only one parent.
 fn adopt_children(parents: &mut [Option<u32>], index: usize, node: &Node) -> Result<(), Fault> {
     for child in node.children.iter().flatten().map(|child| child.value()) {
         let Some(parent) = parents.get_mut(child) else { continue };
@@ -123,8 +123,8 @@ fn adopt_children(parents: &mut [Option<u32>], index: usize, node: &Node) -> Res
     Ok(())
 }
 
-/// Checks that every node leads to a root, where each has one parent at most: those that do not are
-/// on a cycle or below one.
+/// Checks that every node leads to a root. Each node has at most one parent, so other nodes are on
+/// a cycle or below one.
 fn check_ancestors(parents: &[Option<u32>]) -> Result<(), Fault> {
     let mut leads_to_root = vec![false; parents.len()];
     for start in 0..parents.len() {
@@ -133,7 +133,7 @@ fn check_ancestors(parents: &[Option<u32>]) -> Result<(), Fault> {
         while let Some(parent) = parents[at].filter(|_| !leads_to_root[at]) {
             at = parent as usize;
             steps += 1;
-            // As many steps up as there are nodes end on the cycle.
+            // More steps upwards than there are nodes end on the cycle.
             if steps > parents.len() {
                 return Err(Reason::malformed("it is its own ancestor").of(format!("node {at}")));
             }
@@ -147,7 +147,7 @@ fn check_ancestors(parents: &[Option<u32>]) -> Result<(), Fault> {
 }
 
 fn check_scenes(root: &Root, verdict: &mut Verdict) -> Result<(), Fault> {
-    // The last scene that each node was seen in.
+    // The last scene that lists each node.
     let mut seen_in: Vec<Option<u32>> = vec![None; root.nodes.len()];
     for (index, scene) in root.scenes.iter().enumerate() {
         let mut nodes = scene.nodes.iter().map(|node| node.value());

@@ -1,4 +1,4 @@
-//! Checks of skins: joints that are nodes, and a matrix for each.
+//! Checks of skins: joints must be nodes and have a matrix each.
 
 use gltf::json::accessor::Type;
 use gltf::json::{Root, Skin};
@@ -11,7 +11,7 @@ use crate::element::Kind;
 use crate::error::{At, Fault, Reason};
 use crate::verdict::Verdict;
 
-/// Checks all skins against the `parents` of the nodes that are shown.
+/// Checks all skins against the `parents` of the shown nodes.
 pub(super) fn check(
     root: &Root,
     parents: &[Option<u32>],

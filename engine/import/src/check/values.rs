@@ -1,4 +1,4 @@
-//! Checks of the values in buffers that are indices: sparse indices, indices of primitives, joints.
+//! Checks of values in buffers that are indices: sparse indices, indices of primitives, and joints.
 
 use std::collections::HashMap;
 
@@ -17,7 +17,7 @@ use crate::error::{At, Fault, Reason, there_are};
 use crate::leave_out;
 use crate::verdict::Verdict;
 
-/// Checks the values that are used. What breaks a rule is taken out of the shown scene.
+/// Checks the used values. Parts with invalid values are left out of the shown scene.
 pub(crate) fn indices_and_joints(
     root: &mut Root,
     store: &Store,
@@ -78,7 +78,7 @@ fn check_indices(
     Ok(beyond)
 }
 
-/// The consequence of values that restart a primitive.
+/// The consequence of indices that restart a primitive.
 const RESTARTS: &str = "read as the value that begins a new strip, which glTF does not allow";
 
 fn check_sparse(root: &Root, store: &Store, sparse: &Sparse, count: u64) -> Result<(), Reason> {
@@ -96,8 +96,8 @@ fn check_sparse(root: &Root, store: &Store, sparse: &Sparse, count: u64) -> Resu
     Ok(())
 }
 
-/// Checks that vertices follow joints that are there. A joint without weight may be any (3.7.3.3
-/// asks for 0). Returns the nodes whose meshes are left out.
+/// Checks that vertices follow existing joints. A joint with weight 0 may have any index (3.7.3.3
+/// requires 0). Returns the nodes whose meshes are left out.
 fn check_skinned(root: &Root, store: &Store, verdict: &mut Verdict) -> Result<Vec<usize>, Fault> {
     let mut greatest = Greatest::of_file(root, store);
     let mut named: HashMap<usize, Option<u32>> = HashMap::new();
@@ -132,22 +132,22 @@ fn check_skinned(root: &Root, store: &Store, verdict: &mut Verdict) -> Result<Ve
     Ok(beyond)
 }
 
-/// An index of a primitive that names no vertex.
+/// An index of a primitive beyond its vertices.
 enum Beyond {
-    /// The greatest of its type, by which graphics interfaces begin a new strip.
+    /// The greatest value of the type, at which graphics APIs begin a new strip.
     Restart(Reason),
-    /// Another one.
+    /// Any other value.
     Vertex(Reason),
 }
 
-/// The greatest values of accessors, each found once even if many primitives share it.
+/// The greatest values of accessors, each computed once even if many primitives share it.
 struct Greatest<'a> {
     root: &'a Root,
     store: &'a Store,
     known: HashMap<usize, u32>,
-    /// The greatest indices that do not restart a primitive.
+    /// The greatest indices except those that restart a primitive.
     without_restarts: HashMap<usize, Option<u32>>,
-    /// The greatest joints with a weight, by the accessors of joints and weights.
+    /// The greatest joints with a weight above 0, by the accessors of joints and weights.
     followed: HashMap<[usize; 2], Option<u32>>,
 }
 
@@ -174,7 +174,7 @@ impl<'a> Greatest<'a> {
         })
     }
 
-    /// Returns the index of a primitive that names no vertex, if it has one.
+    /// Returns an index of a primitive beyond its vertices, if there is one.
     fn vertex_beyond(&mut self, primitive: &Primitive) -> Option<Beyond> {
         let vertices = vertex_count(self.root, primitive)?;
         let indices = primitive.indices?;
@@ -213,7 +213,7 @@ impl<'a> Greatest<'a> {
         joints.map(|accessor| self.of::<4>(accessor)).max()
     }
 
-    /// Returns the greatest joint that a vertex follows by some weight.
+    /// Returns the greatest joint that a vertex follows with a weight above 0.
     fn followed_joint(&mut self, primitive: &Primitive) -> Option<u32> {
         let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic));
         let set =

@@ -26,7 +26,7 @@ use crate::losses::Losses;
 use crate::notes::Notes;
 use crate::{Cause, ImportError, Source};
 
-/// The index of no tint: white, with the material's own colour.
+/// The index of no tint: white, so the material's own colour shows.
 pub(super) const NO_TINT: u32 = u32::MAX;
 
 /// The scene under construction.
@@ -43,20 +43,20 @@ pub(super) struct Assembly<'a> {
     /// The node of each object of the scene.
     pub(super) object_nodes: Vec<RigNodeId>,
     pub(super) skinned_extents: SkinnedExtents,
-    /// True for each node that mirrors at one time and not at another.
+    /// True for each node that is mirrored at some times and not at others.
     pub(super) turns: Vec<bool>,
-    /// True for the skins with such a joint.
+    /// True for each skin that has such a node as a joint.
     pub(super) turning_skins: HashMap<usize, bool>,
     pub(super) budget: Budget,
     /// The value of [`LoadOptions::cut_above_triangles`](crate::LoadOptions::cut_above_triangles).
     pub(super) cut_above: Option<usize>,
-    /// The share of the nodes that is done, 0 to 1.
+    /// The finished share of the nodes, 0 to 1.
     pub(super) done: f32,
-    /// The progress function, which may stop the loading.
+    /// The progress function, which may stop loading.
     pub(super) progress_fn: &'a mut ShareFn<'a>,
-    /// The number of things placed since the last report.
+    /// The number of parts placed since the last report.
     pub(super) unreported: usize,
-    /// The view for which points and lines are sized.
+    /// The view that determines the size of points and lines.
     pub(super) sight: InitialView<'a>,
     /// The number of objects added by splitting transparent meshes into parts.
     pub(super) transparent_parts: usize,
@@ -65,11 +65,11 @@ pub(super) struct Assembly<'a> {
 /// The function that receives the finished share.
 pub(super) type ShareFn<'a> = dyn FnMut(f32) -> Result<(), ImportError> + 'a;
 
-/// The number of things placed between two reports of progress.
+/// The number of parts placed between two reports of progress.
 pub(super) const PARTS_PER_REPORT: usize = 256;
 
 impl<'a> Assembly<'a> {
-    /// Returns an assembly in which nothing is placed yet.
+    /// Returns an assembly without any placed part.
     pub(super) fn new(
         source: &'a Source,
         tree: &'a Tree,
@@ -103,10 +103,10 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Reports progress now and then; to be called for each thing that is placed.
+    /// Reports progress from time to time; must be called for each placed part.
     ///
     /// # Errors
-    /// The progress function stopped the loading.
+    /// The progress function stopped loading.
     pub(super) fn report(&mut self) -> Result<(), ImportError> {
         self.unreported += 1;
         if self.unreported < PARTS_PER_REPORT {
@@ -116,7 +116,7 @@ impl<'a> Assembly<'a> {
         (self.progress_fn)(self.done)
     }
 
-    /// Returns true if clips turn the contents of a node inside out, and notes it.
+    /// Returns true if clips turn the contents of a node inside out, which is noted.
     pub(super) fn may_turn(&mut self, node: RigNodeId) -> bool {
         let may_turn = self.turns.get(node.0 as usize) == Some(&true);
         if may_turn {
@@ -130,7 +130,8 @@ impl<'a> Assembly<'a> {
         self.notes.count(what, 1, || self.tree.name(node));
     }
 
-    /// Returns what was made of a primitive; none if it is broken, which is noted.
+    /// Returns the result of converting a primitive, or `None` with a note if the primitive is
+    /// broken.
     ///
     /// # Errors
     /// The error, if it refuses the file.
@@ -151,7 +152,7 @@ impl<'a> Assembly<'a> {
         Some(Primitive { source: self.source, json: given.primitives.get(number)?, mesh, number })
     }
 
-    /// Returns the name of a mesh made of a primitive, for people.
+    /// Returns a name for the mesh of a primitive.
     pub(super) fn name_of(&self, mesh: usize, number: usize) -> String {
         let given = self.source.document.as_json().meshes.get(mesh);
         let name = given.and_then(|given| given.name.clone()).filter(|name| !name.is_empty());
@@ -162,10 +163,7 @@ impl<'a> Assembly<'a> {
         }
     }
 
-    /// Puts everything that a node has into the scene.
-    ///
-    /// # Errors
-    /// Those of [`Primitive::build`].
+    /// Adds the contents of a node to the scene.
     pub(super) fn place(&mut self, plan: &mut Plan, node: RigNodeId) -> Result<(), ImportError> {
         let Some(mesh) = self.tree.meshes.get(node.0 as usize).copied().flatten() else {
             return Ok(());
@@ -200,7 +198,7 @@ impl<'a> Assembly<'a> {
         node.skin.map(|skin| skin.value())
     }
 
-    /// Returns true if morph targets change a primitive of a node, at rest or while a clip plays.
+    /// Returns true if morph targets change a primitive of a node at rest or while a clip plays.
     fn is_morphed(&self, node: RigNodeId, primitive: &Primitive<'_>) -> bool {
         let weights = self.tree.node(node).map(|node| node.weights.as_slice()).unwrap_or_default();
         let is_animated = self.tree.morphs.get(node.0 as usize) == Some(&true);
@@ -241,8 +239,7 @@ impl<'a> Assembly<'a> {
         MeshId(self.scene.meshes.len() as u32 - 1)
     }
 
-    /// Returns true if a mesh at `transform` can be seen, or if the node moves and it can be seen
-    /// elsewhere.
+    /// Returns true if a mesh at `transform` can be visible, now or when its node has moved.
     pub(super) fn can_be_seen(&mut self, node: RigNodeId, transform: &Affine3A) -> bool {
         let tree = self.tree;
         let at_rest = !self.tree.moves(node);
@@ -259,17 +256,17 @@ impl<'a> Assembly<'a> {
         true
     }
 
-    /// Notes that an object is left out because it is too far away or too large for its box.
+    /// Notes that an object is left out because it is too far away or too large for a box.
     pub(super) fn leave_out_huge(&mut self, node: RigNodeId) {
         let tree = self.tree;
         let what = "it reaches beyond all numbers, and is left out";
         self.notes.count(what, 1, || tree.name(node));
     }
 
-    /// Adds an object of a node, transparent or not.
+    /// Adds an opaque or transparent object of a node.
     ///
     /// # Errors
-    /// More objects than can be counted.
+    /// More objects than an index can count.
     pub(super) fn add_object(
         &mut self,
         node: RigNodeId,

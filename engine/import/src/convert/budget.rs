@@ -1,12 +1,11 @@
 //! The budget: the number of vertices and corners of triangles that the scene may still have. Flat
-//! normals, backs and solid lines make more of them than the file has, so that they are counted
-//! again as they are made.
+//! normals, backs and solid lines create more than the file has, so they are counted when created.
 
 use std::fmt;
 
 use crate::Limits;
 
-/// The remainder of the limits.
+/// The remaining amounts of the limits.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Budget {
     most: [u64; 2],
@@ -15,7 +14,7 @@ pub(super) struct Budget {
     skinned: u64,
 }
 
-/// The limit that was passed.
+/// The limit that was exceeded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Over {
     what: &'static str,
@@ -39,11 +38,11 @@ impl Budget {
         }
     }
 
-    /// Checks that so much more is within the budget.
+    /// Checks that these additional amounts are within the budget.
     pub(super) fn check(&self, vertices: u64, corners: u64) -> Result<(), Over> {
         let names = ["vertices", "corners of triangles"];
         for (place, more) in [vertices, corners].into_iter().enumerate() {
-            // Indices are 32 bits wide whatever the limits.
+            // Indices have 32 bits, whatever the limits are.
             let is_over = self.used[place].saturating_add(more) > self.most[place];
             if is_over || more > u64::from(u32::MAX) {
                 return Err(Over { what: names[place], most: self.most[place] });
@@ -52,7 +51,7 @@ impl Budget {
         Ok(())
     }
 
-    /// Takes so much out of the budget.
+    /// Takes these amounts out of the budget.
     pub(super) fn take(&mut self, vertices: u64, corners: u64) -> Result<(), Over> {
         self.check(vertices, corners)?;
         self.used[0] += vertices;
@@ -60,7 +59,7 @@ impl Budget {
         Ok(())
     }
 
-    /// Takes vertices, which were counted already, for a skinned mesh.
+    /// Takes vertices for a skinned mesh, which were counted before.
     pub(super) fn take_skinned(&mut self, vertices: u64) -> Result<(), Over> {
         self.skinned = self.skinned.saturating_add(vertices);
         if self.skinned > self.most_skinned {

@@ -15,23 +15,23 @@ use crate::error::quoted;
 use crate::gltf_scene::SceneCamera;
 use crate::notes::Notes;
 
-/// The narrowest and the widest field of view, in radians.
+/// The smallest and the largest field of view, in radians.
 const ANGLES_RAD: [f32; 2] = [0.01, PI - 0.1];
 
 /// The nearest and the farthest near plane of a perspective view, in metres.
 const NEAR_M: [f32; 2] = [1e-6, 1e6];
 
-/// The least and the greatest height of an orthographic camera's image, and length of what it sees,
-/// in metres.
+/// The least and the greatest height of an orthographic camera's image, and distance between its
+/// planes, in metres.
 const SIDES_M: [f32; 2] = [1e-6, 1e9];
 
 /// The least and the greatest aspect ratio of an image.
 const ASPECT_RATIOS: [f32; 2] = [1e-3, 1e3];
 
-/// The size in pixels of an image in which a camera should see something.
+/// The image size, in pixels, for the test whether a camera sees anything.
 const IMAGE: [u32; 2] = [1600, 900];
 
-/// The faults of projections, which are replaced so that each camera shows something.
+/// The faults of projections. The values are replaced so that each camera shows something.
 mod faults {
     pub(super) const ANGLE: &str = "its yfov is not between 0 and 180 degrees: shown with 60";
     pub(super) const EXTREME_ANGLE: &str =
@@ -69,7 +69,7 @@ pub(super) fn cameras(source: &Source, tree: &Tree, notes: &mut Notes) -> Vec<Sc
     cameras
 }
 
-/// Returns its projection, and the distance of the near plane.
+/// Returns the projection, and the distance of the near plane.
 fn projection(given: &json::Camera, name: &str, notes: &mut Notes) -> (Projection, f32) {
     let place = || format!("camera {}", quoted(name));
     if let Some(given) = perspective(given) {
@@ -98,18 +98,18 @@ fn projection(given: &json::Camera, name: &str, notes: &mut Notes) -> (Projectio
     notes.count(faults::ORDER, usize::from(parallel.zfar <= parallel.znear), place);
     let sides_m = [(parallel.zfar - parallel.znear).abs(), 2.0 * half_height_m];
     let [length_m, height] = sides_m.map(|side_m| side_m.clamp(SIDES_M[0], SIDES_M[1]));
-    // Sides of 0 have notes of their own.
+    // Sizes of 0 have notes of their own.
     let is_extreme = (sides_m != [length_m, height]) && !sides_m.contains(&0.0);
     notes.count(faults::EXTREME_SIZE, usize::from(is_extreme), place);
     let near_m = parallel.znear.min(parallel.zfar);
     (Projection::Orthographic { height, far: near_m + length_m }, near_m)
 }
 
-/// Returns the aspect ratio of a camera's image, where the file gives one.
+/// Returns the aspect ratio of a camera's image, if the file specifies it.
 fn aspect_ratio(given: &json::Camera, name: &str, notes: &mut Notes) -> Option<f32> {
     let ratio = match (perspective(given), &given.orthographic) {
         (Some(perspective), _) => perspective.aspect_ratio,
-        // An image without a height is as high as wide.
+        // An image of height 0 gets the height of its width.
         (None, Some(parallel)) if parallel.ymag != 0.0 => {
             Some((parallel.xmag / parallel.ymag).abs())
         }
@@ -120,7 +120,7 @@ fn aspect_ratio(given: &json::Camera, name: &str, notes: &mut Notes) -> Option<f
     is_shape.then_some(ratio)
 }
 
-/// Returns the values of a perspective camera, which may have the values of the other type too.
+/// Returns the values of a perspective camera, which may also have the values of the other type.
 fn perspective(given: &json::Camera) -> Option<&json::camera::Perspective> {
     let is_parallel = given.type_ == Checked::Valid(json::camera::Type::Orthographic);
     given.perspective.as_ref().filter(|_| !is_parallel)
@@ -129,12 +129,12 @@ fn perspective(given: &json::Camera) -> Option<&json::camera::Perspective> {
 /// The place of a camera at rest.
 pub(super) struct Place {
     pub(super) world: Affine3A,
-    /// True if it is wrong to see nothing from there: there is something, and no clip moves the
-    /// camera.
+    /// True if the camera should see something at rest: the scene is not empty, and no clip moves
+    /// the camera.
     pub(super) should_see: bool,
 }
 
-/// Notes a scene that is too small for any camera, and the cameras that see nothing of the scene.
+/// Notes a scene that is too small for any camera, and cameras that see nothing of the scene.
 pub(super) fn check(cameras: &[SceneCamera], places: &[Place], scene: &Aabb, notes: &mut Notes) {
     let size_m = (scene.max - scene.min).max_element();
     if size_m > 0.0 && size_m < LEAST_DISTANCE_M {

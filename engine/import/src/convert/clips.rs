@@ -1,4 +1,4 @@
-//! Clips: the animations of the file, as tracks that can be sampled without further checks.
+//! Clips: the animations of the file, as tracks that need no further checks.
 
 use animation::{Channel, Clip, Interpolation, RigNodeId, Track, TrackError, Values};
 use glam::{Quat, Vec3};
@@ -14,10 +14,10 @@ use crate::notes::Notes;
 use crate::{ImportError, Source};
 
 /// Returns all animations of the file that change the scene. Animations are left out and noted if
-/// their times are not finite or not strictly ascending, or their values are not finite.
+/// times or values are not finite, or times are not strictly ascending.
 ///
 /// # Errors
-/// The first of these, where broken parts are refused.
+/// The first such animation, if broken parts are refused.
 pub(super) fn clips(
     source: &Source,
     tree: &Tree,
@@ -26,7 +26,7 @@ pub(super) fn clips(
 ) -> Result<Vec<Clip>, ImportError> {
     let mut clips = Vec::new();
     for (number, animation) in source.document.as_json().animations.iter().enumerate() {
-        // Empty ones were noted.
+        // Empty animations were noted before.
         if animation.samplers.is_empty() {
             continue;
         }
@@ -62,7 +62,7 @@ impl Reader<'_> {
     /// Reads all channels.
     ///
     /// # Errors
-    /// A sampler that makes no track.
+    /// A sampler that is not a valid track.
     fn channels(&self, notes: &mut Notes) -> Result<Vec<Channel>, (usize, TrackError)> {
         let mut channels = Vec::with_capacity(self.animation.channels.len());
         let mut known = std::collections::HashSet::new();
@@ -124,7 +124,7 @@ impl Reader<'_> {
         notes.count("a key is before 0 s, which is where playing begins", early, self.place);
         match Track::new(interpolation, times_s, values, targets) {
             Ok(track) => Ok(Some(track)),
-            // glTF allows them.
+            // glTF allows such numbers.
             Err(TrackError::TooLarge { .. } | TrackError::TooLate { .. }) => {
                 let what = "a channel has times or values beyond 1e9, and is left out";
                 notes.count(what, 1, self.place);
@@ -139,8 +139,7 @@ impl Reader<'_> {
         values.into_iter().map(Vec3::from_array).collect()
     }
 
-    /// Returns keys as rotations, whatever their length; keys that are not finite are left for
-    /// [`Track::new`] to find.
+    /// Returns keys as rotations of any length; [`Track::new`] finds keys that are not finite.
     fn rotations(
         &self,
         accessor: usize,
@@ -150,7 +149,8 @@ impl Reader<'_> {
         let values = self.source.floats::<4>(accessor).unwrap_or_default();
         let mut broken = 0;
         let turned = values.into_iter().enumerate().map(|(place, parts)| {
-            // Of cubic tracks, only the second of three is a rotation; tangents have any length.
+            // In cubic tracks, only the second of three values is a rotation; tangents have any
+            // length.
             let is_tangent = interpolation == Interpolation::Cubic && place % 3 != 1;
             if is_tangent || parts.iter().any(|part| !part.is_finite()) {
                 return Quat::from_array(parts);

@@ -1,4 +1,4 @@
-//! Connected components of transparent meshes, so that these can be sorted.
+//! Connected components of transparent meshes, which can be sorted individually.
 
 use std::collections::HashMap;
 
@@ -9,9 +9,9 @@ use scene::{ENCLOSING, signed_volume};
 use super::geometry::Geometry;
 use super::pieces;
 
-/// Splits geometry into connected components (by the positions of its vertices), at most `most`:
-/// where there are more, neighbours stay together. Within a part, triangles keep their order. Backs
-/// stay with their fronts.
+/// Splits geometry into at most `most` parts: its connected components (by the positions of
+/// vertices), or groups of neighbouring components if there are more. Triangles keep their order
+/// within a part. Backs stay with their fronts.
 pub(super) fn apart(geometry: Geometry, most: usize) -> Vec<Geometry> {
     let parts = components(&geometry);
     if parts.len() < 2 || most < 2 {
@@ -30,7 +30,7 @@ pub(super) fn apart(geometry: Geometry, most: usize) -> Vec<Geometry> {
                 a[axis].total_cmp(&b[axis]).then(first.cmp(second))
             });
             let (low, high) = group.split_at_mut(half);
-            // So that few are not held together while others are cut in vain.
+            // So that a large group is split further even if a small one cannot use its share.
             let for_low = (most / 2).min(low.len());
             pending.push((high, most - for_low));
             pending.push((low, for_low));
@@ -44,9 +44,8 @@ pub(super) fn apart(geometry: Geometry, most: usize) -> Vec<Geometry> {
     pieces
 }
 
-/// Splits a part that includes the backs of its triangles, and encloses something, into the backs
-/// and the fronts: its inside is seen before the ones and behind the others. Other parts stay
-/// whole.
+/// Splits a closed part whose first half of triangles are the backs of the second half into both
+/// halves: its inside is seen before the backs and behind the fronts. Other parts stay whole.
 pub(super) fn sides(part: Geometry) -> Vec<Geometry> {
     let (backs, fronts) = part.triangles.split_at(part.triangles.len() / 2);
     let places = |corners: &[u32; 3]| {
@@ -71,10 +70,9 @@ pub(super) fn sides(part: Geometry) -> Vec<Geometry> {
         .into()
 }
 
-/// Returns the connected components as lists of triangles, in the order of the first triangle of
-/// each.
+/// Returns the connected components as lists of triangles, ordered by their first triangle.
 fn components(geometry: &Geometry) -> Vec<Vec<u32>> {
-    // Vertices in one place count as one, whatever their other attributes.
+    // Vertices at one place count as one, whatever their other attributes.
     let mut places: HashMap<[u32; 3], u32> = HashMap::new();
     let count = geometry.positions.len() as u32;
     let mut above: Vec<u32> = (0..count).collect();
@@ -104,7 +102,7 @@ fn components(geometry: &Geometry) -> Vec<Vec<u32>> {
     parts
 }
 
-/// Returns the vertex that stands for the component of a vertex.
+/// Returns the vertex that represents the component of a vertex.
 fn root(above: &mut [u32], mut vertex: u32) -> u32 {
     while let Some(&next) = above.get(vertex as usize)
         && next != vertex
@@ -139,7 +137,7 @@ fn middle(geometry: &Geometry, part: &[u32]) -> Vec3 {
 mod tests {
     use super::*;
 
-    /// Returns squares along x with gaps between them, of two triangles that share no vertex.
+    /// Returns squares along x with gaps between them. Their two triangles share no vertex.
     fn cards(count: u32) -> Geometry {
         let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]];
         let card = |number: u32| {
@@ -147,7 +145,7 @@ mod tests {
         };
         Geometry {
             positions: (0..count).flat_map(card).collect(),
-            // All first halves before all second halves.
+            // All first halves precede all second halves.
             triangles: [0, 3]
                 .into_iter()
                 .flat_map(|half| {

@@ -1,9 +1,9 @@
-//! Clips that move things too far: a box beyond all that can be drawn would be an error during
-//! playback, so such clips are found when loading and are not played.
+//! Clips that move objects too far. A box beyond the drawable coordinates would be an error during
+//! playback, so such clips are found when loading and left out.
 //!
-//! The distance of each node is bounded for all clips at once, mixed or not ([`Extents`]), so that
-//! no fade goes farther than a clip. Only if that bound is too far, clips are tried one after the
-//! other, each with the accepted ones before it.
+//! The distance of each node is bounded for all clips at once, mixed or not ([`Extents`]), so no
+//! fade moves a node farther. Only if that bound is too large, clips are tried one after the other,
+//! each together with the clips accepted before.
 
 use std::collections::HashMap;
 
@@ -17,10 +17,10 @@ use crate::error::quoted;
 use crate::gltf_scene::{NodeAttachment, PlacedNode, SceneCamera};
 use crate::notes::Notes;
 
-/// The number of nodes visited to find the clips that go too far; clips not tried by then are not
-/// played.
+/// The number of nodes that are visited in the search for such clips; clips that were not tried by
+/// then are left out.
 const MOST_STEPS: usize = 1 << 26;
-/// The number of clips that are tried even with very many nodes.
+/// The number of clips that are tried in any case.
 const LEAST_TRIES: usize = 8;
 
 /// The contents of a scene that clips move.
@@ -32,8 +32,8 @@ pub(super) struct MovedContents<'a> {
     pub(super) cameras: &'a [SceneCamera],
 }
 
-/// Removes from `clips` those that could move something farther than anything can be, and notes
-/// them. `extents` belong to all of the clips.
+/// Removes clips that could move an object beyond the drawable coordinates, and notes them.
+/// `extents` are the extents of all clips.
 pub(super) fn refuse_far(
     tree: &Tree,
     extents: &Extents,
@@ -72,7 +72,7 @@ pub(super) fn refuse_far(
     clips.retain(|_| is_taken.next() == Some(true));
 }
 
-/// Returns the reach of each node's contents from its origin; -1 for a node without any.
+/// Returns the reach of each node's contents from its origin; -1 for a node without contents.
 fn distances(
     rig: &Rig,
     &MovedContents { placements, scene, surfaces, skins, cameras }: &MovedContents<'_>,

@@ -1,8 +1,8 @@
-//! Exposure: files give lights in lux and candela, but no exposure of a camera. Where the lights
-//! would leave nothing but white, all of them are dimmed by one factor.
+//! Exposure: files specify lights in lux and candela, but no camera exposure. If the lights would
+//! make nearly everything white, all lights are dimmed by one factor.
 //!
-//! The factor is a function of the scene at rest, so that every frame has the same. Lights are
-//! dimmed and not the whole image: emission and ambient light need no camera.
+//! The factor depends only on the scene at rest, so all frames use the same factor. The lights are
+//! dimmed instead of the whole image, since emission and ambient light need no exposure.
 
 use std::f32::consts::PI;
 
@@ -11,14 +11,14 @@ use scene::{LightKind, MeshId, PunctualLight, Scene, Surfaces};
 
 use crate::notes::Notes;
 
-/// The light that most of the lit objects send on, up to which lights stay as they are: what is
-/// brighter is white in the image.
+/// The greatest median of the light that lit objects reflect for which lights are not dimmed:
+/// brighter objects are white in the image.
 const MOST_RADIANCE: f32 = 1.0;
 
-/// The light that most of the objects send on once brighter lights are dimmed.
+/// The median of the light that objects reflect after dimming.
 const DIMMED_RADIANCE: f32 = 0.5;
 
-/// The part of the light that a texture sends on.
+/// The assumed albedo of a texture.
 const TEXTURE_ALBEDO: f32 = 1.0 / 3.0;
 
 /// The most vertices of an object whose colours are sampled.
@@ -30,7 +30,7 @@ const MOST_OBJECTS: usize = 512;
 /// The most pairs of an object and a light that are sampled.
 const MOST_PAIRS: usize = 1 << 22;
 
-/// Sets the exposure of a scene: the `wanted` one, or 1, with the lights dimmed where needed.
+/// Sets the exposure of a scene to `wanted`, or to 1 with dimmed lights if necessary.
 pub(super) fn set(wanted: Option<f32>, scene: &Scene, surfaces: &mut Surfaces, notes: &mut Notes) {
     match wanted {
         Some(exposure) => surfaces.exposure = exposure,
@@ -38,7 +38,7 @@ pub(super) fn set(wanted: Option<f32>, scene: &Scene, surfaces: &mut Surfaces, n
     }
 }
 
-/// Dims the lights of a scene where most of the lit objects would be white, and notes it.
+/// Dims the lights of a scene if most of the lit objects would be white, and notes it.
 fn dim(scene: &Scene, surfaces: &mut Surfaces, notes: &mut Notes) {
     let objects = scene.objects.iter().chain(&surfaces.transparent);
     let count = scene.objects.len() + surfaces.transparent.len();
@@ -60,14 +60,14 @@ fn dim(scene: &Scene, surfaces: &mut Surfaces, notes: &mut Notes) {
     ));
 }
 
-/// An object that lights shine on.
+/// An object that receives light.
 struct Receiver {
     bounds: Aabb,
-    /// The part of the light that it sends on, of the colour of which that is most.
+    /// The albedo of the brightest channel.
     albedo: f32,
 }
 
-/// Returns the part of the light that a mesh sends on; `None` if light is nothing to it.
+/// Returns the albedo of a mesh; `None` if its material is unlit.
 fn albedo(surfaces: &Surfaces, mesh: MeshId) -> Option<f32> {
     let mesh = surfaces.meshes.get(mesh.0 as usize)?;
     let material = surfaces.materials.get(mesh.material.0 as usize)?;
@@ -87,7 +87,7 @@ fn albedo(surfaces: &Surfaces, mesh: MeshId) -> Option<f32> {
     Some(sent.fold(0.0, f32::max) * of_texture)
 }
 
-/// Returns the factor for lights that shine on objects; `None` if they stay as they are.
+/// Returns the factor for lights that shine on objects; `None` if they are not dimmed.
 fn factor(lights: &[PunctualLight], receivers: &[Receiver]) -> Option<f32> {
     let sent = |receiver: &Receiver| {
         let lux = lights.iter().map(|light| illuminance_lx(light, &receiver.bounds)).sum::<f32>();
@@ -99,8 +99,8 @@ fn factor(lights: &[PunctualLight], receivers: &[Receiver]) -> Option<f32> {
     (median > MOST_RADIANCE).then_some(DIMMED_RADIANCE / median)
 }
 
-/// Returns the illuminance by one light at the mean distance of a box's inside, on a surface that
-/// faces the light.
+/// Returns the illuminance by a light on a surface that faces it, at the mean distance of points in
+/// a box.
 fn illuminance_lx(light: &PunctualLight, bounds: &Aabb) -> f32 {
     let strongest = light.colour.into_iter().fold(0.0, f32::max) * light.intensity;
     let to = bounds.centre() - light.position;
@@ -179,7 +179,7 @@ mod tests {
         let bright = PunctualLight { intensity: 8000.0, ..lamp };
         let below = || receiver(Vec3::ZERO, 1.0);
         assert!(factor(&[bright], &[below(), below(), below()]).is_some());
-        // One shop window does not darken the street.
+        // A single bright shop window does not darken the street.
         let mut street: Vec<_> = (0..99).map(|_| receiver(Vec3::X * 100.0, 1.0)).collect();
         street.push(below());
         assert_eq!(factor(&[bright], &street), None);

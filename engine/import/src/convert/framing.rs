@@ -4,7 +4,7 @@ use cull::{Aabb, Camera, Projection};
 use glam::{Vec3, vec3};
 use scene::FOV_Y_RAD;
 
-/// The least aspect ratio of an image that shows everything.
+/// The least aspect ratio of an image for which the view shows everything.
 const ASPECT: f32 = 4.0 / 3.0;
 
 /// The least distance of a view of a whole scene, in metres.
@@ -13,13 +13,13 @@ pub(super) const LEAST_DISTANCE_M: f32 = 1e-5;
 /// The share of the image that the scene fills.
 const FILLED: f32 = 0.9;
 
-/// Returns a view of everything, three quarters from the front and somewhat from above.
+/// Returns a view of everything, diagonally from the front and above.
 pub(crate) fn overview(bounds: &Aabb) -> Camera {
     let forward = vec3(-0.6, -0.45, -0.66).normalize_or(Vec3::NEG_Z);
     let right = forward.cross(Vec3::Y).normalize_or(Vec3::X);
     let up = right.cross(forward);
     let tan_up = (FOV_Y_RAD * 0.5).tan() * FILLED;
-    // As far away as the corner needs that is farthest out.
+    // The distance that the outermost corner requires.
     let distance_for = |corner: Vec3| {
         let from_centre = corner - bounds.centre();
         let across = from_centre.dot(right).abs() / (tan_up * ASPECT);

@@ -1,11 +1,10 @@
-//! Geometry: a primitive's attributes as lists of numbers that are all finite, before they are
-//! packed.
+//! Geometry: a primitive's attributes as lists of finite numbers, before they are packed.
 
 use cull::Aabb;
 use glam::{Vec2, Vec3, Vec4};
 use scene::{MorphTarget, SkinWeights};
 
-/// Attributes of vertices, and the triangles between them. A list of an attribute is empty or has
+/// Attributes of vertices, and the triangles between them. The list of an attribute is empty or has
 /// one element per vertex.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Geometry {
@@ -15,18 +14,17 @@ pub(super) struct Geometry {
     /// Unit vectors, not necessarily orthogonal to the normals; the last component is the
     /// bitangent's sign, -1 or 1.
     pub(super) tangents: Vec<Vec4>,
-    /// The two sets that the material samples with.
+    /// The two sets that the material uses.
     pub(super) uvs: [Vec<Vec2>; 2],
     /// Linear red, green, blue, alpha.
     pub(super) colours: Vec<[f32; 4]>,
     pub(super) skin: Option<SkinWeights>,
     pub(super) targets: Vec<MorphTarget>,
     pub(super) triangles: Vec<[u32; 3]>,
-    /// True if each triangle is there from both sides, so that the geometry may be mirrored at any
+    /// True if each triangle exists from both sides, so that the geometry may be mirrored at any
     /// time.
     pub(super) has_both_sides: bool,
-    /// True if the second half of the triangles are the backs of the first, or the first of the
-    /// second.
+    /// True if the second half of the triangles are the backs of the first half, or vice versa.
     pub(super) has_backs: bool,
 }
 
@@ -37,8 +35,8 @@ impl Geometry {
         self.positions.iter().fold(Aabb::EMPTY, |all, position| all.union(&at(position)))
     }
 
-    /// Returns the picked vertices, without triangles: the `n`-th of the result is the
-    /// `picks[n]`-th of these. No triangles.
+    /// Returns the picked vertices, without triangles: vertex `n` of the result is vertex
+    /// `picks[n]` of this geometry.
     pub(super) fn gather(&self, picks: &[u32]) -> Self {
         Self {
             positions: pick(&self.positions, picks),
@@ -70,8 +68,8 @@ impl Geometry {
         }
     }
 
-    /// Gives each corner of a triangle a vertex of its own, but corners with the same `key` share
-    /// one. `key` gets the triangle's and the corner's number.
+    /// Gives each corner of a triangle a vertex of its own, except that corners with the same `key`
+    /// share one. `key` receives the numbers of the triangle and of the corner.
     pub(super) fn split<K: std::hash::Hash + Eq>(
         &self,
         mut key: impl FnMut(usize, usize) -> K,
@@ -100,8 +98,8 @@ fn pick<T: Copy>(list: &[T], picks: &[u32]) -> Vec<T> {
     if list.is_empty() { Vec::new() } else { pick_groups(list, picks, 1) }
 }
 
-/// Returns the picked groups of `size` elements. Every index is below the number of groups: picks
-/// come from this geometry's triangles.
+/// Returns the picked groups of `size` elements. Every index must be below the number of groups, as
+/// in this geometry's triangles.
 fn pick_groups<T: Copy>(list: &[T], picks: &[u32], size: usize) -> Vec<T> {
     let mut picked = Vec::with_capacity(picks.len() * size);
     for &vertex in picks {

@@ -1,8 +1,7 @@
-//! The view of a scene at its start, whose pixel size in metres decides the size of points and
-//! lines.
+//! The initial view of a scene. Its pixel size in metres determines the size of points and lines.
 //!
-//! It is the first camera of the file at rest, else a view of the whole scene. The boxes that files
-//! give for their positions are trusted for nothing else.
+//! It is the first camera of the file at rest, else a view of the whole scene. Only this view
+//! relies on the bounds that files state for positions.
 
 use std::cell::OnceCell;
 use std::collections::HashMap;
@@ -20,8 +19,8 @@ use crate::Source;
 /// The largest size of points and lines, relative to their size in a view of the whole scene.
 const MOST_TIMES: f32 = 2.0;
 
-/// The initial view of a scene, found on first use: most scenes have neither points nor lines, and
-/// a visit of all nodes takes time.
+/// The initial view of a scene, computed on first use: most scenes have neither points nor lines,
+/// and visiting all nodes takes time.
 pub(super) struct InitialView<'a> {
     source: &'a Source,
     tree: &'a Tree,
@@ -39,7 +38,7 @@ struct Place {
 }
 
 impl<'a> InitialView<'a> {
-    /// Returns the view of a camera at a node, or of the whole scene.
+    /// Returns the view of a camera at a node, or of the whole scene without a camera.
     pub(super) fn of(
         source: &'a Source,
         tree: &'a Tree,
@@ -48,7 +47,8 @@ impl<'a> InitialView<'a> {
         Self { source, tree, camera, place: OnceCell::new() }
     }
 
-    /// Returns the height of the image around the middle of a box, in the units of its own space.
+    /// Returns the height of the image at the distance of a box's middle, in units of the box's
+    /// space.
     pub(super) fn height_at(&self, bounds: &Aabb, to_world: &Affine3A) -> f32 {
         let place = self.place.get_or_init(|| self.look());
         let distance = to_world.transform_point3(bounds.centre()).distance(place.eye);
@@ -70,7 +70,7 @@ impl<'a> InitialView<'a> {
     }
 }
 
-/// Returns a box around all meshes at rest, from the bounds that the file gives.
+/// Returns a box around all meshes at rest, from the bounds that the file states.
 fn rough_bounds(source: &Source, tree: &Tree) -> Aabb {
     let json = source.document.as_json();
     let mut known: HashMap<usize, Option<Aabb>> = HashMap::new();
@@ -94,12 +94,12 @@ fn rough_bounds(source: &Source, tree: &Tree) -> Aabb {
     if all.is_usable() && size.max_element() > 0.0 {
         return all;
     }
-    // A single point has its size in a scene of one metre.
+    // A single point gets its size as in a scene of one metre.
     let centre = if all.is_usable() { all.centre() } else { Vec3::ZERO };
     Aabb::new(centre - 0.5, centre + 0.5)
 }
 
-/// Returns the bounds that a file gives for the positions of an accessor.
+/// Returns the bounds that a file states for the positions of an accessor.
 fn said_bounds(source: &Source, accessor: usize) -> Option<Aabb> {
     let accessor = source.document.as_json().accessors.get(accessor)?;
     let corner = |value: &Option<gltf::json::Value>| {

@@ -16,10 +16,10 @@ use crate::notes::Notes;
 /// The brightest light, in lux or candela: a hundred suns.
 const LARGEST_INTENSITY: f32 = 1e7;
 
-/// A test of a light, and the note on lights that it finds.
+/// A test of a light, and the note on lights that fail it.
 type Fault = (fn(&khr::Light) -> bool, &'static str);
 
-/// The faults of lights, which are replaced.
+/// The faults of lights, whose values are replaced.
 const FAULTS: &[Fault] = &[
     (|light| light.intensity < 0.0, "its light has an intensity below 0, and does not shine"),
     (
@@ -44,14 +44,14 @@ const FAULTS: &[Fault] = &[
 ];
 
 fn is_cone(spot: &khr::Spot) -> bool {
-    // A right angle in 64 bits may be a little more in 32.
+    // A right angle in 64 bits may be slightly larger in 32.
     let most_rad = FRAC_PI_2 + 1e-6;
     spot.inner_cone_angle >= 0.0
         && spot.inner_cone_angle < spot.outer_cone_angle
         && spot.outer_cone_angle <= most_rad
 }
 
-/// Returns the ambient light of a scene from a file, which gives none.
+/// Returns the ambient light of a scene; files do not specify it.
 pub(super) fn surroundings() -> Light {
     Light {
         ambient_above: [0.23, 0.25, 0.28],
@@ -61,7 +61,7 @@ pub(super) fn surroundings() -> Light {
     }
 }
 
-/// Returns all lights of the scene's nodes, with these nodes; if there are none, one light from
+/// Returns all lights of the scene's nodes, with their nodes; if there are none, a light from
 /// above.
 pub(super) fn lights(
     source: &Source,
@@ -94,8 +94,8 @@ pub(super) fn lights(
     lights
 }
 
-/// Returns the note on a light that shines in another direction than its node's rotation says, if
-/// it does: a node's scale should change no light.
+/// Returns the note on a light whose direction differs from the rotation of its node, if it does: a
+/// node's scale should not affect a light.
 fn turned(given: &khr::Light, world: &Affine3A) -> Option<&'static str> {
     if !matches!(given.type_, Checked::Valid(khr::Type::Spot | khr::Type::Directional)) {
         return None;
@@ -107,12 +107,12 @@ fn turned(given: &khr::Light, world: &Affine3A) -> Option<&'static str> {
         .then_some("its light is under a scale that mirrors: shown in the mirrored direction")
 }
 
-/// Returns the -z of a node in the world.
+/// Returns the -z axis of a node in the world.
 fn along(world: &Affine3A) -> Vec3 {
     Vec3::from(world.matrix3 * glam::Vec3A::NEG_Z)
 }
 
-/// Returns the light of scenes without any.
+/// Returns the light of scenes without lights.
 pub(super) fn from_above() -> PunctualLight {
     PunctualLight {
         kind: LightKind::Directional,
@@ -125,13 +125,13 @@ pub(super) fn from_above() -> PunctualLight {
     }
 }
 
-/// Returns a light at its node. It shines along the node's -z; the node's scale changes nothing
-/// else.
+/// Returns a light at its node. It shines along the node's -z; other effects of the node's scale
+/// are ignored.
 fn placed(given: &khr::Light, world: &Affine3A) -> PunctualLight {
     let kind = match (&given.type_, &given.spot) {
         (Checked::Valid(khr::Type::Spot), Some(spot)) => {
             let outer_rad = spot.outer_cone_angle.clamp(1e-3, FRAC_PI_2);
-            // Strictly less, or the shader would divide by 0.
+            // Strictly less, otherwise the shader would divide by 0.
             let inner_rad = spot.inner_cone_angle.clamp(0.0, outer_rad - 5e-4);
             LightKind::Spot { inner_rad, outer_rad }
         }

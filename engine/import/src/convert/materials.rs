@@ -1,4 +1,4 @@
-//! Materials: metallic-roughness with its extensions, in safe numbers, and their demands on
+//! Materials: metallic-roughness with its extensions, in safe numbers, and their requirements on
 //! geometry.
 
 use std::collections::HashMap;
@@ -21,13 +21,13 @@ const LARGEST_EMISSION: f32 = 65504.0;
 /// The lighting of a material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Shading {
-    /// The lighting that the material asks for.
+    /// The lighting of the material itself.
     Own,
-    /// No lighting: the base colour is shown as it is.
+    /// No lighting: the base colour is shown unchanged.
     Unlit,
 }
 
-/// A material, and its demands on the geometry that uses it.
+/// A material, and its requirements on the geometry that uses it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct MaterialUse {
     pub(super) id: MaterialId,
@@ -103,15 +103,15 @@ impl Materials {
         found
     }
 
-    /// Returns all that were used, with their textures and images, which are taken out of the file.
+    /// Returns all used materials, with their textures and images, which are taken out of the file.
     pub(super) fn finish(self, source: &mut Source) -> (Vec<Material>, Vec<Texture>, Vec<Image>) {
         let (textures, images) = self.textures.finish(source);
         (self.list, textures, images)
     }
 }
 
-/// The two sets of texture coordinates that a material samples with. They are the first two of the
-/// file if the material needs no others, so that most meshes keep theirs.
+/// The two sets of texture coordinates that a material uses. They are the first two of the file if
+/// the material needs no others, so that most meshes keep them.
 #[derive(Debug, Default)]
 struct Slots {
     sets: [Option<u32>; 2],

@@ -1,4 +1,4 @@
-//! The conversion of a file of triangles: each of its parts is an object of the scene.
+//! Converts a file of triangles: each of its parts becomes an object of the scene.
 
 use std::collections::HashMap;
 
@@ -20,13 +20,13 @@ use crate::notes::Notes;
 use crate::progress::{ProgressSender, Stage};
 use crate::{Cause, ImportError};
 
-/// The largest coordinate, in metres: beyond it boxes lose their numbers.
+/// The largest coordinate, in metres: beyond it, computations with boxes overflow.
 const FARTHEST_M: f32 = 1e15;
 
-/// The memory that a corner takes at most while its part is made, in bytes.
+/// The most memory per corner while its part is converted, in bytes.
 const CORNER_BYTES: u64 = 224;
 
-/// Returns a scene made of a file.
+/// Returns the scene of a file.
 pub(crate) fn convert_mesh_file(
     file: MeshFile,
     format: MeshFormat,
@@ -99,7 +99,7 @@ pub(crate) fn convert_mesh_file(
     })
 }
 
-/// Returns the materials, and after them the one of parts without any.
+/// Returns the materials, followed by the material of parts without one.
 fn materials(given: &[PartMaterial]) -> Vec<Material> {
     let material = |name: &str, [red, green, blue]: [f32; 3]| Material {
         name: name.to_owned(),
@@ -112,9 +112,8 @@ fn materials(given: &[PartMaterial]) -> Vec<Material> {
     named.chain([material("none", GREY)]).collect()
 }
 
-/// Returns the triangles of a part that have an area: with the file's normals if each corner has
-/// one, else smooth up to the angle of a crease. A part that encloses nothing is seen from both
-/// sides.
+/// Returns the triangles of a part that have an area. They have the file's normals if each corner
+/// has one, else smooth normals with creases. A part that encloses nothing is seen from both sides.
 fn geometry(
     part: &MeshPart,
     positions: &[Vec3],
@@ -173,7 +172,7 @@ fn geometry(
     Ok(own)
 }
 
-/// Returns true if each edge is passed as often in one direction as in the other, by position.
+/// Returns true if triangles run along each edge equally often in both directions, by position.
 fn is_closed(geometry: &Geometry) -> bool {
     let bits = |vertex: u32| {
         let position = geometry.positions.get(vertex as usize).copied().unwrap_or_default();

@@ -1,5 +1,5 @@
-//! The conversion of a file, read and checked, to a scene and its animation. Each module has one
-//! job; this one sets the order.
+//! Converts a checked file to a scene and its animation. Each module does one step; this one calls
+//! them in order.
 
 mod assembly;
 mod budget;
@@ -54,7 +54,7 @@ use crate::{ImportError, Source};
 pub(crate) use self::mesh_file::convert_mesh_file;
 pub(crate) use self::skins::used_joints;
 
-/// Returns a scene made of a file.
+/// Returns the scene of a file.
 pub(crate) fn convert(
     mut source: Source,
     name: String,
@@ -125,10 +125,10 @@ pub(crate) fn convert(
     Ok(imported)
 }
 
-/// Notes that there is nothing to see.
+/// Notes that nothing is visible.
 ///
 /// # Errors
-/// The first fault for which something was left out, if there is one.
+/// The first fault because of which something was left out, if there is one.
 fn note_empty(losses: &mut Losses, file: &str, notes: &mut Notes) -> Result<(), ImportError> {
     if let Some(fault) = losses.take_first() {
         return Err(fault.in_file(file));
@@ -137,14 +137,14 @@ fn note_empty(losses: &mut Losses, file: &str, notes: &mut Notes) -> Result<(), 
     Ok(())
 }
 
-/// Returns the places of cameras, which should see something unless the scene is empty.
+/// Returns the places of cameras. They should see something unless the scene is empty.
 fn places(cameras: &[SceneCamera], tree: &Tree, is_empty: bool) -> Vec<Place> {
     let place =
         |node| Place { world: tree.world(node), should_see: !is_empty && !tree.moves(node) };
     cameras.iter().map(|camera| place(camera.node)).collect()
 }
 
-/// Adds the lights, and attaches those that move to their nodes.
+/// Adds the lights, and attaches moving ones to their nodes.
 fn place_lights(assembly: &mut Assembly<'_>, lights: Vec<(PunctualLight, Option<RigNodeId>)>) {
     for (light, node) in lights {
         let id = LightId(assembly.surfaces.lights.len() as u32);
@@ -168,7 +168,7 @@ fn place_nodes(assembly: &mut Assembly<'_>) -> Result<(), ImportError> {
     Ok(())
 }
 
-/// Returns a scene with nothing in it yet.
+/// Returns a scene without contents.
 fn empty(name: String) -> Scene {
     Scene {
         name,

@@ -1,20 +1,20 @@
-//! Scenes far from the origin of their file, moved near it without rounding.
+//! Moves scenes that are far from the origin of their file near it, without rounding.
 
 use animation::{Rest, RigNode};
 use glam::{Affine3A, Vec3};
 
 use super::nodes::local;
 
-/// The distance along an axis, in metres, under which a scene is not moved along it.
+/// The distance along an axis, in metres, below which a scene is not moved along this axis.
 const NEAR_M: f32 = 16.0;
 
-/// The largest place, in metres, of which single precision holds all whole metres.
+/// The largest coordinate, in metres, up to which single precision holds all whole metres.
 const FARTHEST_M: f32 = 16_777_216.0;
 
 /// Returns the point that becomes the origin of a scene with objects at these places, in whole
-/// metres. It is 0 along each axis in which places are near the origin, on both sides of it, or as
-/// far apart as from it. Along the others, each place is half to twice the point, so that their
-/// difference has no rounding (Sterbenz).
+/// metres. It is 0 along an axis if places are near the origin, on both sides of it, or too far
+/// apart relative to their distance. Along other axes, each place is between half and twice the
+/// point, so their difference is exact (Sterbenz).
 pub(super) fn origin_of(places: impl Iterator<Item = Vec3>) -> Vec3 {
     let mut low = Vec3::INFINITY;
     let mut high = Vec3::NEG_INFINITY;
@@ -31,7 +31,7 @@ pub(super) fn origin_of(places: impl Iterator<Item = Vec3>) -> Vec3 {
     Vec3::new(along(low.x, high.x), along(low.y, high.y), along(low.z, high.z))
 }
 
-/// Moves nodes, parents first, by the opposite of a point, and their transforms to the world.
+/// Moves nodes, parents before children, and their world transforms by the opposite of a point.
 pub(super) fn move_nodes(nodes: &mut [RigNode], worlds: &mut [Affine3A], origin: Vec3) {
     if origin == Vec3::ZERO {
         return;

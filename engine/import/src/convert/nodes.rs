@@ -1,4 +1,4 @@
-//! Nodes: those of one scene of the file, parents before children, and their transforms at rest.
+//! The nodes of the shown scene, parents before children, and their transforms at rest.
 
 use animation::{Rest, Rig, RigNode, RigNodeId, Trs};
 use glam::{Affine3A, DVec3, Mat4, Quat, Vec3, Vec4};
@@ -14,36 +14,33 @@ use crate::notes::Notes;
 use crate::reach::shown_scene;
 use crate::{Cause, ImportError, Source};
 
-/// The nodes of the scene that is shown: depth first, so that all that is below a node follows it.
+/// The nodes of the shown scene, depth first: all descendants of a node follow it.
 #[derive(Debug)]
 pub(super) struct Tree {
-    /// The point of the file at which the scene has its origin.
+    /// The point of the file that is the scene's origin.
     pub(super) origin_m: DVec3,
-    /// The nodes as a rig, parents first.
+    /// The nodes as a rig, parents before children.
     pub(super) rig: Rig,
-    /// The number in the file of each of them.
+    /// The index in the file of each node.
     pub(super) in_file: Vec<usize>,
-    /// The mesh in the file of each of them.
+    /// The mesh of each node, as an index in the file.
     pub(super) meshes: Vec<Option<u32>>,
-    /// The nodes with a camera, and its number in the file.
+    /// The nodes with a camera, and the camera's index in the file.
     pub(super) cameras: Vec<(RigNodeId, usize)>,
-    /// The nodes with a light, and its number in the file.
+    /// The nodes with a light, and the light's index in the file.
     pub(super) lights: Vec<(RigNodeId, usize)>,
     /// The id in the rig of each node of the file, if it is in the scene.
     pub(super) ids: Vec<Option<RigNodeId>>,
-    /// The transform to the world, at rest, of each of them.
+    /// The world transform of each node at rest.
     pub(super) worlds: Vec<Affine3A>,
-    /// True for each that a clip moves, by itself or with an ancestor.
+    /// True for each node that a clip moves, directly or through an ancestor.
     pub(super) moves: Vec<bool>,
-    /// True for each whose morph targets' weights a clip changes.
+    /// True for each node whose weights of morph targets a clip changes.
     pub(super) morphs: Vec<bool>,
 }
 
 impl Tree {
-    /// Returns the scene that is shown. The names of its nodes are taken out of the file.
-    ///
-    /// # Errors
-    /// Nodes that are their own ancestors.
+    /// Returns the shown scene. The names of its nodes are taken out of the file.
     pub(super) fn of(
         source: &mut Source,
         place: ScenePlace,
@@ -106,12 +103,12 @@ impl Tree {
         self.ids.get(in_file).copied().flatten()
     }
 
-    /// Returns a node's transform to the world at rest.
+    /// Returns a node's world transform at rest.
     pub(super) fn world(&self, node: RigNodeId) -> Affine3A {
         self.worlds.get(node.0 as usize).copied().unwrap_or(Affine3A::IDENTITY)
     }
 
-    /// Returns true if a clip moves a node or an ancestor of it.
+    /// Returns true if a clip moves a node or one of its ancestors.
     pub(super) fn moves(&self, node: RigNodeId) -> bool {
         self.moves.get(node.0 as usize) == Some(&true)
     }
@@ -121,7 +118,7 @@ impl Tree {
         self.rig.nodes().get(node.0 as usize)
     }
 
-    /// Returns the name of a node, for people.
+    /// Returns the name of a node.
     pub(super) fn name(&self, node: RigNodeId) -> String {
         let name = self.node(node).map(|node| node.name.as_str()).unwrap_or_default();
         let in_file = self.in_file.get(node.0 as usize).copied().unwrap_or_default();
@@ -132,7 +129,7 @@ impl Tree {
     }
 }
 
-/// Returns true if a clip moves a node without a parent.
+/// Returns true if a clip moves a root.
 fn has_moved_root(nodes: &[RigNode], moves: &[bool]) -> bool {
     nodes.iter().zip(moves).any(|(node, moves)| node.parent.is_none() && *moves)
 }
@@ -191,7 +188,7 @@ fn rest(index: usize, given: &json::Node, is_moved: bool, notes: &mut Notes) -> 
             notes.count("its matrix shears, and is used as it is", shears, place);
             return Rest::Matrix(matrix);
         }
-        // The specification forbids it, files do it: a clip can move parts only.
+        // The specification forbids this, but files do it: a clip can only animate separate parts.
         let what = "animations move it, so that its matrix is taken apart";
         notes.count(what, 1, place);
         let (scale, rotation, translation) = matrix.to_scale_rotation_translation();
@@ -212,8 +209,7 @@ fn rest(index: usize, given: &json::Node, is_moved: bool, notes: &mut Notes) -> 
     })
 }
 
-/// Returns true if the axes of a matrix are not at right angles, so that it has no rotation and
-/// scale.
+/// Returns true if the axes of a matrix are not perpendicular: it has no rotation and scale then.
 fn shears(matrix: &Affine3A) -> bool {
     let [x, y, z] =
         [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|axis| axis.normalize_or_zero());

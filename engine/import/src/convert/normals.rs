@@ -1,4 +1,5 @@
-//! Normals: flat ones where a file has none, as the specification asks, and repairs of broken ones.
+//! Normals: flat ones if a file has none, as the specification requires, and repairs of broken
+//! ones.
 
 use glam::Vec3;
 use scene::MorphTarget;
@@ -16,11 +17,11 @@ fn flat(corners: [Vec3; 3]) -> Vec3 {
     })
 }
 
-/// Gives every triangle its own flat normals and drops tangents (3.7.2.1: those of the file are
-/// ignored then). Triangles in one plane still share vertices, unless morph targets bend it.
+/// Gives every triangle its flat normal and removes tangents (3.7.2.1: tangents of the file are
+/// then ignored). Triangles in one plane still share vertices, unless morph targets bend the plane.
 ///
-/// A morph target gets the difference between the flat normals with it in full and without it:
-/// exact at both ends and a mix between them.
+/// A morph target gets the difference between the flat normals with the target at weight 1 and
+/// without it. This is exact at weights 0 and 1, and a mix between them.
 pub(super) fn flatten(geometry: &Geometry) -> Geometry {
     let corners = |triangle: &[u32; 3], moved: Option<&MorphTarget>| {
         triangle.map(|vertex| {
@@ -37,7 +38,7 @@ pub(super) fn flatten(geometry: &Geometry) -> Geometry {
     let is_morphed = geometry.targets.iter().any(|target| !target.positions.is_empty());
     let (mut split, origins) = geometry.split(|triangle, _| {
         let normal = normals.get(triangle).copied().unwrap_or_default();
-        // The normals as they are packed: a difference by rounding is still one plane.
+        // The packed normals: a difference by rounding does not split a plane.
         (normal.to_array().map(snorm16), if is_morphed { triangle } else { 0 })
     });
     let of_vertices = |of_triangles: &[Vec3]| -> Vec<Vec3> {
@@ -57,8 +58,8 @@ pub(super) fn flatten(geometry: &Geometry) -> Geometry {
     split
 }
 
-/// Makes all normals unit vectors, in place. A normal without direction gets the normal of one of
-/// its triangles. Returns the number of those.
+/// Normalises all normals in place. A normal without direction gets the normal of one of its
+/// triangles. Returns the number of such normals.
 pub(super) fn repair(geometry: &mut Geometry) -> usize {
     let mut broken = vec![];
     for (place, normal) in geometry.normals.iter_mut().enumerate() {
@@ -98,7 +99,8 @@ mod tests {
     use super::*;
     use glam::vec3;
 
-    /// Returns two triangles of a square in z = 0, and one that stands on its edge along x.
+    /// Returns two triangles of a square in z = 0, and one that stands on the square's edge along
+    /// x.
     fn step() -> Geometry {
         Geometry {
             positions: vec![

@@ -1,28 +1,27 @@
-//! Numbers out of files, made safe: unit vectors from any vectors, and transforms that can be
-//! drawn.
+//! Makes numbers from files safe: unit vectors from any vectors, and transforms that can be drawn.
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
 
-/// Returns the direction of a vector; `None` if it has none. Huge and tiny ones have one.
+/// Returns the direction of a vector, however long or short; `None` if it has none.
 pub(super) fn direction(vector: Vec3) -> Option<Vec3> {
     let largest = vector.abs().max_element();
     if !vector.is_finite() || largest == 0.0 {
         return None;
     }
-    // In double precision neither the squares of 1e38 nor those of 1e-45 are lost.
+    // In double precision, squares of neither 1e38 nor 1e-45 are lost.
     let precise = vector.as_dvec3();
     let unit = (precise / precise.length()).as_vec3();
     unit.is_finite().then_some(unit)
 }
 
-/// Returns the rotation of a quaternion of any length; `None` if it has none.
+/// Returns the rotation of a quaternion of any length; `None` if it has no direction.
 pub(super) fn rotation(parts: [f32; 4]) -> Option<Quat> {
     let precise = glam::DQuat::from_array(parts.map(f64::from));
     let length = precise.length();
     if !length.is_finite() || length == 0.0 {
         return None;
     }
-    // A unit quaternion keeps its bits.
+    // A unit quaternion is returned unchanged.
     if (length - 1.0).abs() < 1e-6 {
         return Some(Quat::from_array(parts));
     }
@@ -49,13 +48,13 @@ pub(super) fn mirrors(transform: &Affine3A) -> bool {
     x.cross(y).dot(z) < 0.0
 }
 
-/// Returns true if a transform keeps some area of everything with an area.
+/// Returns true if everything with an area has an area after the transform.
 pub(super) fn keeps_areas(transform: &Affine3A) -> bool {
     let [x, y, z] = columns(transform);
     [x.cross(y), y.cross(z), z.cross(x)].iter().any(|area| area.length_squared() > 0.0)
 }
 
-/// Returns true if a transform keeps some volume of everything with a volume.
+/// Returns true if everything with a volume has a volume after the transform.
 pub(super) fn has_volume(transform: &Affine3A) -> bool {
     let [x, y, z] = columns(transform);
     x.cross(y).dot(z) != 0.0

@@ -1,4 +1,4 @@
-//! The packing of geometry into the engine's vertices.
+//! Packs geometry into the engine's vertices.
 
 use glam::Vec3;
 use scene::{

@@ -1,13 +1,14 @@
-//! Pieces: a large mesh as several that lie side by side, so that culling has something to cull.
+//! Cuts large meshes into pieces that lie side by side, so that each can be culled individually.
 
 use glam::Vec3;
 use scene::spatial_pieces;
 
 use super::geometry::Geometry;
 
-/// Cuts geometry into pieces of at most `most` triangles. The triangles are halved by their middles
-/// along the longest side of the box around these, again and again. Within a piece they keep their
-/// order, and backs are in the piece of their fronts. Geometry that fits is one piece.
+/// Cuts geometry into pieces of at most `most` triangles. A set of triangles is halved along the
+/// longest side of the box around their middles until all pieces are small enough. Triangles keep
+/// their order within a piece, and backs are in the piece of their fronts. Small geometry is
+/// returned whole.
 pub(super) fn cut(geometry: Geometry, most: usize) -> Vec<Geometry> {
     let most = most.max(1);
     if geometry.triangles.len() <= most {
@@ -41,7 +42,7 @@ pub(super) fn longest_side(points: impl Iterator<Item = Vec3>) -> usize {
     (high * 0.5 - low * 0.5).max_position()
 }
 
-/// Returns the triangles with these numbers, and their vertices. `names` has an element per vertex,
+/// Returns the triangles with these indices, and their vertices. `names` has an element per vertex,
 /// all `u32::MAX` before and after.
 pub(super) fn piece(geometry: &Geometry, part: &[u32], names: &mut [u32]) -> Geometry {
     let mut picks = Vec::new();
@@ -112,8 +113,7 @@ mod tests {
 
     #[test]
     fn backs_are_in_the_piece_of_their_fronts() {
-        // Sums of three numbers depend on their order, so that the middles of both sides may
-        // differ.
+        // The sum of three numbers depends on their order, so the middles of both sides may differ.
         let mut both = strip(333);
         for (number, at) in (0..).zip(&mut both.positions) {
             *at = Vec3::new(at.x * 0.37, (number * 7 % 13) as f32 / 13.0, 1e-3 / (at.x + 0.1));

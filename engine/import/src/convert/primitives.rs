@@ -1,4 +1,4 @@
-//! Primitives, from a file's attributes to geometry that can be packed.
+//! Converts primitives from a file's attributes to geometry that can be packed.
 
 use glam::Affine3A;
 use gltf::json;
@@ -20,30 +20,30 @@ use crate::memory;
 use crate::notes::Notes;
 use crate::{Cause, ImportError, Source};
 
-/// The most memory in bytes that a vertex, and a corner of a triangle, take while they are made:
-/// their numbers as they are read, welded, split at edges, and packed.
+/// The most memory per vertex and per corner of a triangle during conversion, in bytes: attributes
+/// as read, welded, split at edges, and packed.
 const VERTEX_BYTES: u64 = 320;
 const CORNER_BYTES: u64 = 32;
 
-/// The variant of a primitive that is made.
+/// The variant of a primitive to create.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Variant {
-    /// The facing that its places demand.
+    /// The facing that its places require.
     pub(super) facing: Facing,
     /// The number of joints of its skin, if it has one.
     pub(super) joints: Option<u32>,
-    /// True if its morph targets count.
+    /// True if its morph targets matter.
     pub(super) is_morphed: bool,
 }
 
-/// The side from which the triangles of a primitive are seen.
+/// The side from which the triangles of a primitive are visible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Facing {
     /// The side of the file.
     Plain,
-    /// The other side: its places mirror.
+    /// The other side, since its places mirror.
     Mirrored,
-    /// Both sides: its places mirror at one time and not at another.
+    /// Both sides, since its places mirror at some times and not at others.
     Both,
 }
 
@@ -58,7 +58,7 @@ impl Facing {
 }
 
 impl Variant {
-    /// Returns the variant that is not skinned.
+    /// Returns the variant without a skin.
     pub(super) fn rigid(facing: Facing) -> Self {
         Self { facing, joints: None, is_morphed: false }
     }
@@ -68,14 +68,14 @@ impl Variant {
 pub(super) struct Primitive<'a> {
     pub(super) source: &'a Source,
     pub(super) json: &'a json::mesh::Primitive,
-    /// The number of its mesh.
+    /// The index of its mesh.
     pub(super) mesh: usize,
-    /// Its own number in that.
+    /// The index of the primitive in the mesh.
     pub(super) number: usize,
 }
 
 impl Primitive<'_> {
-    /// Returns its mesh and its number in that, for errors.
+    /// Returns the names of its mesh and of the primitive, for errors.
     pub(super) fn place(&self) -> String {
         let mesh = self.source.document.as_json().meshes.get(self.mesh);
         let name = mesh.and_then(|mesh| mesh.name.as_deref()).filter(|name| !name.is_empty());
@@ -95,13 +95,13 @@ impl Primitive<'_> {
         }
     }
 
-    /// Returns true if it is lines or points without normals, which show their own colour unlit
-    /// (3.9.1, as for `KHR_materials_unlit`).
+    /// Returns true if it consists of lines or points without normals, which are unlit (3.9.1, as
+    /// with `KHR_materials_unlit`).
     pub(super) fn is_unlit(&self) -> bool {
         self.is_thin() && self.attribute(Semantic::Normals).is_none()
     }
 
-    /// Returns true if it is made of points or lines.
+    /// Returns true if it consists of points or lines.
     pub(super) fn is_thin(&self) -> bool {
         matches!(self.mode(), Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip)
     }
@@ -119,8 +119,8 @@ impl Primitive<'_> {
         self.source.error(cause, self.place(), reason)
     }
 
-    /// Returns the primitive as triangles, in full: normals, tangents, backs. `None` if there is
-    /// nothing to draw. Points and lines are sized for `sight`.
+    /// Returns the complete triangles of the primitive, with normals, tangents and backs. `None` if
+    /// there is nothing to draw. Points and lines are sized for `sight`.
     ///
     /// # Errors
     /// Numbers that are not finite; more vertices or triangles than the limits allow.
@@ -159,7 +159,7 @@ impl Primitive<'_> {
             }
         };
         let sides = if backs == Backs::None { 1 } else { 2 };
-        // Flat normals may share more than this estimate; the exact numbers are taken below.
+        // Flat normals may share more vertices than estimated; the exact numbers are counted below.
         let is_exact = !geometry.normals.is_empty() || !matches!(elements, Elements::Triangles(_));
         let least = if is_exact { vertices } else { geometry.positions.len() as u64 };
         let least = least * sides;
@@ -188,8 +188,8 @@ impl Primitive<'_> {
         Ok((!geometry.triangles.is_empty()).then_some(geometry))
     }
 
-    /// Returns the index that begins a new strip where there are `count` vertices: the greatest of
-    /// its type, unless there is such a vertex.
+    /// Returns the index that begins a new strip with `count` vertices: the greatest of its type,
+    /// unless there is such a vertex.
     fn restart(&self, count: usize) -> Option<u32> {
         let indices = self.json.indices.map(|indices| indices.value());
         let indices = indices.and_then(|at| self.source.document.as_json().accessors.get(at));
@@ -200,14 +200,14 @@ impl Primitive<'_> {
         self.error(Cause::TooLarge, over.to_string())
     }
 
-    /// Returns all attributes that count, for the used vertices.
+    /// Returns all required attributes of the used vertices.
     pub(super) fn read(
         &self,
         variant: Variant,
         material: &MaterialUse,
         notes: &mut Notes,
     ) -> Result<Option<(Geometry, Elements)>, ImportError> {
-        // Primitives without positions were noted.
+        // Primitives without positions were noted before.
         let Some(positions) = self.attribute(Semantic::Positions) else { return Ok(None) };
         let count = self.source.count_of(positions, None);
         let list = match &self.json.indices {
@@ -232,8 +232,8 @@ impl Primitive<'_> {
     }
 }
 
-/// Returns triangles with normals: of triangles themselves, else of the solids that stand for lines
-/// and points.
+/// Returns triangles with normals: the triangles of the primitive, or the solids of its lines and
+/// points.
 fn solid(
     geometry: Geometry,
     elements: Elements,

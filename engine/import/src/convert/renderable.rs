@@ -1,4 +1,4 @@
-//! The limits of a renderer, checked here already, where the file has a name.
+//! Checks the limits of a renderer while loading, where errors can name the file.
 
 use std::collections::HashSet;
 
@@ -14,7 +14,7 @@ fn too_many(source: &Source, object: String, what: &str, count: usize, limit: u6
     source.error(Cause::TooLarge, object, reason)
 }
 
-/// Refuses more lights than a renderer takes.
+/// Refuses more lights than a renderer supports.
 pub(super) fn check_lights(
     source: &Source,
     tree: &Tree,
@@ -27,7 +27,7 @@ pub(super) fn check_lights(
     Err(too_many(source, object, "lights in the scene", lights.len(), limit))
 }
 
-/// Refuses more textures and transforms of textures than a renderer takes.
+/// Refuses more textures and texture transforms than a renderer supports.
 pub(super) fn check_textures(source: &Source, surfaces: &Surfaces) -> Result<(), ImportError> {
     let mut transforms = HashSet::from([glam::Affine2::IDENTITY.to_cols_array().map(f32::to_bits)]);
     let mut textures: HashSet<(u32, Encoding, Sampler)> = HashSet::new();

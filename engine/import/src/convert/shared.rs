@@ -1,4 +1,4 @@
-//! Rigid meshes, made once for all their nodes, and once more for nodes that mirror.
+//! Rigid meshes, created once for all of their nodes, and once more for nodes that mirror.
 
 use std::collections::HashMap;
 
@@ -17,12 +17,12 @@ use super::sprites::{WantedSprites, is_crowd, sprites_of};
 use super::{components, pieces};
 use crate::ImportError;
 
-/// The most parts of one transparent mesh, and the most objects added by all such parts: each is
-/// sorted in each frame. Parts that enclose something count twice.
+/// The most parts of one transparent mesh, and the most objects that all such parts add: each is
+/// sorted in each frame. Closed parts count twice.
 const MOST_PARTS: usize = 256;
 const MOST_PART_OBJECTS: usize = 16_384;
 
-/// The identity of a primitive: its accessors with their meanings, and the material.
+/// The identity of a primitive: its accessors with their semantics, and its material.
 #[derive(Debug, PartialEq, Eq, Hash)]
 struct Key {
     attributes: Vec<(Semantic, usize)>,
@@ -60,7 +60,7 @@ pub(super) struct Kind {
     pub(super) material: MaterialUse,
     /// The number of places where it is shown.
     pub(super) uses: u64,
-    /// The meshes made of it, once that was tried, for each facing.
+    /// The meshes created from it for each facing, once this was tried.
     made: [Option<Vec<MeshId>>; 3],
 }
 
@@ -77,20 +77,20 @@ impl Plan {
         self.of_meshes.get(mesh).map_or(0, Vec::len)
     }
 
-    /// Returns the expected number of opaque objects, to reserve memory for.
+    /// Returns the expected number of opaque objects, to reserve memory.
     pub(super) fn objects(&self) -> usize {
         let opaque = self.kinds.iter().filter(|kind| !kind.material.is_transparent);
         opaque.map(|kind| kind.uses).fold(0, u64::saturating_add).min(1 << 20) as usize
     }
 
-    /// Returns the kind of one of them.
+    /// Returns the kind of a primitive.
     pub(super) fn kind(&mut self, mesh: usize, number: usize) -> Option<&mut Kind> {
         let kind = *self.of_meshes.get(mesh)?.get(number)?;
         self.kinds.get_mut(kind)
     }
 }
 
-/// Finds the primitives that are the same, the number of their places, and their materials.
+/// Finds identical primitives, the number of their places, and their materials.
 pub(super) fn plan(assembly: &mut Assembly<'_>) -> Plan {
     let source = assembly.source;
     let json = source.document.as_json();
@@ -106,7 +106,7 @@ pub(super) fn plan(assembly: &mut Assembly<'_>) -> Plan {
     let mut known: HashMap<Key, usize> = HashMap::new();
     for (mesh, (given, uses)) in json.meshes.iter().zip(seen).enumerate() {
         let mut of_mesh = Vec::new();
-        // A primitive outside of the scene needs no material either.
+        // A primitive outside of the scene needs no material.
         let primitives = if uses > 0 { given.primitives.as_slice() } else { &[] };
         for (number, json) in primitives.iter().enumerate() {
             let kind = *known.entry(Key::of(json)).or_insert(kinds.len());
@@ -132,9 +132,6 @@ fn material_of(assembly: &mut Assembly<'_>, primitive: &Primitive<'_>) -> Materi
 }
 
 /// Places a primitive at all places of a node.
-///
-/// # Errors
-/// Those of [`Primitive::build`].
 pub(super) fn place_shared(
     assembly: &mut Assembly<'_>,
     kind: &mut Kind,
@@ -149,7 +146,7 @@ pub(super) fn place_shared(
             continue;
         }
         let are_sprites = primitive.is_thin() && (kind.material.is_plain || is_crowd(primitive));
-        // Sprites face the camera anywhere.
+        // Sprites always face the camera.
         let variant = Variant::rigid(if are_sprites {
             Facing::Plain
         } else {
@@ -176,8 +173,8 @@ pub(super) fn place_shared(
     Ok(())
 }
 
-/// Makes the sprites of a primitive when they are first needed. Crowds have a plain material
-/// even if the file gives another, which is noted.
+/// Creates the sprites of a primitive on first use. Crowds get a plain material even if the file
+/// specifies another one, which is noted.
 fn make_sprites(
     assembly: &mut Assembly<'_>,
     kind: &mut Kind,
@@ -211,7 +208,7 @@ fn make_sprites(
     Ok(())
 }
 
-/// Makes the meshes of a primitive when they are first needed.
+/// Creates the meshes of a primitive on first use.
 fn make(
     assembly: &mut Assembly<'_>,
     kind: &mut Kind,
@@ -255,7 +252,7 @@ fn make(
     Ok(())
 }
 
-/// Returns geometry in pieces if it is large and seen once, or transparent; else whole.
+/// Returns geometry in pieces if it is transparent, or large and used once; else whole.
 fn pieces(assembly: &mut Assembly<'_>, geometry: Geometry, kind: &Kind) -> Vec<Geometry> {
     let uses = usize::try_from(kind.uses).unwrap_or(usize::MAX).max(1);
     if kind.material.is_transparent {

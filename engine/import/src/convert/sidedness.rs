@@ -1,4 +1,4 @@
-//! Sides: the backs of double-sided materials as triangles of their own, and meshes for mirrored
+//! Sides: the backs of double-sided materials as separate triangles, and meshes for mirrored
 //! places.
 
 use super::geometry::Geometry;
@@ -6,17 +6,16 @@ use super::geometry::Geometry;
 /// The place of the backs in the order of triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Backs {
-    /// No backs: triangles show from the front alone.
+    /// No backs: triangles are visible only from the front.
     None,
     /// After the fronts.
     Last,
-    /// Before the fronts: where the material is blended, the far side is more often drawn first
-    /// then.
+    /// Before the fronts: with a blended material, the far side is then more often drawn first.
     First,
 }
 
-/// Adds the back of every triangle, with vertices of its own whose normals point the other way
-/// (3.9.6). The whole of the normal texture turns with them: tangent and bitangent too.
+/// Adds the back of every triangle, with its own vertices and reversed normals (3.9.6). Tangents
+/// and bitangents are reversed, too, so that the normal texture turns with them.
 pub(super) fn with_backs(geometry: &mut Geometry, backs: Backs) {
     if backs == Backs::None {
         return;
@@ -33,7 +32,7 @@ pub(super) fn with_backs(geometry: &mut Geometry, backs: Backs) {
     for normal in geometry.normals.iter_mut().skip(count) {
         *normal = -*normal;
     }
-    // cross(-n, -t) is cross(n, t), so that the bitangent turns by its sign.
+    // cross(-n, -t) is cross(n, t), so the bitangent is reversed by its sign.
     geometry.tangents.extend_from_within(..);
     for tangent in geometry.tangents.iter_mut().skip(count) {
         *tangent = -*tangent;
@@ -58,8 +57,8 @@ pub(super) fn with_backs(geometry: &mut Geometry, backs: Backs) {
     };
 }
 
-/// Reverses triangles for places that mirror: triangles that were clockwise from outside are
-/// counter-clockwise in the mirror. Normals and bitangents are turned when they are transformed.
+/// Reverses triangles for places that mirror: a triangle that is clockwise from outside becomes
+/// counter-clockwise in the mirror. Normals and bitangents are mirrored when they are transformed.
 pub(super) fn mirror(geometry: &mut Geometry) {
     for [_, second, third] in &mut geometry.triangles {
         std::mem::swap(second, third);

@@ -1,4 +1,4 @@
-//! Skinned meshes: each node with one gets its own, and the box that it stays in.
+//! Skinned meshes: each node with one gets its own mesh, and a box that the mesh never leaves.
 
 use animation::RigNodeId;
 use glam::Affine3A;
@@ -16,7 +16,7 @@ use crate::{Cause, ImportError};
 /// Places a skinned or morphed primitive at its node or its joints.
 ///
 /// # Errors
-/// Those of [`Primitive::build`]; more skinned meshes than can be searched.
+/// The errors of [`Primitive::build`]; more skinned meshes than an index can count.
 pub(super) fn place_skinned(
     assembly: &mut Assembly<'_>,
     primitive: &Primitive<'_>,
@@ -36,10 +36,10 @@ pub(super) fn place_skinned(
         }
         None => None,
     };
-    // A skinned mesh is where its joints are, and instances are where nodes are.
+    // A skinned mesh is at its joints, while instances are relative to nodes.
     let once = [Affine3A::IDENTITY];
     let locals = if skin.is_some() { &once } else { locals };
-    // Instances of a mesh share one pose.
+    // All instances of a mesh share one pose.
     let mut known: Option<Option<SkinnedExtent>> = None;
     for local in locals {
         assembly.report()?;
@@ -100,7 +100,7 @@ pub(super) fn place_skinned(
     Ok(())
 }
 
-/// Returns the facing of meshes on a skin.
+/// Returns the facing of meshes with a skin.
 fn facing_of(assembly: &mut Assembly<'_>, skin: Used, node: RigNodeId) -> Facing {
     let joints = assembly.skins.list.get(skin.skin).map_or(&[][..], |skin| &skin.joints);
     let turns = |joint: &RigNodeId| assembly.turns.get(joint.0 as usize) == Some(&true);
@@ -111,7 +111,7 @@ fn facing_of(assembly: &mut Assembly<'_>, skin: Used, node: RigNodeId) -> Facing
     if skin.is_mirrored { Facing::Mirrored } else { Facing::Plain }
 }
 
-/// A mesh that skins or morph targets change, at its place.
+/// A mesh that a skin or morph targets change, at its place.
 struct SkinnedPart<'a> {
     geometry: Geometry,
     material: &'a MaterialUse,
@@ -120,7 +120,7 @@ struct SkinnedPart<'a> {
     skin: Option<Used>,
     form: SkinnedExtent,
     transform: Affine3A,
-    /// The place relative to its node.
+    /// The transform relative to its node.
     local: Affine3A,
 }
 
@@ -151,7 +151,7 @@ fn add_skinned(assembly: &mut Assembly<'_>, part: SkinnedPart<'_>) -> Result<(),
     Ok(())
 }
 
-/// Returns the space and reach of the mesh; `None` if it has no skeleton.
+/// Returns the space and the reach of the mesh; `None` if it has no skeleton.
 fn form(
     assembly: &mut Assembly<'_>,
     primitive: &Primitive<'_>,

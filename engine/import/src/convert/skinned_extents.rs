@@ -1,6 +1,6 @@
-//! The reach of skinned meshes, whichever clips play. The renderer finds their exact boxes in a
-//! pose ([`PoseBounds`]). A loose box is enough here and costs next to nothing: it shows which
-//! meshes cannot be drawn at all, and which need no pose, being out of sight.
+//! The reach of skinned meshes in any mix of clips. The renderer computes exact boxes for a pose
+//! ([`PoseBounds`]). Here a loose and cheap box is enough: it shows which meshes can never be
+//! drawn, and which need no pose because they are out of sight.
 
 use std::collections::HashMap;
 
@@ -18,14 +18,14 @@ use crate::{Cause, ImportError, Limits};
 /// The space of a skinned mesh, and its reach.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SkinnedExtent {
-    /// The node in whose space it is; `None` for the world's.
+    /// The node in whose space it is; `None` for the world.
     pub(super) space: Option<RigNodeId>,
     /// A box around the mesh in that space.
     pub(super) reach: Aabb,
 }
 
 impl SkinnedExtent {
-    /// Returns true if an object can have its box, as moved by `transform`.
+    /// Returns true if an object moved by `transform` can have this box.
     pub(super) fn is_usable(&self, transform: &Affine3A) -> bool {
         let corners = self.reach.corners().map(|corner| transform.transform_point3(corner));
         let is_finite = corners.iter().all(|corner| corner.is_finite());
@@ -79,7 +79,7 @@ pub(super) struct SkinnedPrimitive<'a> {
     pub(super) primitive: &'a Primitive<'a>,
     pub(super) geometry: &'a Geometry,
     pub(super) node: RigNodeId,
-    /// Its skin, with its number.
+    /// The skin, with its index.
     pub(super) skin: Option<(usize, &'a Skin)>,
 }
 
@@ -89,7 +89,7 @@ pub(super) struct SkinnedExtents {
     extents: Extents,
     weights: WeightRanges,
     skeletons: Vec<Skeleton>,
-    /// The skeletons by skin and used joints; `None` if these make no skeleton.
+    /// The skeletons by skin and used joints; `None` if they have no skeleton.
     known: HashMap<(usize, Vec<bool>), Option<usize>>,
     bones: u64,
     most_bones: u64,
@@ -112,8 +112,8 @@ impl SkinnedExtents {
         self.extents
     }
 
-    /// Returns true for each node that mirrors at one time and not at another, by itself or by a
-    /// node above.
+    /// Returns true for each node that mirrors at some times and not at others, by its own
+    /// transform or an ancestor's.
     pub(super) fn turning(&self, rig: &Rig) -> Vec<bool> {
         let mut turns = vec![false; rig.nodes().len()];
         if !self.extents.may_any_turn_inside_out() {
@@ -129,7 +129,7 @@ impl SkinnedExtents {
         turns
     }
 
-    /// Returns the space and reach of a mesh; `None` if it has no skeleton.
+    /// Returns the space and the reach of a mesh; `None` if it has no skeleton.
     ///
     /// # Errors
     /// More bones than the limits allow.
@@ -166,8 +166,8 @@ impl SkinnedExtents {
         })
     }
 
-    /// Returns the skeleton of a skin and its vertices, which meshes may share; `None` if they make
-    /// none.
+    /// Returns the skeleton of a skin for the joints that its vertices use, which meshes may share;
+    /// `None` if there is none.
     fn skeleton(
         &mut self,
         rig: &Rig,

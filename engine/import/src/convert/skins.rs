@@ -16,7 +16,7 @@ use crate::{ImportError, Source};
 /// A skin that objects use.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Used {
-    /// Its index in the list of skins.
+    /// The index in the list of skins.
     pub(super) skin: usize,
     /// The number of its joints.
     pub(super) joints: u32,
@@ -32,11 +32,11 @@ pub(super) struct Skins {
 }
 
 impl Skins {
-    /// Returns a skin of the file; `None`, with a note, if no mesh can follow it: joints are not in
-    /// the scene, or matrices are not finite.
+    /// Returns a skin of the file. `None`, with a note, if joints are not in the scene or matrices
+    /// are not finite.
     ///
     /// # Errors
-    /// Such a skin, where broken parts are refused.
+    /// Such a skin, if broken parts are refused.
     pub(super) fn used(
         &mut self,
         source: &Source,
@@ -94,7 +94,7 @@ fn read(source: &Source, tree: &Tree, index: usize) -> Option<Skin> {
         })
     };
     let inverse_bind: Vec<Affine3A> = (0..joints.len()).map(matrix).collect();
-    // A vertex names its joints by 16 bits.
+    // A vertex stores the numbers of its joints in 16 bits.
     let can_be_named = joints.len() <= usize::from(u16::MAX) + 1;
     let is_finite = inverse_bind.iter().all(|matrix| matrix.is_finite());
     (can_be_named && is_finite).then_some(Skin { joints, inverse_bind })

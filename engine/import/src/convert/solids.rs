@@ -1,15 +1,14 @@
-//! Points and lines as solids, where [sprites](super::sprites) cannot replace them: where they are
-//! blended or masked, have textures, or are skinned. A point is a cube, a line a prism with three
-//! sides, closed at both ends.
+//! Points and lines as solids. They are used where [sprites](super::sprites) are impossible: with
+//! blending, masks, textures, or skins. A point becomes a cube, a line a prism with three sides,
+//! closed at both ends.
 //!
 //! They are a few pixels wide in the initial view
 //! ([`InitialView`](super::initial_view::InitialView)), and keep that size in the world: points are
-//! [`POINT_SIZE`] of the image's height, lines [`LINE_SIZE`] (6 and 4 pixels of 720). Where they
-//! are close to each other they are thinner, down to [`LEAST_SIZE`], so that their pattern is still
-//! visible: points do not reach the middle between most of them and their neighbours, and lines
-//! side by side fill no more than half of their box. All attributes, skins and morph targets are
-//! kept; so are the normals of the primitive, for lighting as in the file. Without normals, they
-//! point outwards.
+//! [`POINT_SIZE`] of the image's height, lines [`LINE_SIZE`] (6 and 4 pixels of 720). Close to each
+//! other they are thinner, down to [`LEAST_SIZE`], so that their pattern stays visible. Most points
+//! do not reach the middle between them and their neighbours, and parallel lines fill at most half
+//! of their box. All attributes, skins and morph targets are kept. The normals of the primitive are
+//! kept, too, for the lighting of the file; without normals, the solids' normals point outwards.
 
 use glam::Vec3;
 
@@ -25,7 +24,7 @@ pub(super) const LINE_SIZE: f32 = 1.0 / 180.0;
 /// The least size of points and lines, as a part of the image's height.
 pub(super) const LEAST_SIZE: f32 = 1.0 / 720.0;
 
-/// The number of points whose distance to the next one is measured.
+/// The number of points for which the distance to their nearest neighbour is measured.
 const ASKED_POINTS: usize = 32;
 
 /// The number of vertices per point.
@@ -40,7 +39,7 @@ pub(super) const LINE_VERTICES: u64 = 6;
 /// The number of triangles per line.
 pub(super) const LINE_TRIANGLES: u64 = 8;
 
-/// Vertices, each at an offset from another.
+/// New vertices, each at an offset from an existing one.
 #[derive(Default)]
 struct Growth {
     picks: Vec<u32>,
@@ -69,20 +68,20 @@ impl Growth {
     }
 }
 
-/// Returns the wanted size, no larger than a crowd allows and no smaller than can be seen.
+/// Returns the wanted size, limited by the spacing and by the least visible size.
 fn size_of(wanted: f32, most: f32, height: f32) -> f32 {
     let least = height * LEAST_SIZE;
     if most.is_finite() { wanted.min(most.max(least)) } else { wanted }
 }
 
-/// Returns the distance of most points from their neighbours: the median over some of them,
+/// Returns the distance of points from their nearest neighbours: the median of some points,
 /// infinite for a single point.
 fn spacing(geometry: &Geometry, points: &[u32]) -> f32 {
     let at = |vertex: u32| geometry.positions.get(vertex as usize).copied().unwrap_or_default();
     let step = points.len().div_ceil(ASKED_POINTS).max(1);
     let nearest = |asked: Vec3| {
         let others = points.iter().map(|&other| at(other).distance_squared(asked));
-        // Points in the same place are one point.
+        // Points at the same place count as one.
         others.filter(|squared| *squared > 0.0).fold(f32::INFINITY, f32::min).sqrt()
     };
     let asked = points.iter().step_by(step);
@@ -108,7 +107,7 @@ pub(super) fn line_size(geometry: &Geometry, lines: &[[u32; 2]], height: f32) ->
 
 /// Returns a cube around each of these vertices, for an image of this height.
 pub(super) fn points(geometry: &Geometry, points: &[u32], height: f32) -> Geometry {
-    // The corners, by their sides along x, y and z: each is one of eight numbers.
+    // The corners, with the sign of x, y and z in three bits.
     let directions: [Vec3; 8] = std::array::from_fn(|corner| {
         let side = |axis: usize| if corner >> axis & 1 == 1 { 1.0 } else { -1.0 };
         Vec3::new(side(0), side(1), side(2)).normalize()
@@ -132,8 +131,8 @@ pub(super) fn lines(geometry: &Geometry, lines: &[[u32; 2]], height: f32) -> Geo
     let mut growth = Growth::default();
     let at = |vertex: u32| geometry.positions.get(vertex as usize).copied().unwrap_or_default();
     for &[from, to] in lines {
-        // A line without length gets some direction: its ends may have targets and joints that move
-        // them apart.
+        // A line without length gets an arbitrary direction, since targets and joints may move its
+        // ends apart.
         let along = direction(at(to) * 0.5 - at(from) * 0.5).unwrap_or(Vec3::Z);
         let across = along.any_orthonormal_vector();
         let third = along.cross(across);
@@ -143,7 +142,7 @@ pub(super) fn lines(geometry: &Geometry, lines: &[[u32; 2]], height: f32) -> Geo
         growth.add(&[(from, a), (from, b), (from, c), (to, a), (to, b), (to, c)], &triangles);
     }
     let size = line_size(geometry, lines, height);
-    // From all sides, a prism is somewhat wider than its radius times this.
+    // The width of a prism is somewhat more than 1.5 times its radius from any side.
     growth.finish(geometry, size / 1.5)
 }
 
@@ -153,8 +152,8 @@ mod tests {
     use crate::convert::numbers::triangle_normal;
     use glam::vec3;
 
-    /// Checks that every triangle faces away from the middle of its solid, and that every edge is
-    /// met from both sides.
+    /// Checks that every triangle faces away from the middle of its solid, and that every edge has
+    /// a triangle on each side.
     fn assert_closed(solid: &Geometry, vertices: usize) {
         let mut edges = std::collections::HashSet::new();
         for triangle in &solid.triangles {

@@ -1,5 +1,5 @@
-//! Points and lines as sprites: identical ones once, in spatial chunks, so that culling has
-//! something to cull.
+//! Points and lines as sprites: without duplicates, in spatial chunks that can be culled
+//! individually.
 
 use glam::{Affine3A, Vec3};
 use gltf::mesh::Semantic;
@@ -17,24 +17,24 @@ use super::topology::Elements;
 use crate::ImportError;
 use crate::notes::Notes;
 
-/// The most points or lines of one primitive that become solids: each takes as much memory as fifty
-/// sprites.
+/// The most points or lines of one primitive that become solids: a solid takes as much memory as
+/// fifty sprites.
 const MOST_SOLIDS: u64 = 1 << 16;
 
-/// The most sprites of a chunk that is seen once.
+/// The most sprites of a chunk that is used once.
 const CHUNK: usize = 4096;
 
-/// The end of a sprite as numbers that can be ordered: the bits of position, colour and normal.
+/// The end of a sprite in comparable numbers: the bits of position, colour and normal.
 type End = [u32; 7];
 
 /// The common appearance of sprites.
 #[derive(Clone, Copy, Debug)]
 struct Look {
-    /// Half of their width.
+    /// Half of the sprites' width.
     radius_m: f32,
-    /// The factor of their colours.
+    /// The factor of the sprites' colours.
     tint: [f32; 4],
-    /// True if they are seen at one place alone.
+    /// True if the sprites are shown at only one place.
     is_seen_once: bool,
 }
 
@@ -47,7 +47,7 @@ pub(super) fn is_crowd(primitive: &Primitive<'_>) -> bool {
     primitive.is_thin() && count > MOST_SOLIDS
 }
 
-/// The look of sprites, and the view that they are sized for.
+/// The look of sprites, and the view for which they are sized.
 pub(super) struct WantedSprites<'a> {
     pub(super) tint: [f32; 4],
     pub(super) is_seen_once: bool,
@@ -55,10 +55,7 @@ pub(super) struct WantedSprites<'a> {
     pub(super) to_world: &'a Affine3A,
 }
 
-/// Returns a primitive as sprites, if it is made of points or lines.
-///
-/// # Errors
-/// Positions that are not finite; more vertices than the limits allow.
+/// Returns a primitive as sprites, if it consists of points or lines.
 pub(super) fn sprites_of(
     primitive: &Primitive<'_>,
     material: &MaterialUse,
@@ -72,7 +69,7 @@ pub(super) fn sprites_of(
     budget.take(ends, 0).map_err(|over| primitive.over(&over))?;
     let &WantedSprites { tint, is_seen_once, sight, to_world } = wanted;
     let height = sight.height_at(&geometry.bounds(), to_world);
-    // Where positions overflow, so do sizes.
+    // If positions overflow, sizes do, too.
     let radius_m = |size: f32| if size.is_finite() { size * 0.5 } else { 0.0 };
     let look = |size: f32| Look { radius_m: radius_m(size), tint, is_seen_once };
     Ok(match elements {
@@ -98,7 +95,7 @@ fn points(geometry: &Geometry, points: &[u32], look: &Look) -> Vec<Sprites> {
 fn lines(geometry: &Geometry, lines: &[[u32; 2]], look: &Look) -> Vec<Sprites> {
     let all = lines.iter().map(|line| {
         let mut ends = line.map(|vertex| end(geometry, vertex, look));
-        // The same line the other way round is the same line.
+        // A line in the opposite direction is the same line.
         ends.sort_unstable();
         ends
     });
@@ -111,7 +108,7 @@ fn end(geometry: &Geometry, vertex: u32, look: &Look) -> End {
     let colour = geometry.colours.get(vertex).copied().unwrap_or([1.0; 4]);
     let colour = std::array::from_fn(|part| colour[part] * look.tint[part]);
     let normal = geometry.normals.get(vertex).and_then(|normal| direction(*normal));
-    // 0 and -0 are one place.
+    // 0 and -0 are the same place.
     let [x, y, z] = (position + Vec3::ZERO).to_array().map(f32::to_bits);
     let [nx, ny, nz] = normal.unwrap_or(Vec3::Y).to_array().map(f32::to_bits);
     [x, y, z, pack_sprite_colour(colour).to_bits(), nx, ny, nz]

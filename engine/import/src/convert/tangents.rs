@@ -1,5 +1,5 @@
-//! Tangents: those of the file made unit vectors. If the file has none, they are MikkTSpace's for a
-//! material with a normal texture, else any.
+//! Tangents: the normalised tangents of the file. If it has none, they are computed by MikkTSpace
+//! for a material with a normal texture, and arbitrary otherwise.
 
 use glam::{Affine2, Vec2, Vec3, Vec4};
 
@@ -10,21 +10,21 @@ use super::pack::snorm16;
 /// The texture coordinates of a normal texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct NormalUvs {
-    /// The index of one of the two sets.
+    /// The index of the set of texture coordinates, 0 or 1.
     pub(super) set: u8,
-    /// The transform from those to coordinates in the texture.
+    /// The transform from these to coordinates in the texture.
     pub(super) transform: Affine2,
 }
 
-/// The most triangles that may share a corner for MikkTSpace: it goes from neighbour to neighbour
-/// by recursion, and compares each with each.
+/// The most triangles that may share a corner for MikkTSpace: it visits neighbours by recursion,
+/// and compares each with each.
 const MOST_AROUND: u32 = 1024;
 
 /// The most such comparisons in a mesh.
 const MOST_COMPARISONS: u64 = 1 << 30;
 
-/// Gives every vertex a tangent. Returns the geometry, whose vertices may be split, and the number
-/// of tangents of the file without direction.
+/// Gives every vertex a tangent. Returns the geometry, whose vertices may have been split, and the
+/// number of the file's tangents without direction.
 pub(super) fn complete(mut geometry: Geometry, wanted: Option<NormalUvs>) -> (Geometry, usize) {
     if !geometry.tangents.is_empty() {
         let broken = repair(&mut geometry);
@@ -72,8 +72,8 @@ fn finite(uv: Vec2) -> Vec2 {
     if uv.is_finite() { uv } else { Vec2::ZERO }
 }
 
-/// Makes all tangents unit vectors, in place. A tangent without direction gets one across its
-/// normal. Returns the number of those.
+/// Normalises all tangents in place. A tangent without direction gets one perpendicular to its
+/// normal. Returns the number of such tangents.
 fn repair(geometry: &mut Geometry) -> usize {
     let mut broken = 0;
     for (tangent, normal) in geometry.tangents.iter_mut().zip(&geometry.normals) {
@@ -87,7 +87,7 @@ fn repair(geometry: &mut Geometry) -> usize {
     broken
 }
 
-/// Returns a key of a vertex: everything that MikkTSpace takes for one vertex has the same bits.
+/// Returns a key of a vertex: vertices that MikkTSpace takes for one have equal keys.
 fn welded(geometry: &Geometry, uvs: &[Vec2], vertex: u32) -> [u32; 8] {
     let vertex = vertex as usize;
     let position = geometry.positions.get(vertex).copied().unwrap_or_default().to_array();
@@ -110,7 +110,7 @@ fn is_tame(geometry: &Geometry, uvs: &[Vec2]) -> bool {
     around.values().all(|&count| count <= MOST_AROUND) && comparisons <= MOST_COMPARISONS
 }
 
-/// The triangles given to MikkTSpace: all with three different corners.
+/// The triangles given to MikkTSpace: all triangles with three different corners.
 struct Faces<'a> {
     geometry: &'a Geometry,
     uvs: &'a [Vec2],
@@ -157,13 +157,13 @@ impl bevy_mikktspace::Geometry for Faces<'_> {
         let place = self.faces.get(face).copied().unwrap_or_default();
         if let (Some(space), Some(tangents)) = (space, self.tangents.get_mut(place)) {
             let [x, y, z, sign] = space.tangent_encoded();
-            // The algorithm assumes that v goes up; in glTF it goes down.
+            // MikkTSpace assumes that v points up; in glTF it points down.
             tangents[corner] = Vec4::new(x, y, z, -sign);
         }
     }
 }
 
-/// Returns the tangents of all corners from MikkTSpace; zeros where it finds none.
+/// Returns the tangents of all corners by MikkTSpace; zeros where it finds none.
 fn mikkelsen(geometry: &Geometry, uvs: &[Vec2]) -> Vec<[Vec4; 3]> {
     let at = |vertex: u32| geometry.positions.get(vertex as usize).copied().unwrap_or_default();
     let is_proper = |triangle: &[u32; 3]| {
@@ -175,14 +175,15 @@ fn mikkelsen(geometry: &Geometry, uvs: &[Vec2]) -> Vec<[Vec4; 3]> {
         triangles.filter(|(_, triangle)| is_proper(triangle)).map(|(place, _)| place).collect();
     let tangents = vec![[Vec4::W; 3]; geometry.triangles.len()];
     let mut faces = Faces { geometry, uvs, faces, tangents };
-    // Its error carries nothing.
+    // The error has no contents.
     match bevy_mikktspace::generate_tangents(&mut faces) {
         Ok(()) | Err(_) => faces.tangents,
     }
 }
 
-/// Returns the tangents of all corners as each vertex's sum over the triangles around it of the
-/// direction in which u grows (E. Lengyel, Foundations of Game Engine Development, volume 2, 7.5).
+/// Returns the tangents of all corners: for each vertex, the sum over its triangles of the
+/// direction in which u increases (E. Lengyel, Foundations of Game Engine Development, volume 2,
+/// 7.5).
 fn accumulated(geometry: &Geometry, uvs: &[Vec2]) -> Vec<[Vec4; 3]> {
     let mut sums = vec![(Vec3::ZERO, 0.0_f32); geometry.positions.len()];
     for triangle in &geometry.triangles {
@@ -206,7 +207,7 @@ fn accumulated(geometry: &Geometry, uvs: &[Vec2]) -> Vec<[Vec4; 3]> {
     let of_vertex = |vertex: u32| {
         let (sum, sign) = sums.get(vertex as usize).copied().unwrap_or_default();
         let normal = geometry.normals.get(vertex as usize).copied().unwrap_or_default();
-        // v goes down.
+        // v points down.
         (sum - normal * normal.dot(sum)).extend(if sign > 0.0 { -1.0 } else { 1.0 })
     };
     geometry.triangles.iter().map(|triangle| triangle.map(of_vertex)).collect()
@@ -265,7 +266,7 @@ mod tests {
     #[test]
     fn seams_in_the_texture_split_vertices() {
         let mut seam = square();
-        // The second triangle is mirrored: what it shares with the first is split.
+        // The second triangle is mirrored, so vertices that it shares with the first are split.
         seam.uvs[0][3] = Vec2::new(2.0, 1.0);
         let (geometry, _) = complete(seam, UPRIGHT);
         assert_eq!(geometry.positions.len(), 6);

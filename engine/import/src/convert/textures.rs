@@ -1,4 +1,4 @@
-//! Textures: their images, encodings and samplers. Only what materials use is kept.
+//! Textures: their images, encodings and samplers. Only textures that materials use are kept.
 
 use std::collections::HashMap;
 
@@ -10,7 +10,7 @@ use scene::{Encoding, Filter, Image, ImageId, Sampler, Texture, TextureId, Wrap}
 
 use crate::Source;
 
-/// The name of the extension whose values `gltf` leaves to its users in some places.
+/// The name of the extension that `gltf` does not parse everywhere.
 const TRANSFORM: &str = "KHR_texture_transform";
 
 /// A texture as a material refers to it.
@@ -39,8 +39,7 @@ impl Named {
         }
     }
 
-    /// Returns a texture of normals or occlusion, whose extensions `gltf` leaves as they are in the
-    /// file.
+    /// Returns a texture of normals or occlusion, whose extensions `gltf` does not parse.
     pub(super) fn of_values<'a>(
         texture: usize,
         uv_set: u32,
@@ -65,9 +64,9 @@ impl Named {
     }
 }
 
-/// Returns the transform that scales, then rotates, then moves. A positive angle turns
-/// counter-clockwise in the image as displayed, with v downwards. The transform is the identity if
-/// its numbers overflow.
+/// Returns the transform that scales, then rotates, then translates. A positive angle turns
+/// counter-clockwise in the displayed image, with v downwards. The result is the identity if
+/// numbers overflow.
 fn transform(scale: [f32; 2], rotation_rad: f32, offset: [f32; 2]) -> Affine2 {
     let transform = Affine2::from_scale_angle_translation(
         Vec2::from_array(scale),
@@ -98,7 +97,7 @@ impl Textures {
     ) -> Option<TextureId> {
         let image = source.texture_images.get(texture).copied().flatten()?;
         source.images.get(image)?.as_ref()?;
-        // In a texture that is not colour, a placeholder would show nothing understandable.
+        // A placeholder would not be recognisable in a texture that is not colour.
         if encoding == Encoding::Linear && source.placeholders.contains(&image) {
             return None;
         }
@@ -116,7 +115,7 @@ impl Textures {
     /// Returns all textures, and their images, which are taken out of the file.
     pub(super) fn finish(self, source: &mut Source) -> (Vec<Texture>, Vec<Image>) {
         let mut take = |image: usize| source.images.get_mut(image).and_then(Option::take);
-        // Each was there when its id was given, and each is asked for once.
+        // Each image existed when its id was assigned, and each is taken once.
         let images = self.images.into_iter().filter_map(&mut take).collect();
         (self.list, images)
     }

@@ -1,6 +1,5 @@
-//! Topologies: the triangles, lines and points that a list of vertices makes up (glTF 2.0,
-//! 3.7.2.1). Incomplete ones at the end are left out, and so are triangles that name a vertex
-//! twice.
+//! Topologies: the triangles, lines and points of a list of vertices (glTF 2.0, 3.7.2.1).
+//! Incomplete elements at the end are left out, and so are triangles with a repeated vertex.
 
 use gltf::mesh::Mode;
 
@@ -8,7 +7,7 @@ use gltf::mesh::Mode;
 /// vertices sorts them.
 const FEW: usize = 16;
 
-/// The elements that a list of vertices makes up.
+/// The elements of a list of vertices.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Elements {
     Triangles(Vec<[u32; 3]>),
@@ -17,8 +16,8 @@ pub(super) enum Elements {
 }
 
 impl Elements {
-    /// Returns the elements of a list, in which the value `restart`, if there is one, begins a new
-    /// strip, loop or fan.
+    /// Returns the elements of a list. The value `restart`, if there is one, begins a new strip,
+    /// loop or fan.
     pub(super) fn of(mode: Mode, list: &[u32], restart: Option<u32>) -> Self {
         let strips = strips(list, restart);
         match mode {
@@ -49,14 +48,14 @@ impl Elements {
         }
     }
 
-    /// Returns true if the last vertices of a list make no whole element, or those before a
-    /// `restart`.
+    /// Returns true if the last vertices of a list, or the last ones before a `restart`, are an
+    /// incomplete element.
     pub(super) fn leave_rest(mode: Mode, list: &[u32], restart: Option<u32>) -> bool {
         let mut strips = strips(list, restart).filter(|list| !list.is_empty());
         strips.any(|list| Self::leaves_rest(mode, list.len()))
     }
 
-    /// Returns true if the last vertices of a list of so many make no whole element.
+    /// Returns true if the last vertices of a list of `count` are an incomplete element.
     fn leaves_rest(mode: Mode, count: usize) -> bool {
         match mode {
             Mode::Points => false,
@@ -67,7 +66,7 @@ impl Elements {
         }
     }
 
-    /// Returns all vertices that are named.
+    /// Returns the vertices of all elements.
     pub(super) fn vertices(&self) -> &[u32] {
         match self {
             Self::Triangles(triangles) => triangles.as_flattened(),
@@ -76,16 +75,16 @@ impl Elements {
         }
     }
 
-    /// Renumbers the vertices so that only used ones are named, in order. Returns the used
-    /// vertices, or `None` if all of `count` are used.
+    /// Renumbers the vertices so that only used ones remain, in order. Returns the used vertices,
+    /// or `None` if all of `count` are used.
     ///
     /// # Errors
-    /// A vertex that is not there.
+    /// A vertex that does not exist.
     pub(super) fn compact(&mut self, count: usize) -> Result<Option<Vec<u32>>, u32> {
         if let Some(&beyond) = self.vertices().iter().find(|&&vertex| vertex as usize >= count) {
             return Err(beyond);
         }
-        // A few vertices of many are sorted, so that those which are not used cost nothing.
+        // A few used vertices are sorted, so that the unused ones cost nothing.
         let is_few = self.vertices().len() < count / FEW;
         let picks = if is_few { sorted(self.vertices()) } else { marked(self.vertices(), count) };
         if picks.len() == count {
@@ -116,7 +115,7 @@ impl Elements {
     }
 }
 
-/// Returns the vertices of a list once each, in order, by sorting the list.
+/// Returns the vertices of a list in order without repetitions, by sorting.
 fn sorted(list: &[u32]) -> Vec<u32> {
     let mut picks = list.to_vec();
     picks.sort_unstable();
@@ -124,7 +123,7 @@ fn sorted(list: &[u32]) -> Vec<u32> {
     picks
 }
 
-/// Returns the vertices of a list once each, in order, by marking those below `count`.
+/// Returns the vertices of a list in order without repetitions, by marking those below `count`.
 fn marked(list: &[u32], count: usize) -> Vec<u32> {
     let mut is_used = vec![false; count];
     for &vertex in list {

@@ -1,4 +1,4 @@
-//! Vertices of primitives: their attributes as lists of numbers that are all finite.
+//! The vertices of primitives: their attributes as lists of finite numbers.
 
 use glam::{Vec2, Vec3, Vec4};
 use gltf::json;
@@ -15,10 +15,10 @@ use crate::{Cause, ImportError};
 /// texture.
 const LARGEST_UV: f32 = 1e6;
 
-/// The used vertices of a primitive: no other is read.
+/// The used vertices of a primitive: other vertices are not read.
 pub(super) struct Vertices<'a> {
     primitive: &'a Primitive<'a>,
-    /// The used vertices in increasing order; `None` uses all.
+    /// The used vertices in increasing order; `None` if all are used.
     picks: Option<&'a [u32]>,
 }
 
@@ -27,7 +27,7 @@ impl<'a> Vertices<'a> {
         Self { primitive, picks }
     }
 
-    /// Returns all attributes that count.
+    /// Returns all required attributes.
     pub(super) fn read(
         &self,
         positions: usize,
@@ -74,7 +74,7 @@ impl<'a> Vertices<'a> {
         Ok(geometry)
     }
 
-    /// Returns the number in the file of the vertex at this place.
+    /// Returns the index in the file of the vertex at this place.
     fn vertex(&self, place: usize) -> usize {
         self.picks.and_then(|pick| pick.get(place)).map_or(place, |&vertex| vertex as usize)
     }
@@ -133,7 +133,7 @@ impl<'a> Vertices<'a> {
         colours
     }
 
-    /// Returns all sets of joints and weights, which sum to 1 per vertex.
+    /// Returns all sets of joints and weights; the sum of weights is 1 per vertex.
     fn skin(&self, joint_count: u32, vertices: usize, notes: &mut Notes) -> SkinWeights {
         let source = self.primitive.source;
         let attribute = |semantic| self.primitive.attribute(semantic);

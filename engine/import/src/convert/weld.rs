@@ -1,23 +1,23 @@
-//! Positions that were meant to be one, made one to the bit.
+//! Makes nearly equal positions equal to the bit.
 //!
-//! Exporters compute the first and the last corner of a circle separately, so that `sin(0)` and
-//! `sin(2 pi)` leave a gap of 1e-16. A seam of such corners is a border of the mesh, which then
-//! encloses nothing.
+//! Exporters compute the first and the last corner of a circle separately, so `sin(0)` and `sin(2
+//! pi)` differ by 1e-16. A seam of such corners would be a border, and the mesh would enclose
+//! nothing.
 
 use std::collections::HashMap;
 
 use glam::Vec3;
 
-/// The distance along an axis within which two positions are one, as a share of the largest
-/// coordinate of either: two steps of single precision there. What is farther apart may be a
-/// feature, such as one of a small part beside a hall in the same mesh.
+/// The distance along an axis within which two positions count as equal, relative to the largest
+/// coordinate of either: two steps of single precision. Positions farther apart may be a feature,
+/// such as a small part beside a hall in the same mesh.
 const WELD_SHARE: f32 = 2.0 * f32::EPSILON;
 
-/// The width of the cells in which positions are looked for, in the largest distance of welding of
-/// their scale.
+/// The width of the cells in which positions are searched, in multiples of the largest welding
+/// distance at their scale.
 const CELL: f64 = 4.0;
 
-/// A cell of the positions whose largest coordinates have one binary exponent.
+/// A cell of positions whose largest coordinates have the same binary exponent.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 struct Cell {
     exponent: i32,
@@ -26,7 +26,7 @@ struct Cell {
 
 /// Moves each position to the first one that lies within its rounding.
 pub(super) fn weld(positions: &mut [Vec3]) {
-    // The first position of each cell, and the next one in its cell of each position.
+    // The first position of each cell, and for each position the next one in its cell.
     let mut first_of_cell: HashMap<Cell, u32> = HashMap::with_capacity(positions.len() / 4);
     let mut next_of: Vec<Option<u32>> = vec![None; positions.len()];
     for index in 0..positions.len() {
@@ -49,17 +49,17 @@ pub(super) fn weld(positions: &mut [Vec3]) {
     }
 }
 
-/// Returns the distance within which a position and another one are one.
+/// Returns the distance within which another position counts as equal.
 fn tolerance(at: Vec3) -> f32 {
     at.abs().max_element() * WELD_SHARE
 }
 
 fn exponent_of(largest: f32) -> i32 {
-    // Those of numbers that are not normal are one.
+    // All subnormal numbers have the same exponent.
     ((largest.to_bits() >> 23) & 0xff) as i32
 }
 
-/// Returns the place of a coordinate among the cells of an exponent.
+/// Returns the index of the cell that holds a coordinate, for an exponent.
 fn place_of(coordinate: f64, exponent: i32) -> i64 {
     // The largest number of this exponent is below 2^(exponent - 126).
     let width = f64::from(WELD_SHARE) * CELL * f64::from(exponent - 126).exp2();
@@ -72,8 +72,8 @@ fn cell_of(at: Vec3) -> Cell {
     Cell { exponent, place }
 }
 
-/// Returns the cells of all positions that may be one with this: at most two along an axis, and of
-/// two exponents where the largest coordinate is near a power of two.
+/// Returns all cells that may hold a position equal to this one: at most two per axis, and cells of
+/// two exponents if the largest coordinate is near a power of two.
 fn cells_near(at: Vec3) -> impl Iterator<Item = Cell> {
     let largest = at.abs().max_element();
     let reach = 2.0 * tolerance(at);

@@ -1,5 +1,5 @@
-//! Tests that all elements and picked ones are the same numbers, and that picked ones cost no more
-//! than their number.
+//! Tests that picked elements equal the same elements of a full read, and that reading them costs
+//! no more than their number.
 
 use std::cell::Cell;
 
@@ -26,14 +26,14 @@ impl Random {
         (self.next() % end.max(1) as u64) as usize
     }
 
-    /// Returns each number below `end` with a chance of one in `rare`, in order.
+    /// Returns each number below `end` with a probability of 1 / `rare`, in order.
     fn some_below(&mut self, end: usize, rare: usize) -> Vec<u32> {
         (0..end as u32).filter(|_| self.below(rare) == 0).collect()
     }
 }
 
-/// Returns a file of random bytes. Its first accessor has a random layout, and its second has the
-/// same elements, packed.
+/// Returns a file of random bytes. Its first accessor has a random layout, and its second one has
+/// the same elements, packed.
 fn any_accessor(random: &mut Random) -> (Root, Store) {
     const TYPES: [(u32, usize); 6] =
         [(5120, 1), (5121, 1), (5122, 2), (5123, 2), (5125, 4), (5126, 4)];
@@ -80,7 +80,7 @@ fn any_accessor(random: &mut Random) -> (Root, Store) {
     (serde_json::from_value(root).expect("a file"), Store { file, buffers })
 }
 
-/// Reads elements as floats and as integers; both as bits.
+/// Reads elements as floats and as integers, both as bits.
 fn read<const N: usize>(
     file: &(Root, Store),
     accessor: usize,
@@ -132,7 +132,7 @@ fn primitives_that_share_vertices_read_those_that_they_use() {
         let text = base64::Engine::encode(&base64::prelude::BASE64_STANDARD, bytes);
         json!({ "byteLength": bytes.len(), "uri": format!("data:application/octet-stream;base64,{text}") })
     };
-    // Indices of its own make a primitive another one.
+    // Own indices make each primitive a different one.
     let primitive = |number| json!({ "attributes": { "POSITION": 0, "NORMAL": 0, "COLOR_0": 0 }, "indices": number });
     let primitives: Vec<_> = (1..=PRIMITIVES).map(primitive).collect();
     let positions =
@@ -160,7 +160,7 @@ fn primitives_that_share_vertices_read_those_that_they_use() {
     );
     let read = READ.get() - before;
     assert_eq!(loaded.map(|loaded| loaded.scene.objects.len()), Ok(PRIMITIVES));
-    // Three indices, checked and read, and three vertices of three attributes; what is shared is
+    // Three indices, checked and read, and three vertices with three attributes; shared data is
     // checked once.
     let most = (PRIMITIVES * 3 * 5 + VERTICES * 2) as u64;
     assert!((most / 2..=most).contains(&read), "{read} elements read, not {most} at most");

@@ -1,9 +1,9 @@
-//! A gate by which threads take memory while there is some left, and wait until others give theirs
-//! back.
+//! A gate that lets threads take memory while some is left, and makes them wait until others return
+//! theirs.
 
 use std::sync::{Condvar, Mutex, PoisonError};
 
-/// An amount that is shared.
+/// A shared amount.
 pub(super) struct Gate {
     left: Mutex<u64>,
     given_back: Condvar,
@@ -14,8 +14,8 @@ impl Gate {
         Self { left: Mutex::new(amount), given_back: Condvar::new() }
     }
 
-    /// Calls `work` while it holds `amount`, which must be at most the whole: it would wait for
-    /// ever for more. `work` must not panic.
+    /// Calls `work` while holding `amount`, which must be at most the whole; otherwise it would
+    /// wait forever. `work` must not panic.
     pub(super) fn with<T>(&self, amount: u64, work: impl FnOnce() -> T) -> T {
         let left = self.left.lock().unwrap_or_else(PoisonError::into_inner);
         let mut left = self

@@ -1,16 +1,16 @@
-//! The facts about a JPEG that its decoder does not report: it fills up truncated files, and takes
-//! more memory for progressive ones (ITU-T T.81, annex B).
+//! Facts about a JPEG that its decoder does not report: it fills up truncated files, and takes more
+//! memory for progressive ones (ITU-T T.81, annex B).
 
-/// The facts in the markers of a file.
+/// The facts from the markers of a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Jpeg {
-    /// True if its coefficients come in several scans and are all held until the last.
+    /// True if it has several scans, so that all coefficients are kept until the last scan.
     pub(super) is_progressive: bool,
-    /// True if its last marker is there.
+    /// True if its end marker exists.
     pub(super) has_end: bool,
 }
 
-/// Walks the markers up to the first scan.
+/// Reads the markers up to the first scan.
 pub(super) fn inspect(bytes: &[u8]) -> Jpeg {
     let mut jpeg = Jpeg::default();
     let mut at = 2;
@@ -20,7 +20,7 @@ pub(super) fn inspect(bytes: &[u8]) -> Jpeg {
             0xFF => at += 1,
             // Markers without a segment.
             0x01 | 0xD0..=0xD8 => at += 2,
-            // The start of a scan: after it comes no marker of this kind but the last.
+            // The start of a scan: only the end marker can follow.
             0xDA => {
                 jpeg.has_end = bytes.get(at..).is_some_and(has_end);
                 break;
@@ -40,11 +40,11 @@ fn has_end(scans: &[u8]) -> bool {
     scans.windows(2).rev().any(|pair| pair == [0xFF, 0xD9])
 }
 
-/// Returns the ends of a file without its last marker: that marker alone, and other coefficients
-/// before it. The decoded images differ if any of the file's own coefficients are missing.
+/// Returns two ways to complete a file without an end marker: the marker alone, and other
+/// coefficients before it. The decoded images differ if coefficients are missing.
 pub(super) fn endings(bytes: &[u8]) -> [Vec<u8>; 2] {
     const END: [u8; 2] = [0xFF, 0xD9];
-    // Half of a marker is none, but for a byte that was stuffed.
+    // Half of a marker is not a marker, unless the byte was stuffed.
     let bytes = bytes.strip_suffix(&[0xFF]).unwrap_or(bytes);
     [[bytes, &END].concat(), [bytes, &[0x5A; 64], &END].concat()]
 }

@@ -9,21 +9,21 @@ use super::ImageHead;
 use crate::error::Reason;
 use crate::memory;
 
-/// The most bytes that the description of a format takes: one block with a size of 16 bits.
+/// The most bytes of a format's description: one block with a size of 16 bits.
 const MAX_DESCRIPTION_BYTES: u32 = 4 + 0xFFFF;
 
 /// The form of the texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum TexelForm {
     Blocks(BlockFormat),
-    /// Pixels of so many channels of a byte each, red first.
+    /// Pixels of `channels` bytes, red first.
     Pixels {
         channels: usize,
     },
 }
 
 impl TexelForm {
-    /// Returns the bytes of a mip map, if they can be counted.
+    /// Returns the number of bytes of a mip map, or `None` if it overflows.
     fn bytes(self, size: [u32; 2]) -> Option<u64> {
         match self {
             Self::Blocks(format) => format.bytes(size),
@@ -39,8 +39,8 @@ pub(super) struct EncodedKtx2 {
     form: TexelForm,
     /// The largest window of Zstandard, if the levels are packed by it.
     window_bytes: Option<u64>,
-    /// The bytes of each mip map that is taken, the whole image first. Those of pixels are made
-    /// anew.
+    /// The number of bytes of each mip map that is used, the whole image first. Mip maps of pixels
+    /// are generated, so only the whole image is used.
     level_bytes: Vec<u64>,
 }
 
@@ -50,7 +50,7 @@ impl EncodedKtx2 {
         encoded.starts_with(&ktx2::MAGIC)
     }
 
-    /// Reads the head of an image.
+    /// Reads the header of an image.
     pub(super) fn read(encoded: &[u8]) -> Result<(ImageHead, Self), Reason> {
         let reader = reader(encoded)?;
         let header = reader.header();
@@ -80,13 +80,13 @@ impl EncodedKtx2 {
             (0..taken).map(|level| bytes_of(level).unwrap_or(u64::MAX)).collect();
         let bytes = level_bytes.iter().fold(0_u64, |all, level| all.saturating_add(*level));
         let texels = u64::from(size[0]) * u64::from(size[1]);
-        // Pixels, and devices without the format, take four bytes per texel.
+        // Pixels take four bytes per texel, and so do blocks on devices without the format.
         let bytes = bytes.max(texels.saturating_mul(4));
-        // The decoder's buffer begins as large as the window; beyond that it is copied to one twice
-        // as large.
+        // The decoder's buffer begins at the size of the window; if more is needed, it is copied to
+        // a buffer of twice the size.
         let scratch_bytes = window_bytes.unwrap_or(0).saturating_mul(3);
         let scratch_bytes = scratch_bytes.saturating_add(encoded.len() as u64);
-        // Pixels of fewer channels are there twice while they are spread.
+        // Pixels of fewer channels exist twice while channels are added.
         let spread_bytes = match form {
             TexelForm::Pixels { channels: 1..=3 } => level_bytes.iter().copied().sum(),
             TexelForm::Pixels { .. } | TexelForm::Blocks(_) => 0,
@@ -96,7 +96,7 @@ impl EncodedKtx2 {
         Ok((head, Self { form, window_bytes, level_bytes }))
     }
 
-    /// Takes the blocks of all mip maps out of the file, or the pixels of the whole image.
+    /// Reads the blocks of all mip maps, or the pixels of the whole image.
     pub(super) fn decode(&self, encoded: &[u8]) -> Result<Texels, Reason> {
         let reader = reader(encoded)?;
         let mut decoder = FrameDecoder::new();
@@ -138,7 +138,7 @@ impl EncodedKtx2 {
     }
 }
 
-/// Returns pixels with four channels: those that they lack are 0, alpha 255.
+/// Returns pixels with four channels: missing colours are 0, alpha 255.
 fn rgba8(pixels: Vec<u8>, channels: usize) -> Vec<u8> {
     if channels == 4 {
         return pixels;
@@ -154,7 +154,7 @@ fn rgba8(pixels: Vec<u8>, channels: usize) -> Vec<u8> {
 
 fn reader(encoded: &[u8]) -> Result<Reader<&[u8]>, Reason> {
     let wrong = |error| Reason::damaged(format!("it is a KTX2 image that cannot be read: {error}"));
-    // The reader takes memory for each block of the description.
+    // The reader allocates memory for each block of the description.
     if let Some(head) = encoded.first_chunk() {
         let header = Header::from_bytes(head).map_err(wrong)?;
         if header.index.dfd_byte_length > MAX_DESCRIPTION_BYTES {
@@ -165,14 +165,14 @@ fn reader(encoded: &[u8]) -> Result<Reader<&[u8]>, Reason> {
     Reader::new(encoded).map_err(wrong)
 }
 
-/// Returns the bytes that the first frame of Zstandard has the decoder keep (RFC 8878, section
-/// 3.1.1.1); 0 where there is no frame.
+/// Returns the number of bytes that the decoder must keep for the first frame of Zstandard (RFC
+/// 8878, section 3.1.1.1); 0 if there is no frame.
 fn window_bytes(packed: &[u8]) -> u64 {
     const MAGIC: [u8; 4] = [0x28, 0xB5, 0x2F, 0xFD];
     let Some([descriptor, rest @ ..]) = packed.strip_prefix(&MAGIC) else { return 0 };
     let is_single_segment = descriptor & 0x20 != 0;
     let Some(window) = rest.first().filter(|_| !is_single_segment) else {
-        // The window is the content, whose size lies behind the number of a dictionary.
+        // The window is the content, whose size follows the dictionary's number.
         let dictionary_bytes = [0, 1, 2, 4][usize::from(descriptor & 3)];
         let (size_bytes, least) = [(1, 0), (2, 256), (4, 0), (8, 0)][usize::from(descriptor >> 6)];
         let size = rest.get(dictionary_bytes..dictionary_bytes + size_bytes).unwrap_or_default();
@@ -183,7 +183,7 @@ fn window_bytes(packed: &[u8]) -> u64 {
     base + base / 8 * u64::from(window & 7)
 }
 
-/// Returns the form of the texels. The materials say what they mean, not the file.
+/// Returns the form of the texels. Their meaning depends on materials, not on the file.
 fn form_of(header: &Header) -> Result<TexelForm, Reason> {
     const KNOWN: &str = "BC1 to BC5, BC7, ASTC without light beyond white, and one to four channels of 8 bits (R8 to R8G8B8A8) are supported";
     let Some(format) = header.format else {
@@ -212,7 +212,8 @@ fn form_of(header: &Header) -> Result<TexelForm, Reason> {
     }))
 }
 
-/// Refuses what is no flat image with rows from the top and all of its channels as they are.
+/// Refuses images that are not flat, whose rows do not start at the top, or whose channels are
+/// swizzled.
 fn check_layout(reader: &Reader<&[u8]>, header: &Header) -> Result<(), Reason> {
     let is_flat = header.pixel_height > 0
         && header.pixel_depth == 0

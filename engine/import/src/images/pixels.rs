@@ -11,12 +11,12 @@ use crate::error::Reason;
 /// An encoded image of pixels.
 pub(super) struct EncodedPixels {
     format: ImageFormat,
-    /// True for a JPEG without its last marker.
+    /// True for a JPEG without an end marker.
     lacks_end: bool,
 }
 
 impl EncodedPixels {
-    /// Reads the head of an image.
+    /// Reads the header of an image.
     pub(super) fn read(encoded: &[u8], limits: &Limits) -> Result<(ImageHead, Self), Reason> {
         let format = match image::guess_format(encoded) {
             Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP)) => format,
@@ -28,7 +28,7 @@ impl EncodedPixels {
         };
         let jpeg = (format == ImageFormat::Jpeg).then(|| jpeg::inspect(encoded));
         let copies = match (format, jpeg) {
-            // Coefficients of 16 bits for all of the image.
+            // Coefficients of 16 bits for the whole image.
             (_, Some(jpeg)) if jpeg.is_progressive => 4,
             (ImageFormat::Png, _) => 1,
             _ => 2,
@@ -54,7 +54,7 @@ impl EncodedPixels {
             return self.pixels(encoded, size, limits);
         }
         // The decoder fills up missing data without a warning. In a complete file, bytes after the
-        // end change nothing.
+        // end do not matter.
         let [one, other] = jpeg::endings(encoded);
         let pixels = self.pixels(&one, size, limits)?;
         drop(one);

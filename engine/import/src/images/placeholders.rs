@@ -1,4 +1,4 @@
-//! Images in the place of those that cannot be read, and what is said about them.
+//! Placeholders for images that cannot be read, and their notes.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -10,7 +10,7 @@ use crate::error::quoted;
 use crate::reach::{TextureSlot, texture_slots};
 use crate::verdict::Verdict;
 
-/// Returns an image that nobody takes for one of the scene: checkers of magenta and black.
+/// Returns an image that is clearly not part of the scene: a checkerboard of magenta and black.
 pub(super) fn placeholder(index: usize) -> Image {
     const SIDE: u32 = 16;
     let texel = |place: u32| {
@@ -21,7 +21,7 @@ pub(super) fn placeholder(index: usize) -> Image {
     Image::of_rgba8(format!("image {index} (missing)"), [SIDE; 2], rgba8)
 }
 
-/// Returns the slots of shown materials that each image is sampled for.
+/// Returns the slots of shown materials that use each image.
 pub(super) fn slots_of_images(
     root: &Root,
     texture_images: &[Option<usize>],
@@ -38,8 +38,8 @@ pub(super) fn slots_of_images(
     slots
 }
 
-/// Returns what is shown for an image that cannot be read, by the slots that it is sampled for: in
-/// one that is not colour, checkers would show nothing understandable.
+/// Returns the replacement of an image that cannot be read, as a text. It depends on the slots that
+/// use the image: in a slot that is not colour, checkers would not be recognisable.
 pub(super) fn consequence(root: &Root, index: usize, slots: &BTreeSet<TextureSlot>) -> String {
     let uri = root.images.get(index).and_then(|image| image.uri.as_deref());
     let uri = uri.filter(|uri| !uri.starts_with("data:")).map(quoted);

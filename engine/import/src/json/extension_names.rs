@@ -1,4 +1,5 @@
-//! The names of extensions that objects of a file have, whether `extensionsUsed` names them or not.
+//! The names of extensions that objects of a file have, even if `extensionsUsed` does not list
+//! them.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -9,8 +10,8 @@ use serde::de::{DeserializeSeed, Error, IgnoredAny, MapAccess, SeqAccess, Visito
 /// The most names that are kept.
 const MOST: usize = 64;
 
-/// Returns the names of the extensions that objects have, outside of `extras`. The JSON was read
-/// before, so that its depth is limited.
+/// Returns the names of the extensions of objects outside of `extras`. The JSON has been read
+/// before, so its depth is limited.
 pub(super) fn of(json: &[u8]) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     let mut reader = serde_json::Deserializer::from_slice(json);
@@ -19,7 +20,7 @@ pub(super) fn of(json: &[u8]) -> BTreeSet<String> {
     names
 }
 
-/// A value of the JSON. It is read to true, unless it is null.
+/// A value of the JSON. Reading it returns true unless it is null.
 struct Place<'a> {
     names: &'a mut BTreeSet<String>,
     /// True for the object whose keys are names of extensions.
@@ -91,11 +92,11 @@ impl<'de> Visitor<'de> for Place<'_> {
     }
 }
 
-/// The sort of a key.
+/// The kind of a key.
 enum KeyKind {
     /// The key of the object whose keys are names of extensions.
     Extensions,
-    /// The key of what is an application's own.
+    /// The key of application data.
     Extras,
     /// The name of an extension.
     Name(String),

@@ -1,19 +1,19 @@
-//! Numbers that are greater than any of 64 bits. Readers refuse all of a file for one of them,
+//! Numbers that exceed 64-bit floats. JSON readers refuse a whole file because of one of them,
 //! wherever it is.
 
 use std::ops::Range;
 
-/// The replacement of such a number: it is as short as the shortest of them, and beyond 32 bits
-/// like them.
+/// The replacement of such a number. It is not longer than the shortest of them, and beyond 32-bit
+/// floats, too.
 const STAND_IN: &[u8] = b"1e300";
 
-/// Returns true if an error is about such a number.
+/// Returns true if an error is caused by such a number.
 pub(super) fn is_cause(error: &serde_json::Error) -> bool {
     error.to_string().starts_with("number out of range")
 }
 
-/// Returns the JSON with a number beyond 32 bits, but not beyond 64, in place of each greater one;
-/// `None` if there is none. All other text stays where it is.
+/// Returns the JSON with each such number replaced by a number that exceeds only 32-bit floats;
+/// `None` if there is no such number. All other text stays in place.
 pub(super) fn bounded(json: &[u8]) -> Option<Vec<u8>> {
     let mut bounded: Option<Vec<u8>> = None;
     for number in numbers(json) {
@@ -34,7 +34,7 @@ pub(super) fn bounded(json: &[u8]) -> Option<Vec<u8>> {
     bounded
 }
 
-/// Finds all that may be a number, outside of strings.
+/// Returns all ranges outside of strings that may be numbers.
 fn numbers(json: &[u8]) -> impl Iterator<Item = Range<usize>> {
     let mut at = 0;
     std::iter::from_fn(move || {

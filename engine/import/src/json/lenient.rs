@@ -1,5 +1,5 @@
-//! The lenient reader of JSON that `gltf` refuses: each element of its lists is read by itself. A
-//! fault belongs to its element alone, so that it refuses the file only if the element is shown.
+//! The lenient reader for JSON that `gltf` refuses: each element of its lists is read individually.
+//! A fault belongs only to its element, so it refuses the file only if the element is shown.
 
 use std::collections::BTreeSet;
 
@@ -15,19 +15,19 @@ use crate::error::{Fault, Reason};
 use crate::notes::{Note, Notes};
 use crate::placeholder::Placeholder;
 
-/// A root whose elements are in order, or blank and at fault.
+/// A root whose elements are valid JSON structures, or blank with a fault.
 pub(crate) struct Parsed {
     pub(crate) root: Root,
-    /// The faults of blank elements of its lists.
+    /// The faults of blank elements of the root's lists.
     pub(crate) faults: Vec<(Element, Fault)>,
-    /// The names of the extensions that objects have, at most 64.
+    /// The names of the extensions of objects, at most 64.
     pub(crate) extension_names: BTreeSet<String>,
 }
 
 const LIGHTS: &str = "KHR_lights_punctual";
 
-/// The most elements that cannot be read: a blank takes more memory than the two characters of a
-/// broken one.
+/// The most unreadable elements: a blank takes more memory than the two characters of a broken
+/// element.
 const MOST_FAULTS: usize = 4096;
 
 /// Reads the root object of a file.
@@ -107,10 +107,10 @@ impl Lists<'_> {
         Ok(elements)
     }
 
-    /// Holds the fault of an element that cannot be read, and returns the blank for it.
+    /// Records the fault of an unreadable element, and returns a blank.
     ///
     /// # Errors
-    /// The fault, after too many others.
+    /// The fault, if there are too many.
     fn hold<T: Placeholder>(
         &mut self,
         element: Element,
@@ -141,8 +141,8 @@ fn read<T: DeserializeOwned>(value: &mut Value, element: Element) -> Result<T, F
     })
 }
 
-/// Turns numbers such as `1.0` into whole ones, which some fields must be; their values stay the
-/// same. Depth was limited by the reader of the JSON.
+/// Turns numbers such as `1.0` into integers, which some fields require; their values do not
+/// change. The JSON reader has limited the depth.
 fn make_whole(value: &mut Value) {
     const EXACT: f64 = 9_007_199_254_740_992.0;
     match value {
@@ -164,7 +164,7 @@ fn make_whole(value: &mut Value) {
     }
 }
 
-/// Drops channels whose target has no node. They are valid if an extension defines their targets.
+/// Removes channels whose target has no node. They are valid if an extension defines their targets.
 fn drop_channels_without_node(index: usize, animation: &mut Value, notes: &mut Notes) {
     let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) else {
         return;
@@ -180,7 +180,7 @@ fn drop_channels_without_node(index: usize, animation: &mut Value, notes: &mut N
     });
 }
 
-/// Takes out the list of lights. An extension without one has no lights.
+/// Takes the list of lights. An extension without a list has no lights.
 fn take_lights(
     object: &mut Map<String, Value>,
     faults: &mut Vec<(Element, Fault)>,

@@ -1,14 +1,13 @@
-//! Lists in the place of objects: a reader of structures takes them for their fields in order.
+//! Lists in the place of objects: a typed reader would take their values for the fields in order.
 
 use serde_json::Value;
 
 use super::names::shown_key;
 use crate::error::{Fault, Reason};
 
-/// Returns true if a list may be an element of a list in the JSON: outside of extensions, glTF has
-/// no such thing.
+/// Returns true if a list may contain a list as an element: outside of extensions, glTF never does.
 pub(super) fn may_be_in(json: &[u8]) -> bool {
-    // Within an object a list follows a colon.
+    // In an object, a list follows a colon.
     let mut before = 0;
     json.iter().filter(|byte| !byte.is_ascii_whitespace()).any(|&byte| {
         let is_in_list = byte == b'[' && matches!(before, b'[' | b',');
@@ -17,8 +16,7 @@ pub(super) fn may_be_in(json: &[u8]) -> bool {
     })
 }
 
-/// Fails at the first list that is an element of another one. Depth was limited by the reader of
-/// the JSON.
+/// Fails at the first list that is an element of a list. The JSON reader has limited the depth.
 pub(super) fn check(value: &Value) -> Result<(), Fault> {
     match value {
         Value::Object(entries) => {

@@ -1,4 +1,4 @@
-//! The names of parts of a JSON in messages.
+//! The names of JSON paths in messages.
 
 use serde_path_to_error::Segment;
 
@@ -30,7 +30,7 @@ pub(super) fn object_name<'a>(mut name: String, path: impl Iterator<Item = &'a S
     if name.is_empty() { "JSON".to_owned() } else { name }
 }
 
-/// Returns a key as it is shown to people.
+/// Returns a key as it is shown in messages.
 pub(super) fn shown_key(key: &str) -> String {
     let is_plain = key.len() <= 40 && key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     if is_plain { key.to_owned() } else { quoted(key) }

@@ -1,5 +1,5 @@
-//! Properties that are null, which exporters write for absent ones: they are removed before
-//! anything reads the JSON.
+//! Properties that are null, which some exporters write for absent ones. They are removed before
+//! the JSON is interpreted.
 
 use serde_json::Value;
 use serde_path_to_error::Segment;
@@ -7,7 +7,7 @@ use serde_path_to_error::Segment;
 use super::names::object_name;
 use crate::notes::Notes;
 
-/// Returns true if a property may be null in the JSON.
+/// Returns true if a property in the JSON may be null.
 pub(super) fn may_be_in(json: &[u8]) -> bool {
     let follows_colon = |at: usize| {
         let before = json.get(..at).unwrap_or_default().trim_ascii_end();
@@ -17,9 +17,8 @@ pub(super) fn may_be_in(json: &[u8]) -> bool {
     words.into_iter().any(|(at, _)| follows_colon(at))
 }
 
-/// Removes all properties that are null, and notes how many there were. A null in a list is no
-/// absent property: it stays, and so does everything in `extras`. Depth was limited by the reader
-/// of the JSON.
+/// Removes all properties that are null, and notes their number. A null in a list is not an absent
+/// property, so it stays. Everything in `extras` stays, too. The JSON reader has limited the depth.
 pub(super) fn remove(value: &mut Value, notes: &mut Notes) {
     let mut nulls = Nulls::default();
     nulls.remove_from(value);
@@ -29,16 +28,16 @@ pub(super) fn remove(value: &mut Value, notes: &mut Notes) {
     });
 }
 
-/// The properties that were removed.
+/// The removed properties.
 #[derive(Default)]
 struct Nulls {
     count: usize,
-    /// The way to the first one, from it outwards.
+    /// The path to the first one, from the inside outwards.
     path_of_first: Vec<Segment>,
 }
 
 impl Nulls {
-    /// Removes the nulls in a value. Returns true if the first of all is among them.
+    /// Removes the nulls in a value. Returns true if the first null of the file is among them.
     fn remove_from(&mut self, value: &mut Value) -> bool {
         let mut has_first = false;
         match value {

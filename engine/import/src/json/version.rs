@@ -1,12 +1,12 @@
-//! Versions of the format: MAJOR.MINOR (glTF 2.0, 3.2). A reader of 2.0 reads each 2.x that does
-//! not demand more.
+//! Versions of the format: MAJOR.MINOR (glTF 2.0, 3.2). A reader of 2.0 reads each 2.x whose
+//! `minVersion` is not higher.
 
 use gltf::json::Asset;
 
 use crate::error::{Fault, Reason, quoted};
 use crate::notes::{Note, Notes};
 
-/// The version that this reader knows.
+/// The version that this reader supports.
 const KNOWN: Version = Version { major: 2, minor: 0 };
 
 /// A version of the format.
@@ -17,8 +17,8 @@ struct Version {
 }
 
 impl Version {
-    /// Reads a version of any number of parts, of which the first two count. A part that is missing
-    /// or empty is 0.
+    /// Parses a version of any number of parts, of which the first two matter. A missing or empty
+    /// part is 0.
     fn of(text: &str) -> Option<Self> {
         let mut parts = text.split('.');
         let major = number(parts.next()?)?;
@@ -32,11 +32,10 @@ fn number(text: &str) -> Option<u32> {
     text.bytes().all(|byte| byte.is_ascii_digit()).then(|| text.parse().ok()).flatten()
 }
 
-/// Checks the version of a file, and the least version that its reader must know. Other spellings
-/// than MAJOR.MINOR are noted.
+/// Checks the version of a file, and its `minVersion`. Spellings other than MAJOR.MINOR are noted.
 ///
 /// # Errors
-/// A version that is unknown, or not a version.
+/// A version that is not supported, or not a version.
 pub(super) fn check(asset: &Asset, notes: &mut Notes) -> Result<(), Fault> {
     refuse_older(&asset.version)?;
     let version = read("version", &asset.version, notes)?;
@@ -44,8 +43,7 @@ pub(super) fn check(asset: &Asset, notes: &mut Notes) -> Result<(), Fault> {
         Some(least) => Some(read("minVersion", least, notes)?),
         None => None,
     };
-    // A least version before this one means nothing: files of this version are not for older
-    // readers.
+    // A `minVersion` below this version has no meaning, since older readers cannot read the file.
     match least.filter(|least| least.major >= KNOWN.major) {
         Some(KNOWN) => Ok(()),
         Some(_) => Err(other(asset.min_version.as_deref().unwrap_or_default())),
@@ -54,7 +52,7 @@ pub(super) fn check(asset: &Asset, notes: &mut Notes) -> Result<(), Fault> {
     }
 }
 
-/// Refuses a version before the known one.
+/// Refuses a version before the supported one.
 pub(super) fn refuse_older(text: &str) -> Result<(), Fault> {
     match text.split('.').next().and_then(number) {
         Some(major) if major < KNOWN.major => Err(other(text)),

@@ -1,5 +1,5 @@
-//! The memory that JSON will take once it is read, estimated before: two characters can become a
-//! structure of hundreds of bytes.
+//! Estimates the memory that JSON takes once it is read, before it is read: two characters can
+//! become a structure of hundreds of bytes.
 
 use std::fmt;
 
@@ -10,12 +10,12 @@ use serde::de::{DeserializeSeed, Error, MapAccess, SeqAccess, Visitor};
 use crate::Limits;
 use crate::error::Reason;
 
-/// The size of a number, word or null in a list.
+/// The size of a number, boolean, or null in a list.
 const SCALAR_BYTES: u64 = size_of::<serde_json::Value>() as u64;
-/// The size of an entry of a map of JSON values, beside its key and value.
+/// The size of an entry of a JSON map, without its key and value.
 const ENTRY_BYTES: u64 = 64;
-/// The size of an object anywhere: the largest structure that `gltf` makes of one, save for
-/// materials: they are few.
+/// The size of any object: the size of the largest structure of `gltf` except materials, of which
+/// there are few.
 const OBJECT_BYTES: u64 = 512;
 
 const _: () = {
@@ -38,14 +38,14 @@ const _: () = {
     assert!(size_of::<json::texture::Sampler>() <= largest);
 };
 
-/// The most that a byte of JSON weighs: `{}` and a comma are an object, and nothing of that length
-/// weighs more.
+/// The most memory per byte of JSON: `{}` with a comma is an object, and no value of that length
+/// takes more.
 const MOST_PER_BYTE: u64 = OBJECT_BYTES / 2;
 
 /// Fails if the JSON is longer than the limits allow, or would take more memory.
 ///
-/// Broken JSON is weighed up to its fault, which its reader reports. Text too short to be too heavy
-/// is not weighed: weighing takes half as long as reading.
+/// Broken JSON is estimated up to its fault, which the reader reports. Text that is too short to
+/// exceed the limit is skipped, since the estimate takes half as long as reading.
 pub(super) fn check(json: &[u8], limits: &Limits) -> Result<(), Reason> {
     let length = json.len() as u64;
     if length > limits.json_bytes {

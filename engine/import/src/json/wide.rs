@@ -1,11 +1,11 @@
-//! Indices beyond 32 bits, of which `gltf` silently keeps the lower half.
+//! Indices beyond 32 bits, which `gltf` silently truncates to the lower half.
 
 use serde_json::Value;
 
 use super::names::shown_key;
 use crate::error::{Fault, Reason};
 
-/// The keys of glTF whose value is an index, a choice or a set: whole numbers of at most 32 bits.
+/// The keys of glTF whose value is an index, an enumerator or a set: integers of at most 32 bits.
 const NARROW: &[&str] = &[
     "buffer",
     "bufferView",
@@ -37,11 +37,11 @@ const NARROW: &[&str] = &[
 /// The keys whose value is a list or an object of indices.
 const LISTS: &[&str] = &["attributes", "children", "joints", "nodes", "targets"];
 
-/// The number of digits of the least number beyond 32 bits.
+/// The number of digits of the least integer beyond 32 bits.
 const WIDE_DIGITS: usize = 10;
 
-/// Returns true if a whole number of more than 32 bits may be in the JSON: so many digits in a row
-/// that follow no decimal point. Text with such a row has a digit at some multiple of its length.
+/// Returns true if the JSON may contain an integer beyond 32 bits: a row of [`WIDE_DIGITS`] digits
+/// that does not follow a decimal point. Any such row has a digit at a multiple of this length.
 pub(super) fn may_be_in(json: &[u8]) -> bool {
     let is_digit = |byte: &u8| byte.is_ascii_digit();
     let starts_wide = |at: usize| {
@@ -56,7 +56,7 @@ pub(super) fn may_be_in(json: &[u8]) -> bool {
     places.into_iter().any(|at| json.get(at).is_some_and(is_digit) && starts_wide(at))
 }
 
-/// Fails at the first such number beyond 32 bits. Depth was limited by the reader of the JSON.
+/// Fails at the first index beyond 32 bits. The JSON reader has limited the depth.
 pub(super) fn check(value: &Value) -> Result<(), Fault> {
     match value {
         Value::Object(entries) => {
@@ -75,7 +75,7 @@ pub(super) fn check(value: &Value) -> Result<(), Fault> {
     }
 }
 
-/// Returns a number beyond 32 bits: this value, or one in it, `levels` deep at most (attributes of
+/// Returns a number beyond 32 bits: this value, or one in it, at most `levels` deep (attributes of
 /// targets in a list).
 fn wide_number(value: &Value, levels: u32) -> Option<u64> {
     match value {
@@ -84,7 +84,7 @@ fn wide_number(value: &Value, levels: u32) -> Option<u64> {
             values.iter().find_map(|value| wide_number(value, levels - 1))
         }
         Value::Object(entries) if levels > 0 => {
-            // Objects in lists of nodes are nodes, whose numbers have keys of their own.
+            // Objects in lists of nodes are nodes, whose numbers have their own keys.
             let is_attributes = entries.values().all(Value::is_number);
             is_attributes
                 .then(|| entries.values().find_map(|value| wide_number(value, levels - 1)))

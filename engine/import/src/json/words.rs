@@ -1,12 +1,12 @@
-//! The errors of the JSON reader in words of glTF.
+//! Rewords the errors of the JSON reader in terms of glTF.
 
 /// The most characters of a value that are shown.
 const LONGEST: usize = 80;
 
-/// The demand for an object, in words.
+/// The words for a required object.
 const OBJECT: &str = "an object";
 
-/// Returns the sentence for an error of a value: the demand on it, and the value found.
+/// Returns the sentence for an error of a value: the requirement, and the value found.
 pub(super) fn sentence(error: &str) -> String {
     if let Some(field) = error.strip_prefix("missing field `") {
         let field = field.split('`').next().unwrap_or_default();
@@ -21,19 +21,19 @@ pub(super) fn sentence(error: &str) -> String {
     let demand = must_be(wanted);
     let is_length = error.starts_with("invalid length ");
     let found = if is_length && demand == OBJECT {
-        // A list with too few elements for the fields of the object.
+        // A list with fewer elements than the object has fields.
         "is a list".to_owned()
     } else if is_length {
         format!("has {found}")
     } else {
         format!("is {}", is(found))
     };
-    // The reader of the JSON has escaped characters that cannot be shown.
+    // The JSON reader has escaped characters that cannot be shown.
     let found: String = found.chars().take(LONGEST).collect();
     format!("it must be {demand}, and {found}")
 }
 
-/// Returns the demand on a value in words.
+/// Returns the words for the required value.
 fn must_be(wanted: &str) -> String {
     match wanted {
         "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number from 0 on".to_owned(),
@@ -57,7 +57,7 @@ fn must_be(wanted: &str) -> String {
     }
 }
 
-/// Returns the value found in words.
+/// Returns the words for the value found.
 fn is(found: &str) -> String {
     match found {
         "null" | "unit value" => "null".to_owned(),

@@ -1,4 +1,4 @@
-//! MTL files: the names and colours of materials. All else in them is left out.
+//! MTL files: the names and colours of materials. Everything else in them is ignored.
 
 use std::path::Path;
 
@@ -17,10 +17,10 @@ pub(crate) struct PartMaterial {
 /// The most bytes of a name in OBJ and MTL files.
 pub(super) const MOST_NAME_BYTES: usize = 1024;
 
-/// The colour of what has no material.
+/// The colour of parts without a material.
 pub(crate) const GREY: [f32; 3] = [0.5, 0.5, 0.5];
 
-/// Returns a channel in linear light: MTL files have colours as screens show them.
+/// Returns a channel in linear light: colours in MTL files are sRGB.
 fn linear(value: f32) -> f32 {
     let value = value.clamp(0.0, 1.0);
     if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
@@ -32,7 +32,7 @@ pub(super) fn read(
     folder: Option<&Path>,
     limit: u64,
 ) -> Result<Vec<PartMaterial>, Reason> {
-    // Names are no URIs: a percent sign and a colon are themselves.
+    // Names are not URIs: a percent sign and a colon stand for themselves.
     let escaped = name.replace('%', "%25").replace('\\', "/").replace(':', "%3A");
     let bytes = uri::fetch(&escaped, folder, Wanted::All, limit)?;
     let mut found: Vec<PartMaterial> = Vec::new();
@@ -42,7 +42,7 @@ pub(super) fn read(
         match words.next() {
             Some("newmtl") => {
                 let name = text.trim_start().strip_prefix("newmtl").unwrap_or_default().trim();
-                // Nothing can name a longer one.
+                // No reference can be longer.
                 let name = if name.len() > MOST_NAME_BYTES { "" } else { name };
                 found.push(PartMaterial { name: name.to_owned(), colour: GREY });
             }

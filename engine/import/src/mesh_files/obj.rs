@@ -1,6 +1,6 @@
-//! OBJ files, line by line. What the engine shows of them is little, and each line is checked where
-//! it is read, with its number. The crate `tobj` was looked at: its 4.0.5 panics on a colour of one
-//! number, and its errors name no line.
+//! OBJ files, read line by line. The engine uses only a few kinds of lines, and checks each line
+//! when it is read, with its number. The crate `tobj` was considered: its version 4.0.5 panics on a
+//! colour of one number, and its errors do not name a line.
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -15,7 +15,7 @@ use crate::memory;
 /// The most corners of a face.
 const MOST_CORNERS: usize = 1 << 16;
 
-/// The most parts, beside the limit of objects.
+/// The most parts, in addition to the limit of objects.
 const MOST_MATERIALS: usize = 1 << 16;
 
 /// A file that is being read.
@@ -24,24 +24,24 @@ struct Reader {
     file: MeshFile,
     name: String,
     material: Option<usize>,
-    /// The part that faces go to, by its name and material: a group may come again.
+    /// The part for each name and material: a group may occur again.
     known: HashMap<(String, Option<usize>), usize>,
     part: Option<usize>,
     material_names: HashMap<String, usize>,
-    /// The names of the files of materials that were read, each once.
+    /// The names of the material files that were read, without repetitions.
     libraries: HashSet<String>,
     /// The corners of the current face.
     face: Vec<Corner>,
 }
 
-/// Reads a file: each object or group, by its material, is a part.
+/// Reads a file: each object or group becomes a part per material.
 pub(super) fn read(
     bytes: &[u8],
     folder: Option<&Path>,
     reading: &mut Reading<'_, '_>,
 ) -> Result<MeshFile, Fault> {
-    // A line of a face or a position takes less than twice its bytes per corner and some more for
-    // what refers to it.
+    // A line of a face or a position takes less than twice its bytes per corner, plus some memory
+    // for references to it.
     memory::ask(bytes.len() as u64 * 40).map_err(|reason| reason.of("the text"))?;
     let mut reader = Reader::default();
     let mut read = 0;
@@ -49,7 +49,7 @@ pub(super) fn read(
     for (number, line) in (1_u32..).zip(bytes.split(|byte| *byte == b'\n')) {
         read += line.len() + 1;
         let line = line.trim_ascii_end();
-        // A line goes on in the next one after a backslash.
+        // A backslash continues a line in the next one.
         if let Some(start) = line.strip_suffix(b"\\") {
             joined.extend_from_slice(start);
             joined.push(b' ');
@@ -83,7 +83,7 @@ impl Line<'_> {
     }
 }
 
-/// Returns three numbers, if all are there and finite.
+/// Returns three numbers, if all exist and are finite.
 fn vector(words: &mut dyn Iterator<Item = &str>) -> Option<Vec3> {
     let mut part = || words.next()?.parse::<f32>().ok();
     let x = part()?;
@@ -92,8 +92,8 @@ fn vector(words: &mut dyn Iterator<Item = &str>) -> Option<Vec3> {
     Some(Vec3::new(x, y, z)).filter(|vector| vector.is_finite())
 }
 
-/// Returns the place in a list of so many that an index means: from 1 on, or from the end by a
-/// negative one.
+/// Returns the list index for an OBJ index into a list of `count`: from 1 on, or negative from the
+/// end.
 fn index(text: &str, count: usize) -> Option<u32> {
     let given: i64 = text.parse().ok()?;
     let count = count as i64;
@@ -115,7 +115,7 @@ impl Reader {
             return Err(line.malformed(format!("a name has more than {MOST_NAME_BYTES} bytes")));
         }
         match first {
-            // A position that is no number is told by the face that uses it.
+            // The face that uses an invalid position reports it.
             "v" => {
                 self.file.positions.push(vector(&mut words).unwrap_or(Vec3::NAN));
                 reading.check_positions(self.file.positions.len())?;
@@ -151,7 +151,7 @@ impl Reader {
         Ok(())
     }
 
-    /// Reads a face, as a fan of triangles.
+    /// Reads a face as a fan of triangles.
     fn face(
         &mut self,
         words: &mut dyn Iterator<Item = &str>,
@@ -191,7 +191,7 @@ impl Reader {
         Ok(())
     }
 
-    /// Returns the part that faces belong to now.
+    /// Returns the current part of faces.
     fn current_part(&mut self, line: Line<'_>, reading: &Reading<'_, '_>) -> Result<usize, Fault> {
         if let Some(part) = self.part {
             return Ok(part);
@@ -218,7 +218,7 @@ impl Reader {
         Ok(part)
     }
 
-    /// Reads a file of materials. One that is not there or outside of the folder is noted.
+    /// Reads a file of materials. A file that does not exist or is outside of the folder is noted.
     fn library(
         &mut self,
         name: &str,

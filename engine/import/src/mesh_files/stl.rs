@@ -1,5 +1,5 @@
-//! STL files: binary ones by their length, all others as text. The crate `stl_io` reads triangles;
-//! what it would take on trust is checked before.
+//! STL files: binary ones are recognised by their length, all others are text. The crate `stl_io`
+//! reads triangles; values that it would not check are checked before.
 
 use std::collections::HashMap;
 use std::io::Cursor;
@@ -17,27 +17,27 @@ const HEADER_BYTES: usize = 84;
 /// The bytes of a triangle in a binary file.
 const TRIANGLE_BYTES: usize = 50;
 
-/// The longest line of a text: the crate keeps each word of one.
+/// The longest line of a text: the crate keeps each word of a line.
 const LONGEST_LINE: usize = 4096;
 
-/// The memory that a triangle takes at most while it is read and welded, in bytes.
+/// The most memory per triangle while it is read and welded, in bytes.
 const TRIANGLE_MEMORY_BYTES: u64 = 256;
 
-/// Returns the number of triangles that a binary file says it has.
+/// Returns the number of triangles that a binary file states.
 fn stated_triangles(bytes: &[u8]) -> Option<u32> {
     let count = bytes.get(HEADER_BYTES - 4..HEADER_BYTES)?;
     count.try_into().ok().map(u32::from_le_bytes)
 }
 
-/// Returns true if a file is as long as a binary one with its number of triangles. Such a file may
-/// begin with "solid" all the same.
+/// Returns true if the length of a file matches its stated number of triangles. Such a file is
+/// binary even if it begins with "solid".
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
     let stated =
         stated_triangles(bytes).and_then(|count| (count as usize).checked_mul(TRIANGLE_BYTES));
     stated.is_some_and(|stated| stated > 0 && bytes.len() - HEADER_BYTES == stated)
 }
 
-/// Returns true if a file has the words of a text, and no byte that no text has.
+/// Returns true if a file contains the words of a text, and no byte that texts never have.
 fn is_text(bytes: &[u8]) -> bool {
     let start = bytes.get(..bytes.len().min(1024)).unwrap_or_default();
     let words = start.trim_ascii_start();
@@ -65,7 +65,7 @@ pub(super) fn read(bytes: &[u8], reading: &mut Reading<'_, '_>) -> Result<MeshFi
     memory::ask(u64::from(stated) * TRIANGLE_MEMORY_BYTES)
         .map_err(|reason| reason.of("the triangles"))?;
     let mut cursor = Cursor::new(bytes);
-    // The crate takes what begins with "solid " for a text, and reads a whole line to tell.
+    // The crate takes files that begin with "solid " for text, and reads a whole line to decide.
     let header = [[b'\n'; HEADER_BYTES - 4].as_slice(), &stated.to_le_bytes()].concat();
     cursor.set_position(HEADER_BYTES as u64);
     let mut source = HeaderFirst { header: Cursor::new(header), rest: cursor };
@@ -84,7 +84,7 @@ fn damaged(error: &std::io::Error, object: &str) -> Fault {
     Reason::damaged(quoted(&error.to_string())).of(object)
 }
 
-/// Reads a text of solids, one after the other, each from its first line to its last one.
+/// Reads a text of consecutive solids, each from its first line to its last.
 fn read_text(
     bytes: &[u8],
     mut welder: Welder,
@@ -106,7 +106,7 @@ fn read_text(
         if name.is_none() && is_start {
             let rest = line.get(5..).unwrap_or_default().trim_ascii();
             name = Some(String::from_utf8_lossy(rest).into_owned());
-            // The crate wants the space after the word.
+            // The crate requires the space after the word.
             solid.extend_from_slice(b"solid \n");
         } else if name.is_some() && is_word(line, b"endsolid") {
             solid.extend_from_slice(b"endsolid\n");
@@ -129,7 +129,7 @@ fn is_word(line: &[u8], word: &[u8]) -> bool {
     line.strip_prefix(word).is_some_and(|rest| rest.first().is_none_or(u8::is_ascii_whitespace))
 }
 
-/// Reads the lines of a solid, and takes them away.
+/// Parses the lines of a solid, and removes them.
 fn read_solid(
     solid: &mut Vec<u8>,
     mut part: MeshPart,
@@ -154,7 +154,7 @@ fn read_solid(
     Ok(part)
 }
 
-/// Positions that are there once each.
+/// Positions without repetitions.
 #[derive(Default)]
 struct Welder {
     positions: Vec<Vec3>,
@@ -162,7 +162,7 @@ struct Welder {
 }
 
 impl Welder {
-    /// Adds a triangle, unless one of its numbers is none.
+    /// Adds a triangle, unless a number is not finite.
     fn add(
         &mut self,
         triangle: &Triangle,
@@ -180,7 +180,7 @@ impl Welder {
     }
 
     fn corner(&mut self, position: Vec3) -> Corner {
-        // Adding zero turns -0 into +0, which is in the same place.
+        // Adding zero turns -0 into +0, which is the same place.
         let position = position + Vec3::ZERO;
         let positions = &mut self.positions;
         let index = *self.known.entry(position.to_array().map(f32::to_bits)).or_insert_with(|| {
@@ -191,7 +191,7 @@ impl Welder {
     }
 }
 
-/// A header, and then the rest of a file.
+/// A header, followed by the rest of a file.
 struct HeaderFirst<'a> {
     header: Cursor<Vec<u8>>,
     rest: Cursor<&'a [u8]>,

@@ -1,16 +1,16 @@
-//! Decoding by the crate `meshopt`, whose decoders are made for untrusted bytes.
+//! Decodes views with the crate `meshopt`, whose decoders accept untrusted bytes.
 
 use super::{Compressed, Filter, Mode};
 use crate::error::Reason;
 use crate::extensions::MESHOPT;
 
-/// The first byte of attributes: version 0, and version 1 of the newer extension alone.
+/// The first byte of attributes: version 0, and version 1, which only the newer extension allows.
 const ATTRIBUTES: [u8; 2] = [0xA0, 0xA1];
 /// The first byte of triangles and of other indices.
 const TRIANGLES: u8 = 0xE1;
 const INDICES: u8 = 0xD1;
 
-/// An element of so many values.
+/// An element of `COUNT` values.
 #[derive(Clone, Copy)]
 struct Values<const COUNT: usize>([u32; COUNT]);
 
@@ -20,7 +20,7 @@ impl<const COUNT: usize> Default for Values<COUNT> {
     }
 }
 
-/// Decompresses a view, which was checked to fit its mode.
+/// Decompresses a view, which must have been checked to fit its mode.
 pub(super) fn decode(view: &Compressed, encoded: &[u8]) -> Result<Vec<u8>, Reason> {
     check_header(view, encoded)?;
     let count = view.count;
@@ -80,7 +80,7 @@ fn decode_values<const COUNT: usize>(encoded: &[u8], count: usize) -> ::meshopt:
     Ok(values)
 }
 
-/// Returns the filtered elements of `stride` bytes.
+/// Returns the filtered elements, each of `stride` bytes.
 fn filtered(mut values: Vec<u32>, filter: Filter, stride: usize) -> Vec<u8> {
     let list = values.as_mut_slice();
     match (filter, stride) {

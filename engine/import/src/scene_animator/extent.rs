@@ -13,7 +13,7 @@ const MAX_SAMPLES_PER_CLIP: usize = 32;
 /// The most samples of all clips together.
 const MAX_SAMPLES: usize = 256;
 
-/// The most places of nodes and moving parts that are sampled; but each clip is sampled once.
+/// The most sampled places of nodes and moving parts; each clip is sampled at least once.
 const MAX_SAMPLED_PLACES: usize = 1 << 22;
 
 /// Returns the box of [`SceneAnimator::bounds_playing`].
@@ -72,6 +72,6 @@ fn sample_times(animator: &SceneAnimator) -> Vec<f64> {
     let all = durations.iter().flat_map(|seconds| {
         (0..per_clip).map(move |sample| f64::from(*seconds) * sample as f64 / per_clip as f64)
     });
-    // The beginning is sampled even where nothing plays.
+    // The beginning is sampled even if nothing plays.
     std::iter::once(0.0).chain(all).take(most.max(durations.len()).min(MAX_SAMPLES)).collect()
 }

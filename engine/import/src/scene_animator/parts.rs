@@ -1,5 +1,5 @@
-//! The parts on nodes: their shown state and their next one. A skeleton that several share is posed
-//! once per update.
+//! The parts on nodes: their shown state and their next state. A skeleton that several parts share
+//! is posed once per update.
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -15,12 +15,12 @@ use scene::{
 use crate::convert::used_joints;
 use crate::gltf_scene::{NodeAttachment, PlacedNode};
 
-/// All that moves or is posed.
+/// Everything that moves or is posed.
 #[derive(Debug, Default)]
 pub(super) struct Parts {
     parts: Vec<Part>,
     skeletons: Vec<Hung>,
-    /// The matrices of the skeleton being posed, kept to allocate nothing.
+    /// The matrices of the current skeleton, kept so that nothing is allocated.
     matrices: Vec<Affine3A>,
 }
 
@@ -30,9 +30,9 @@ struct Hung {
     skeleton: Skeleton,
     /// The last matrices.
     matrices: Vec<Affine3A>,
-    /// The number of times they changed.
+    /// The number of times that the matrices changed.
     version: u64,
-    /// Their range among the matrices of this update, once they were posed.
+    /// The range of the matrices in this update, once they were added.
     now: Option<Range<usize>>,
     is_known_now: bool,
 }
@@ -43,22 +43,22 @@ struct Part {
     placement: NodeAttachment,
     /// The skeleton that it follows, if it has a skin.
     skeleton: Option<usize>,
-    /// The node in whose space it is; `None` for the world's.
+    /// The node in whose space it is; `None` for the world.
     node: Option<RigNodeId>,
     shown: Affine3A,
-    /// The version of its skeleton and the weights that were shown last; `None` before.
+    /// The last shown version of its skeleton and weights; `None` before the first pose.
     shown_version: Option<u64>,
     shown_weights: Vec<f32>,
-    /// True if its pose is out of date because no view could show it.
+    /// True if its pose is outdated because no view could show it.
     is_behind: bool,
 }
 
-/// The nodes that clips animate themselves, rather than through an ancestor.
+/// The nodes that clips animate directly, not through an ancestor.
 #[derive(Debug, Default)]
 pub(super) struct Touched {
-    /// The nodes whose transform in their parent changes.
+    /// The nodes whose transform relative to their parent changes.
     moved: HashSet<RigNodeId>,
-    /// The nodes whose morph targets' weights change.
+    /// The nodes whose weights of morph targets change.
     weighed: HashSet<RigNodeId>,
 }
 
@@ -75,17 +75,17 @@ impl Touched {
     }
 }
 
-/// The indices of parts that are to be visited.
+/// The indices of parts that must be visited.
 #[derive(Debug, Default)]
 pub(super) struct Movers {
     /// The parts that playing clips move or pose.
     pub(super) moved: Vec<usize>,
-    /// Other parts whose pose is out of date.
+    /// Other parts whose pose is outdated.
     pub(super) behind: Vec<usize>,
 }
 
 impl Parts {
-    /// Finds the parts that share skeletons. Takes time in proportion to the vertices.
+    /// Finds the parts that share skeletons. The time is proportional to the number of vertices.
     pub(super) fn new(
         rig: &Rig,
         skins: &[Skin],
@@ -124,7 +124,7 @@ impl Parts {
         parts
     }
 
-    /// Returns the transform, joint matrices and weights of a part as shown last.
+    /// Returns the last shown transform, joint matrices and weights of a part.
     #[cfg(test)]
     pub(super) fn shown(&self, part: usize) -> (Affine3A, Vec<Affine3A>, Vec<f32>) {
         let part = &self.parts[part];
@@ -154,8 +154,8 @@ impl Parts {
         self.parts.len()
     }
 
-    /// Returns the box in the world of a part as it was shown last. `mesh` bounds a mesh that is
-    /// not skinned; `form` bounds the poses of one that is.
+    /// Returns the box in the world of a part as last shown. `mesh` is the box of an unskinned
+    /// mesh; `form` bounds the poses of a skinned one.
     pub(super) fn seen_in(
         &self,
         part: usize,
@@ -175,7 +175,7 @@ impl Parts {
         bounds.is_usable().then_some(bounds)
     }
 
-    /// Resets the shown state; `world` holds the nodes at rest.
+    /// Resets the shown state; `world` holds the transforms of nodes at rest.
     pub(super) fn reset(&mut self, world: &[Affine3A]) {
         for part in &mut self.parts {
             part.shown = part.place(world);
@@ -191,8 +191,8 @@ impl Parts {
         Some((placement.placed, placement.skinned_mesh.map(|(skinned_mesh, _)| skinned_mesh)))
     }
 
-    /// Returns the parts that change under clips with these touched and moving nodes. Takes time in
-    /// proportion to parts and bones.
+    /// Returns the parts that change while clips touch and move these nodes. The time is
+    /// proportional to the number of parts and bones.
     pub(super) fn movers(&self, touched: &Touched, is_moving: &[bool], is_new: bool) -> Movers {
         let is_bent = |hung: &Hung| hung.skeleton.bones().any(|bone| touched.moved.contains(&bone));
         let bent: Vec<bool> = self.skeletons.iter().map(is_bent).collect();
@@ -218,8 +218,8 @@ impl Parts {
         }
     }
 
-    /// Adds the pose of a part to the changes if it is a new one, and if one of the `views` may
-    /// show it or it never had a pose. Its transform must be up to date.
+    /// Adds the pose of a part to the changes if it is new, and if one of the `views` may show the
+    /// part or it never had a pose. Its transform must be up to date.
     pub(super) fn change(
         &mut self,
         part: usize,
@@ -254,7 +254,7 @@ impl Parts {
         changes.poses.push(PoseUpdate { skinned_mesh, joints, weights });
     }
 
-    /// Adds the transform of a part to the changes if it moved.
+    /// Adds the transform of a part to the changes if it has moved.
     pub(super) fn change_place(
         &mut self,
         part: usize,
@@ -279,7 +279,7 @@ impl Hung {
         }
     }
 
-    /// Returns the range of its matrices among the changes.
+    /// Returns the range of its matrices among the changes, to which they are added on first use.
     fn bring(&mut self, changes: &mut SceneUpdate) -> Range<usize> {
         let matrices = &self.matrices;
         let now = self.now.get_or_insert_with(|| {
@@ -292,13 +292,13 @@ impl Hung {
 }
 
 impl Part {
-    /// Returns its transform.
+    /// Returns the transform of the part.
     fn place(&self, world: &[Affine3A]) -> Affine3A {
         let node = self.node.and_then(|node| world.get(node.0 as usize));
         node.map_or(self.placement.local, |node| *node * self.placement.local)
     }
 
-    /// Returns true if one of the views may show any of it, in any pose of the clips.
+    /// Returns true if one of the views may show the part in any pose of the clips.
     fn may_be_in(&self, views: &[CullView]) -> bool {
         let bounds = bounds_of_transformed(&self.placement.reach, &self.shown);
         let is_in = |view: &CullView| {

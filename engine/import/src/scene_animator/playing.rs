@@ -1,25 +1,25 @@
-//! The clips that play, and the fades between them.
+//! The playing clips, and the fades between them.
 
 use std::collections::HashSet;
 use std::mem::discriminant;
 
 use animation::{Clip, Pose};
 
-/// The playing clips, and those that they replace.
+/// The playing clips, and the clips that they replace.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Playing {
     from: Vec<usize>,
     to: Vec<usize>,
-    /// True if the fade starts from a mixed pose instead of clips.
+    /// True if the fade starts from a mixed pose instead of from clips.
     is_from_mix: bool,
-    /// The clips whose nodes are not at rest again yet.
+    /// The clips whose nodes have not returned to rest yet.
     lingering: Vec<usize>,
     began_s: f64,
     fade_s: f64,
 }
 
 impl Playing {
-    /// Changes to other clips. An unfinished fade is replaced by one from its pose at that time.
+    /// Changes to other clips. A new fade starts from the pose of an unfinished one.
     pub(super) fn change(&mut self, clips: &[usize], seconds: f64, fade_s: f64) {
         self.is_from_mix = self.weight(seconds) < 1.0;
         self.from = std::mem::replace(&mut self.to, clips.to_vec());
@@ -27,7 +27,7 @@ impl Playing {
         (self.began_s, self.fade_s) = (seconds, fade_s);
     }
 
-    /// Returns true if the fade starts from the pose in which the last one was interrupted.
+    /// Returns true if the fade starts from the pose in which the previous fade was interrupted.
     pub(super) fn is_from_mix(&self) -> bool {
         self.is_from_mix
     }
@@ -40,19 +40,19 @@ impl Playing {
         &self.to
     }
 
-    /// Returns the share of the change that is done, 0 to 1.
+    /// Returns the finished share of the fade, 0 to 1.
     pub(super) fn weight(&self, seconds: f64) -> f32 {
         let is_over = self.lingering.is_empty() || self.fade_s <= 0.0;
         let done = if is_over { 1.0 } else { (seconds - self.began_s) / self.fade_s };
         if done.is_nan() { 1.0 } else { done.clamp(0.0, 1.0) as f32 }
     }
 
-    /// Returns all clips whose nodes are to be visited.
+    /// Returns all clips whose nodes must be visited.
     pub(super) fn concerned(&self) -> impl Iterator<Item = usize> {
         self.lingering.iter().chain(&self.to).copied()
     }
 
-    /// Drops the replaced clips once their nodes are at rest, and returns true if there were any.
+    /// Removes the replaced clips once their nodes are at rest. Returns true if there were any.
     pub(super) fn settles(&mut self, seconds: f64) -> bool {
         if self.lingering.is_empty() || self.weight(seconds) < 1.0 {
             return false;
@@ -62,15 +62,15 @@ impl Playing {
     }
 }
 
-/// Adds the clips' values at a time to a pose, each clip in a loop.
+/// Sets the properties of the clips in a pose to their values at a time, each clip in a loop.
 pub(super) fn sample(pose: &mut Pose, clips: &[Clip], playing: &[usize], seconds: f64) {
     for clip in playing.iter().filter_map(|clip| clips.get(*clip)) {
         pose.sample(clip, looped_s(clip.duration_s(), seconds));
     }
 }
 
-/// Returns the time in a looped clip. Where one round ends and the next begins, it is the end: a
-/// walk through the clip once arrives.
+/// Returns the time in a looped clip. Between two rounds it is the end, so that a single pass
+/// through the clip reaches its end.
 fn looped_s(duration_s: f32, seconds: f64) -> f32 {
     let duration = f64::from(duration_s);
     if !(duration > 0.0 && seconds.is_finite()) {
@@ -80,7 +80,7 @@ fn looped_s(duration_s: f32, seconds: f64) -> f32 {
     if within == 0.0 && seconds > 0.0 { duration_s } else { within as f32 }
 }
 
-/// Returns as many clips as can play at once.
+/// Returns clips that can play together: the result of `SceneAnimator::compatible`.
 pub(super) fn compatible(clips: &[Clip], first: Option<usize>) -> Vec<usize> {
     let mut moved = HashSet::new();
     let others = (0..clips.len()).filter(|clip| Some(*clip) != first);

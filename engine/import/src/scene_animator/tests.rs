@@ -1,4 +1,4 @@
-//! Tests of the animator: the changes at each time, without a device.
+//! Tests of the animator's changes at each time, without a device.
 
 use animation::{
     Channel, Clip, Interpolation, Rest, Rig, RigNode, RigNodeId, Skin, Track, Trs, Values,
@@ -44,7 +44,7 @@ fn unit_box(scale: f32) -> Aabb {
     Aabb { min: Vec3::splat(-scale), max: Vec3::splat(scale) }
 }
 
-/// Returns something rigid on a node.
+/// Returns a rigid attachment of a node.
 fn rigid(node: u32, placed: PlacedNode) -> NodeAttachment {
     NodeAttachment {
         node: RigNodeId(node),
@@ -56,8 +56,8 @@ fn rigid(node: u32, placed: PlacedNode) -> NodeAttachment {
     }
 }
 
-/// Returns a pivot (0) with an arm (1) that has a camera (2); a joint (3) with another below it
-/// (4); a face (5) that is morphed; something that nothing moves (6).
+/// Returns a pivot (0) with an arm (1) that has a camera (2), a joint (3) with a joint below it
+/// (4), a morphed face (5), and a part that never moves (6).
 fn imported() -> GltfScene {
     let nodes = vec![
         node("pivot", None, Vec3::ZERO, &[]),
@@ -306,7 +306,7 @@ fn a_fade_into_a_fade_goes_on_where_that_was() {
     assert!((before.0 - after.0).length() < 1e-5 && (before.1 - after.1).length() < 1e-5);
     let half = place(&mut animator, 0.8);
     assert!((half.0 - before.0 * 0.5).length() < 1e-5, "{half:?} of {before:?}");
-    // Once more, and to nothing at all.
+    // A further change, to no clips.
     animator.play(&[], 0.8, 0.2);
     assert!((place(&mut animator, 0.8).0 - half.0).length() < 1e-5);
     assert_eq!(place(&mut animator, 1.1).0.length(), 0.0);

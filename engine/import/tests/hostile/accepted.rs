@@ -1,5 +1,5 @@
-//! Tests that valid files are accepted and read right: refusing too much is as bad as refusing too
-//! little.
+//! Tests that valid files are accepted and read correctly: refusing too much is as bad as refusing
+//! too little.
 
 use antumbra_import::{LoadOptions, Source, read};
 use serde_json::json;
@@ -18,7 +18,7 @@ fn triangle_with(change: impl FnOnce(&mut GltfFile)) -> GltfFile {
 
 type Change = fn(&mut GltfFile);
 
-/// Changes of a triangle after which the file is still valid.
+/// Changes of a triangle that keep the file valid.
 const VALID: &[(&str, Change)] = &[
     ("nothing", |_| {}),
     ("no scene at all", |scene| {
@@ -201,7 +201,7 @@ fn sparse_and_absent_elements_are_read() {
 #[test]
 fn numbers_of_all_types_are_read_from_any_place() {
     let mut scene = GltfFile::triangle();
-    // Three elements of one, then three bytes, 5 bytes apart and beginning at an odd byte.
+    // Three elements of three bytes, 5 bytes apart, beginning at an odd byte.
     let bytes = [0, 255, 128, 127, 9, 9, 129, 0, 1, 9, 9, 64, 32, 16];
     let view = scene.view(&bytes);
     scene.set(&format!("/bufferViews/{view}/byteStride"), json!(5));
@@ -272,7 +272,7 @@ fn what_is_not_understood_is_noted() {
     assert!(notes.iter().any(|note| note.reason.contains("KHR_texture_basisu")), "{notes:?}");
 }
 
-/// Returns files that show the fuzzer all features.
+/// Returns files that contain all features, as seeds for the fuzzer.
 pub fn seeds() -> Vec<(String, Vec<u8>)> {
     let mut seeds = vec![
         ("everything.glb".to_owned(), everything().glb()),

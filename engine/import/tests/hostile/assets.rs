@@ -1,4 +1,4 @@
-//! Whole scenes from a folder that `ANTUMBRA_ASSETS` names are accepted.
+//! Tests that whole scenes in the folder `ANTUMBRA_ASSETS` are accepted.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -8,7 +8,7 @@ use antumbra_import as import;
 #[test]
 fn whole_scenes_are_accepted() {
     let Some(folder) = std::env::var_os("ANTUMBRA_ASSETS") else {
-        // Not by `eprintln!`, of which a test that passes shows nothing.
+        // Not by `eprintln!`, whose output is hidden if the test passes.
         let _told =
             writeln!(std::io::stderr(), "SKIPPED: ANTUMBRA_ASSETS names no folder of scenes");
         return;

@@ -1,5 +1,5 @@
-//! Tests that short files with large demands are refused quickly, before the memory is taken
-//! (`memory.rs` measures that).
+//! Tests that short files with large demands are refused quickly and before memory is allocated
+//! (`memory.rs` measures the latter).
 
 use std::time::{Duration, Instant};
 
@@ -9,7 +9,7 @@ use serde_json::json;
 use crate::strict;
 use gltf_files::files::{F32, GltfFile, U16, everything};
 
-/// Checks that a file is refused for its size, and in no time.
+/// Checks that a file is refused quickly because of its size.
 fn too_large(bytes: Vec<u8>, expected: &[&str]) {
     let start = Instant::now();
     let error = read(bytes, None, &LoadOptions::default()).map(drop).expect_err("too large");
@@ -126,7 +126,7 @@ fn large_images_are_refused_by_their_heads() {
     too_large(scene.glb(), &["image 2", "bytes of pixels up to it"]);
 }
 
-/// Returns a PNG that claims this size, and is almost empty.
+/// Returns a PNG that claims this size but is almost empty.
 pub fn png_head(width: u32, height: u32) -> Vec<u8> {
     let chunk = |kind: &[u8; 4], data: &[u8]| {
         let mut body = kind.to_vec();

@@ -1,5 +1,5 @@
-//! Views that `EXT_meshopt_compression` compresses. The encoded bytes come from meshoptimizer 1.3's
-//! encoders, the decoded ones from its decoders.
+//! Tests of views that `EXT_meshopt_compression` compresses. The encoded bytes come from
+//! meshoptimizer 1.3's encoders, the decoded ones from its decoders.
 
 use antumbra_import::{ImportError, Limits, LoadOptions, read};
 use base64::Engine;
@@ -44,7 +44,7 @@ const OF_ATTRIBUTES: View = view("ATTRIBUTES", "NONE", 20, 8);
 const OF_TRIANGLES: View = view("TRIANGLES", "NONE", 24, 4);
 const OF_INDICES: View = view("INDICES", "NONE", 24, 2);
 
-/// Returns a file whose second buffer holds these bytes, decompressed.
+/// Returns a file with a view of its second buffer, compressed to these bytes.
 fn scene(encoded: &[u8], view: View) -> GltfFile {
     let mut scene = GltfFile::triangle();
     let at = scene.binary.len();
@@ -79,7 +79,7 @@ fn decoded(encoded: &[u8], view: View) -> Result<Vec<u8>, ImportError> {
     read(scene(encoded, view).glb(), None, &strict()).map(|source| source.buffer(1).to_vec())
 }
 
-/// Returns a file that the fuzzer begins with.
+/// Returns seeds for the fuzzer.
 pub fn seeds() -> Vec<(String, Vec<u8>)> {
     [
         ("attributes", ATTRIBUTES[0], OF_ATTRIBUTES),
@@ -101,7 +101,7 @@ fn all_modes_are_decompressed() {
     }
 }
 
-/// Returns the same file under the name of the newer extension.
+/// Returns the file with the name of the newer extension.
 fn renamed(scene: &GltfFile) -> GltfFile {
     let text = scene.json.to_string().replace("EXT_meshopt", "KHR_meshopt");
     GltfFile { json: serde_json::from_str(&text).expect("it is JSON"), ..scene.clone() }
@@ -256,7 +256,7 @@ fn bytes_that_are_there_are_not_decompressed() {
     let source =
         read(plain.glb(), None, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(source.buffer(1), bytes_of(ATTRIBUTES[1]));
-    // A buffer that is marked as a fallback is not even looked for.
+    // A buffer that is marked as a fallback is not even opened.
     let mut marked = scene(&bytes_of(ATTRIBUTES[0]), OF_ATTRIBUTES);
     marked.set("/buffers/1/uri", json!("https://example.com/gone.bin"));
     marked.set("/buffers/1/extensions/EXT_meshopt_compression/fallback", json!(true));

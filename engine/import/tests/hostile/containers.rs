@@ -1,4 +1,4 @@
-//! Tests of truncated containers, and of files that are none.
+//! Tests of truncated containers, and of files that are not containers.
 
 use antumbra_import::{LoadOptions, read};
 use serde_json::json;
@@ -55,8 +55,7 @@ fn what_is_no_json_is_named() {
         "[".repeat(500_000),
         "]".repeat(500_000)
     );
-    // Extras mean nothing, so that their depth is no harm; in an extension that is kept it would
-    // be.
+    // Extras have no meaning, so their depth does no harm. In a supported extension it would.
     let _ = try_bytes(deep.as_bytes());
     let deep = deep.replace("\"extras\":", "\"extensions\":{\"X\":").replace("1]", "1}]");
     assert!(try_bytes(deep.as_bytes()).is_err());

@@ -1,5 +1,5 @@
-//! Tests of spellings, versions, deviations of shown elements, and elements that a scene can be
-//! shown without.
+//! Tests of spellings, versions, deviations of shown elements, and broken elements without which a
+//! scene can be shown.
 
 use serde_json::{Value, json};
 
@@ -258,7 +258,7 @@ pub const SHOWN: &[Row] = &[
     ("a broken sampler", |s| s.set("/samplers/0/wrapS", json!(1)), Broken(&["sampler 0"])),
 ];
 
-/// Animations and images that a scene can be shown without.
+/// Animations and images without which a scene can be shown.
 pub const LEFT_OUT: &[Row] = &[
     (
         "a clip that is a number",

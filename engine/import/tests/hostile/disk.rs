@@ -1,4 +1,4 @@
-//! Files beside the scene: nothing outside of its folder is read, and nothing that is not a file.
+//! Tests of files beside the scene: only regular files in the scene's folder are read.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use serde_json::json;
 
 use gltf_files::files::{GltfFile, encoded};
 
-/// A folder with a scene in it, and a secret beside it; removed when dropped.
+/// A folder with a scene in it, and a secret file beside it; removed on drop.
 struct Folder {
     outer: PathBuf,
 }

@@ -1,4 +1,4 @@
-//! Images of compressed blocks and of pixels in KTX2 files.
+//! Tests of images of compressed blocks and of pixels in KTX2 files.
 
 use antumbra_import::{Cause, ImportError, Limits, LoadOptions, decode_image, read};
 use gltf_files::files::GltfFile;
@@ -20,7 +20,7 @@ const FORMATS: [([Format; 2], BlockFormat); 7] = [
     ([Format::BC7_UNORM_BLOCK, Format::BC7_SRGB_BLOCK], BlockFormat::Bc7),
 ];
 
-/// Returns mip maps of bytes that differ from place to place.
+/// Returns mip maps whose bytes all differ from their neighbours.
 fn levels(format: BlockFormat, size: [u32; 2], count: u32) -> Vec<Vec<u8>> {
     let bytes = |level: u32| {
         format.bytes(size.map(|side| (side >> level).max(1))).expect("a size") as usize
@@ -98,7 +98,7 @@ fn pixels_of_one_to_four_bytes_are_spread_to_four() {
 fn limits_hold_for_pixels_too_and_wrong_sizes_are_named() {
     let file = Ktx2File::new(Format::R8_UNORM, [64, 64], &[vec![7; 64 * 64]]);
     let of = |file: &Ktx2File, limits: &Limits| decode_image("grey", &file.bytes(), limits);
-    // Four bytes for each pixel, whatever the file has.
+    // Four bytes per pixel, whatever the file has.
     let exact = Limits { image_bytes: 4 * 64 * 64, ..Limits::default() };
     assert!(of(&file, &exact).is_ok());
     let less = Limits { image_bytes: 4 * 64 * 64 - 1, ..Limits::default() };
@@ -117,8 +117,8 @@ fn limits_hold_for_pixels_too_and_wrong_sizes_are_named() {
     assert_eq!(of(&more.packed(), &Limits::default()).unwrap_err().cause, Cause::Damaged);
 }
 
-/// Returns a frame of Zstandard with a window of its own, one raw block, and a checksum; without a
-/// window it is the content, whose size the head names.
+/// Returns a frame of Zstandard with a window, one raw block, and a checksum. Without a window, the
+/// window is the content, whose size the header states.
 fn frame(window: Option<u8>, content: &[u8], checksum: u32) -> Vec<u8> {
     let (descriptor, size) = match window {
         Some(window) => (0b100, window),
@@ -140,7 +140,7 @@ fn windows_of_zstandard_are_those_of_its_levels_and_within_the_limits() {
         file.levels[0].0 = frame(window, &content, checksum);
         file.bytes()
     };
-    // The lower half of the hash that the format names (XXH64) of these sixteen bytes.
+    // The lower half of the XXH64 of these sixteen bytes, which the format uses.
     let right = 0xF741_36E7;
     let decode = |window, checksum, image_scratch_bytes| {
         let limits = Limits { image_scratch_bytes, ..Limits::default() };
@@ -186,7 +186,7 @@ fn a_file_without_a_number_of_mip_maps_has_one() {
 
 type Change = fn(&mut Ktx2File);
 
-/// Changes of a file, the words that say why it is refused, and the cause.
+/// Changes of a file, words of the expected reason, and the cause.
 const REFUSED: &[(Change, &str, Cause)] = &[
     (|f| f.header.format = None, "Basis Universal", Cause::Unsupported),
     (|f| f.header.format = Some(Format::BC6H_UFLOAT_BLOCK), "BC6H_UFLOAT", Cause::Unsupported),
@@ -240,7 +240,7 @@ fn cut_packed(file: &mut Ktx2File, level: usize) {
     bytes.truncate(bytes.len() / 2);
 }
 
-/// Packs a mip map that is a thousand times as large as its size says.
+/// Packs a mip map that is a thousand times as large as stated.
 fn pack_more(file: &mut Ktx2File) {
     file.levels[1].0 = vec![0; 100_000];
     *file = file.clone().packed();
@@ -269,7 +269,7 @@ fn limits_hold_for_blocks_too() {
         assert_eq!(error.cause, Cause::TooLarge, "{error}");
         error.to_string()
     };
-    // Four bytes per texel: a device may not take blocks.
+    // Four bytes per texel, since a device may not support blocks.
     let bytes = 4 * 20 * 12;
     let exact = Limits { image_bytes: bytes, ..Limits::default() };
     assert!(decode_image("brick", &file().packed().bytes(), &exact).is_ok());

@@ -1,4 +1,4 @@
-//! Tests of files that break a rule which their scene can do without: a note names the object and
+//! Tests of files with faults without which their scene can be shown: a note names the object and
 //! the reason.
 
 use std::ops::ControlFlow;
@@ -11,7 +11,7 @@ use gltf_files::files::{GltfFile, I16, U16, encoded, everything};
 use crate::refused::Case;
 use crate::strict;
 
-/// Changes without which the scene can be shown, and parts of the notes.
+/// Faults without which the scene can be shown, and parts of the notes.
 const LEFT_OUT: &[Case] = &[
     (
         |s| s.set("/animations/0/channels/0/sampler", json!(9)),
@@ -90,8 +90,7 @@ fn set_image(scene: &mut GltfFile, bytes: &[u8]) {
 
 fn set_cut_image(scene: &mut GltfFile, format: image::ImageFormat) {
     let whole = encoded(format);
-    // PNG ends with a checksum and an empty chunk, so that a little less is still a complete
-    // image.
+    // PNG ends with a checksum and an empty chunk, so cutting less would leave a complete image.
     set_image(scene, &whole[..whole.len() - 24]);
 }
 
@@ -111,7 +110,7 @@ fn is_refused(scene: &GltfFile, expected: &str) {
     assert!(said.contains(expected), "{said}");
 }
 
-// Some exporters write null for what a file does not have, in any place.
+// Some exporters write null for absent properties, anywhere.
 #[test]
 fn null_is_an_absent_property_everywhere() {
     let changes: [fn(&mut GltfFile); 3] = [
@@ -131,20 +130,20 @@ fn null_is_an_absent_property_everywhere() {
         let times = if place.contains("mode") { " (2 times, first here)" } else { "" };
         assert_eq!(texts, [format!("{place}: it is null, which is read as absent{times}")]);
     }
-    // Those that are optional to any reader are noted, too.
+    // Nulls in optional properties are noted, too.
     let mut scene = GltfFile::triangle();
     scene.set("/nodes/0/skin", Value::Null);
     scene.set("/nodes/0/extras", json!({ "mine": null }));
     assert_eq!(load(&scene).1, ["node 0, skin: it is null, which is read as absent"]);
     scene.remove("/nodes/0/skin");
     assert_eq!(load(&scene).1, [""; 0]);
-    // What must be there is missing.
+    // A required property is missing.
     scene.set("/asset", Value::Null);
     let error = read(scene.glb(), None, &LoadOptions::default()).map(drop).expect_err("no asset");
     assert!(error.to_string().contains("JSON: it has no asset"), "{error}");
 }
 
-// Real tiles of cities have the index that begins a new strip.
+// Real tiles of cities use the index that begins a new strip.
 #[test]
 fn an_index_that_restarts_a_strip_splits_it() {
     let mut scene = GltfFile::triangle();
@@ -157,7 +156,7 @@ fn an_index_that_restarts_a_strip_splits_it() {
     assert_eq!(texts.len(), 1, "{texts:?}");
     assert!(texts[0].contains("vertex 65535 does not exist, there are 3; read as"), "{texts:?}");
     is_refused(&scene, "vertex 65535 does not exist");
-    // With others that do not exist the primitive is left out, and so all of this scene.
+    // With other invalid indices, the primitive is left out, and with it the whole scene.
     let indices = scene.numbers(U16, "SCALAR", 4, &[0, 0, 1, 0, 255, 255, 9, 0]);
     scene.set("/meshes/0/primitives/0/indices", json!(indices));
     let go_on = &mut |_| ControlFlow::Continue(());
@@ -228,7 +227,7 @@ fn extensions_that_are_used_but_not_named_are_noted() {
     let said = "extensionsUsed must name it, but does not; ignored: glass is opaque";
     assert!(texts.iter().any(|text| text.contains(&format!("{name}{said}"))), "{texts:?}");
     assert_eq!(texts.len(), 1, "{texts:?}");
-    // Those that are supported are shown.
+    // Supported ones are shown.
     let mut scene = everything();
     let objects = load(&scene).0.scene.objects.len();
     scene.set("/extensionsUsed", json!(["KHR_lights_punctual", "EXT_texture_webp"]));
@@ -249,7 +248,7 @@ fn what_no_camera_can_show_is_told() {
     );
     scene.set("/nodes/0/scale", json!([1e-3, 1e-3, 1e-3]));
     assert_eq!(load(&scene).1, [""; 0]);
-    // A light and a camera that lose their direction.
+    // A light and a camera without a direction.
     let mut scene = everything();
     scene.set("/nodes/3/scale", json!([0, 0, 0]));
     let texts = load(&scene).1.concat();
@@ -257,7 +256,7 @@ fn what_no_camera_can_show_is_told() {
     assert!(texts.contains("\"camera 0\": it is under a scale of 0"), "{texts}");
 }
 
-/// Returns a triangle in a file without scenes, with these nodes and one more that shows it.
+/// Returns a triangle in a file without scenes, with these nodes and another one that shows it.
 fn without_scenes(mut nodes: Vec<Value>) -> GltfFile {
     let mut scene = GltfFile::triangle();
     scene.remove("/scene");
@@ -267,7 +266,8 @@ fn without_scenes(mut nodes: Vec<Value>) -> GltfFile {
     scene
 }
 
-// What a broken node drops has no parent then, which is how files without scenes mark their roots.
+// The children of a broken node then have no parent, and files without scenes mark roots in this
+// way.
 #[test]
 fn what_is_below_a_broken_node_does_not_become_a_root() {
     let broken = json!({ "translation": [1e39, 0, 0], "children": [1] });
@@ -278,7 +278,7 @@ fn what_is_below_a_broken_node_does_not_become_a_root() {
         json!({ "mesh": 99 }),
         json!({ "mesh": 0, "matrix": place }),
         json!({ "mesh": 0, "skin": 9, "camera": 9 }),
-        // A child that is shown below another node, too.
+        // A child that is also shown below another node.
         json!({ "mesh": 0, "children": [2] }),
     ];
     for top in [broken, unreadable] {
@@ -306,7 +306,7 @@ fn what_is_below_a_broken_node_does_not_become_a_root() {
     }
 }
 
-// Primitives that are left out do not say how many weights a node must have.
+// Primitives that are left out do not determine the number of a node's weights.
 #[test]
 fn weights_of_nodes_fit_the_primitives_that_are_shown() {
     let mut file = GltfFile::triangle();
@@ -325,7 +325,7 @@ fn weights_of_nodes_fit_the_primitives_that_are_shown() {
         assert_eq!(texts.iter().any(|text| text == ignored), kept == 0.0, "{texts:?}");
         assert_eq!(texts.len(), if kept == 0.0 { 2 } else { 1 }, "{texts:?}");
     }
-    // A mesh that cannot be read takes its nodes' weights with it.
+    // If a mesh cannot be read, the weights of its nodes are removed.
     file.set("/meshes/1", json!({ "primitives": 5 }));
     file.push("nodes", json!({ "mesh": 1, "weights": [0.5] }));
     file.set("/scenes/0/nodes", json!([0, 1]));

@@ -1,5 +1,5 @@
-//! Tests that valid files are accepted and others are refused: with a reason, in time, without a
-//! panic.
+//! Tests that valid files are accepted and others are refused: with a reason, in time, and without
+//! a panic.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -22,7 +22,7 @@ mod unused;
 
 use antumbra_import::{BrokenParts, LoadOptions};
 
-/// Returns options that refuse a file for a part that is broken.
+/// Returns options that refuse a file because of a broken part.
 fn strict() -> LoadOptions {
     LoadOptions { broken_parts: BrokenParts::Refuse, ..LoadOptions::default() }
 }

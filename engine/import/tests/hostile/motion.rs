@@ -1,4 +1,4 @@
-//! Tests of clips that move too far, limits of renderers alone, and accepted odd files.
+//! Tests of clips that move too far, limits that only renderers have, and odd but valid files.
 
 use std::ops::ControlFlow;
 
@@ -23,7 +23,7 @@ fn load(scene: &GltfFile) -> GltfScene {
     imported
 }
 
-/// Returns a clip that moves or scales one node between these values.
+/// Returns a clip that animates translations or scales of nodes between these values.
 fn clip(scene: &mut GltfFile, name: &str, channels: &[(usize, &str, [f32; 6])]) -> Value {
     let times = scene.floats("SCALAR", &[0.0, 1.0]);
     let mut samplers = Vec::new();
@@ -71,7 +71,7 @@ fn clips_that_go_too_far_only_together_do_not_play_together() {
     let imported = load(&scene);
     assert_eq!(imported.clips.len(), 1, "while one fades into the other, it would be at 1e18");
     play(imported);
-    // Each alone is a matter of taste, and taken.
+    // Each clip alone is allowed.
     scene.set("/animations/0/channels/0/target/node", json!(2));
     let imported = load(&scene);
     assert_eq!(imported.clips.len(), 2, "{:?}", imported.notes);
@@ -93,7 +93,7 @@ fn long_chains_of_matrices_are_not_too_far() {
     play(imported);
 }
 
-/// Returns several places of a mesh with a morph target that a clip moves.
+/// Returns several places of a mesh with a morph target that a clip animates.
 fn instanced(count: usize) -> GltfFile {
     let mut scene = GltfFile::triangle();
     scene.set("/meshes/0/primitives/0/targets", json!([{ "POSITION": 0 }]));
@@ -163,7 +163,7 @@ fn bones_are_counted_once_for_all_that_hangs_on_them() {
     let error = load_with(&scene, limits(99)).map(drop).expect_err("100 bones").to_string();
     assert!(error.contains("mesh 0, primitive 0: bones up to it"), "{error}");
     assert!(error.contains("100, more than the limit of 99"), "{error}");
-    // Other skins are others' bones.
+    // Several skins have separate bones.
     let several = chains(2, 50, 30, 3);
     load_with(&several, limits(300)).unwrap_or_else(|error| panic!("{error}"));
     assert!(load_with(&several, limits(250)).is_err());
@@ -257,7 +257,7 @@ fn colours_beyond_one_are_told() {
 
 #[test]
 fn what_plays_is_asked_for_by_its_file() {
-    // An animator without clips animates nothing.
+    // An animator without clips changes nothing.
     let (_, mut animator, _, _) = SceneAnimator::of(load(&arm()));
     assert!(animator.changes(1.0).is_empty());
 }
@@ -266,7 +266,7 @@ fn what_plays_is_asked_for_by_its_file() {
 fn what_clips_mirror_at_times_is_there_from_both_sides() {
     let turns = [1.0, 1.0, 1.0, -1.0, 1.0, 1.0];
     let shrinks = [1.0, 1.0, 1.0, 0.0, 1.0, 1.0];
-    // Not at rest, and not while it fades in.
+    // The object is visible neither at rest nor while the clip fades in.
     let away = [-1.0, 1.0, 1.0, -1.0, 1.0, 1.0];
     let grows = [1.0, 1.0, 1.0, 2.0, 2.0, 2.0];
     for (path, values, is_turning) in [

@@ -1,4 +1,4 @@
-//! Tests that many small changes of valid files, the same each time, never cause a panic.
+//! Tests that many small, reproducible changes of valid files never cause a panic.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -28,7 +28,7 @@ impl Random {
     }
 }
 
-/// Returns the seeds that `cargo fuzz` begins with too.
+/// Returns the seeds of `cargo fuzz`.
 fn corpus() -> Vec<Vec<u8>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/corpus/read");
     let mut files: Vec<_> = std::fs::read_dir(&folder)
@@ -56,7 +56,7 @@ fn no_change_of_a_file_makes_it_panic() {
         assert!(began.elapsed() < Duration::from_secs(10), "try {turn} took {:?}", began.elapsed());
     }
     eprintln!("{TRIES} tries, {accepted} accepted, {:?}", start.elapsed());
-    // Both happen often, or the changes prove nothing.
+    // Both must happen often, otherwise the changes prove nothing.
     assert!((TRIES / 50..TRIES * 49 / 50).contains(&accepted), "{accepted} of {TRIES} accepted");
 }
 
@@ -73,8 +73,8 @@ fn random_bytes_are_refused() {
     }
 }
 
-/// Returns a changed file: in its bytes, or in its JSON and binary chunk separately, so that it
-/// stays a container.
+/// Returns a changed file. The change is in its bytes, or separately in its JSON and binary chunk,
+/// so that it remains a container.
 fn mutant(corpus: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
     let mut bytes = corpus[random.below(corpus.len())].clone();
     let changes = 1 + random.below(4);
@@ -124,7 +124,7 @@ fn change_bytes(bytes: &mut Vec<u8>, corpus: &[Vec<u8>], random: &mut Random) {
     }
 }
 
-/// Changes one value of the JSON: to another number, to one from elsewhere in it, or to nothing.
+/// Changes one value of the JSON to another number or to another value of the JSON, or removes it.
 fn change_tree(json: &mut Value, random: &mut Random) {
     let mut pointers = Vec::new();
     collect(json, String::new(), &mut pointers);
@@ -199,7 +199,7 @@ fn collect(value: &Value, pointer: String, all: &mut Vec<String>) {
     all.push(pointer);
 }
 
-/// Writes the corpus again: `cargo test -p antumbra-import --test hostile -- --ignored corpus`.
+/// Writes the corpus: `cargo test -p antumbra-import --test hostile -- --ignored corpus`.
 #[test]
 #[ignore = "writes into the project"]
 fn write_corpus() {

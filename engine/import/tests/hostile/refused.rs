@@ -1,5 +1,5 @@
-//! Tests of files that break one rule each: where broken parts are refused, the error names the
-//! object and the reason; else a note does, if something is left to see.
+//! Tests of files with a single fault each. If broken parts are refused, the error names the object
+//! and the reason; otherwise a note does, if something is still visible.
 
 use std::ops::ControlFlow;
 
@@ -9,7 +9,7 @@ use serde_json::json;
 use crate::strict;
 use gltf_files::files::{F32, GltfFile, U8, U16, U32, everything};
 
-/// A change of a file that uses everything, and parts of the expected error.
+/// A change of a file with all features, and parts of the expected error.
 pub type Case = (fn(&mut GltfFile), &'static [&'static str]);
 
 const POSITION: &str = "/meshes/0/primitives/0/attributes/POSITION";

@@ -1,5 +1,5 @@
-//! Tests that impossible values of shown elements, and values that show nothing, are replaced and
-//! noted once.
+//! Tests that impossible values of shown elements, and values that make them invisible, are
+//! replaced and noted once.
 
 use serde_json::json;
 
@@ -14,7 +14,7 @@ fn camera(scene: &mut GltfFile, key: &str, value: serde_json::Value) {
     scene.set(&format!("/cameras/0/perspective/{key}"), value);
 }
 
-/// Sets the first mesh to another mode, without indices.
+/// Changes the mode of the first mesh, and removes its indices.
 fn mode(scene: &mut GltfFile, mode: u32) {
     scene.remove("/meshes/0/primitives/0/indices");
     scene.set("/meshes/0/primitives/0/mode", json!(mode));

@@ -1,4 +1,4 @@
-//! Tests of tolerated faults, and of faults that refuse a file, depending on the shown elements.
+//! Tests whether faults are tolerated or refuse a file, depending on the shown elements.
 
 use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
@@ -19,18 +19,18 @@ use gltf_files::playback::play;
 pub enum Outcome {
     /// A file that opens without a note.
     Opens,
-    /// A file that opens with one note of these parts.
+    /// A file that opens with one note, which has these parts.
     Noted(&'static [&'static str]),
-    /// A file that opens with one note of this part: nothing shown is wrong.
+    /// A file that opens with one note, which has this part: the fault is not in a shown element.
     Unused(&'static str),
-    /// A file that opens with one note of these parts, and is refused by a sentence with them where
-    /// broken parts are refused.
+    /// A file that opens with one note, which has these parts. If broken parts are refused, the
+    /// error has the same parts.
     Broken(&'static [&'static str]),
-    /// A file that is refused by a sentence with these parts.
+    /// A file that is refused with an error that has these parts.
     Refused(&'static [&'static str]),
 }
 
-/// A situation, the change of a file that uses everything, and its outcome.
+/// A situation, the change of a file with all features, and its outcome.
 pub type Row = (&'static str, fn(&mut GltfFile), Outcome);
 
 fn load(bytes: Vec<u8>) -> Result<GltfScene, ImportError> {
@@ -41,7 +41,7 @@ fn load_with(bytes: Vec<u8>, options: &LoadOptions) -> Result<GltfScene, ImportE
     load_bytes(bytes, None, options, &mut |_| ControlFlow::Continue(()))
 }
 
-/// Returns the notes without those of mere remarks.
+/// Returns the notes that are not mere remarks.
 fn texts(imported: &GltfScene) -> Vec<String> {
     let is_plain = |text: &String| {
         text.contains("scenes, only scene") || text.contains("the file has no light")
@@ -91,7 +91,7 @@ fn is_as_expected(result: &Result<GltfScene, ImportError>, outcome: Outcome) -> 
     }
 }
 
-/// Returns true if a file with this outcome opens where broken parts are refused, or does not.
+/// Returns true if the result with broken parts refused fits the outcome.
 fn is_strict_as_expected(strict: &Result<(), ImportError>, outcome: Outcome) -> bool {
     match (strict, outcome) {
         (Err(error), Outcome::Broken([first, ..]) | Outcome::Refused([first, ..])) => {
@@ -106,14 +106,14 @@ pub fn add(scene: &mut GltfFile, list: &str, value: Value) {
     scene.push(list, value);
 }
 
-/// Appends a buffer to the one of the file.
+/// Appends a buffer to the file's buffers.
 pub fn buffer(scene: &mut GltfFile, value: Value) {
     let own = GltfFile { json: json!({}), binary: scene.binary.clone() };
     let data = json!({ "byteLength": own.binary.len(), "uri": own.data_uri() });
     scene.set("/buffers", json!([data, value]));
 }
 
-/// Appends an accessor in which one field is this.
+/// Appends an accessor with one changed field.
 pub fn accessor(scene: &mut GltfFile, key: &str, value: Value) {
     let at = scene.push("accessors", json!({ "componentType": F32, "type": "VEC3", "count": 3 }));
     scene.set(&format!("/accessors/{at}/{key}"), value);
@@ -124,7 +124,7 @@ pub fn light(scene: &mut GltfFile, value: Value) {
     scene.set("/extensions/KHR_lights_punctual/lights/1", value);
 }
 
-/// Gives the first node a matrix that is not a rotation and a scale, by one number.
+/// Gives the first node a matrix with one number that makes it neither a rotation nor a scale.
 pub fn matrix(scene: &mut GltfFile, place: usize, number: f32) {
     let mut matrix = [0.0; 16];
     [0, 5, 10, 15].into_iter().for_each(|place| matrix[place] = 1.0);
@@ -132,14 +132,14 @@ pub fn matrix(scene: &mut GltfFile, place: usize, number: f32) {
     scene.set("/nodes/0/matrix", json!(matrix));
 }
 
-/// Returns the accessor of the keys of an animation that nothing else uses.
+/// Returns the accessor of an animation's keys, which nothing else uses.
 pub fn keys(scene: &mut GltfFile) -> usize {
     let at = scene.floats("SCALAR", &[0.0, 1.0]);
     scene.set("/animations/0/samplers/1/input", json!(at));
     at
 }
 
-/// Puts the first image, or keys of the animation, into a buffer that does not exist.
+/// Moves the first image, or the keys of the animation, to a buffer that does not exist.
 pub fn elsewhere(scene: &mut GltfFile, is_image: bool) {
     let at = keys(scene);
     buffer(scene, json!({ "byteLength": 8, "uri": "gone.bin" }));
@@ -162,7 +162,7 @@ pub fn as_floats(value: &mut Value) {
     }
 }
 
-/// Adds properties of a vendor to all objects but those of names.
+/// Adds vendor properties to all objects except those whose keys are names.
 pub fn vendor(value: &mut Value) {
     match value {
         Value::Array(list) => list.iter_mut().for_each(vendor),
@@ -186,7 +186,7 @@ pub fn vendor(value: &mut Value) {
     }
 }
 
-/// Loads within the time limit, whatever the outcome.
+/// Loads a file within the time limit, whatever the outcome.
 fn quickly(scene: &GltfFile) -> Result<GltfScene, ImportError> {
     let start = Instant::now();
     let result = load(scene.glb());
@@ -205,7 +205,7 @@ fn many_broken_elements_are_one_note_or_refused() {
     assert_eq!(imported.notes.len(), 1, "{:?}", imported.notes);
     assert_eq!(imported.notes[0].object, format!("accessor {first}"));
     assert_eq!(imported.notes[0].count, 100_000);
-    // A fault in place of an accessor could take far more memory than its length.
+    // A fault in place of an accessor could take far more memory than its text.
     let list = scene.json["accessors"].as_array_mut().expect("a list");
     list.truncate(first);
     list.extend(std::iter::repeat_n(json!(1), 5_000));
@@ -245,12 +245,12 @@ fn a_chain_whose_nodes_are_all_named_as_roots_is_shown_once() {
     assert_eq!((imported.rig.nodes().len(), imported.scene.objects.len()), (depth, 1));
     let once = imported.notes.iter().find(|note| note.reason.contains("shown once"));
     assert_eq!(once.map(|note| note.count), Some(depth as u64 - 1));
-    // A cycle that nothing shows, and one that is shown.
+    // A cycle that is not shown, and one that is shown.
     scene.set("/scenes/0/nodes", json!([]));
     scene.set(&format!("/nodes/{}/children", depth - 1), json!([0]));
     let imported = quickly(&scene).unwrap_or_else(|error| panic!("{error}"));
     assert!(texts(&imported).iter().any(|text| text.contains("its own ancestor")));
-    // It is cut at the node that is named, and shown.
+    // It is cut at the listed node, and shown.
     scene.set("/scenes/0/nodes", json!([5]));
     let imported = quickly(&scene).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!((imported.rig.nodes().len(), imported.scene.objects.len()), (depth, 1));

@@ -1,4 +1,4 @@
-//! Tests of files of triangles, STL and OBJ: what they show, and that nothing in them is trusted.
+//! Tests of STL and OBJ files: their scenes, and that their contents are not trusted.
 
 use std::ops::ControlFlow;
 
@@ -75,7 +75,7 @@ fn cube_obj() -> String {
     text
 }
 
-/// Fails unless the scene is the cube, with a side of so many metres.
+/// Fails unless the scene is the cube with a side of `side_m` metres.
 fn assert_cube(scene: &GltfScene, side_m: f32) {
     assert_eq!(scene.scene.validate(), Ok(()));
     assert_eq!(scene.scene.objects.len(), 1);
@@ -94,7 +94,7 @@ fn a_cube_is_the_same_in_each_format() {
     let inches = LoadOptions { unit_m: Some(0.0254), ..LoadOptions::default() };
     let cube = read(cube_obj().as_bytes(), MeshFormat::Obj, &inches).unwrap();
     assert_cube(&cube, 0.508);
-    // What encloses nothing is seen from both sides.
+    // An open surface is visible from both sides.
     let open = stl(&binary(b"", &cube_triangles()[1..])).unwrap();
     assert!(open.scene.meshes[0].has_backs);
 }

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::tolerated::{Outcome::*, Row, accessor, add, buffer, light};
 
-/// Elements that nothing shows.
+/// Elements that are not shown.
 pub const UNUSED: &[Row] = &[
     (
         "buffer without source",
@@ -215,7 +215,7 @@ pub const UNUSED: &[Row] = &[
     ),
 ];
 
-/// Other parts of a file that nothing shows.
+/// Other parts of a file that are not shown.
 pub const ASIDE: &[Row] = &[
     (
         "another scene",

@@ -1,5 +1,5 @@
-//! Tests of poses that no clip has: any matrices, any weights, meshes far from where they are
-//! shown.
+//! Tests of poses that no clip produces: arbitrary matrices and weights, and meshes far from the
+//! place where they are shown.
 
 use cull::Aabb;
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
@@ -25,8 +25,8 @@ impl Posed {
         bounds.bounds(&self.joints, &self.weights)
     }
 
-    /// Returns the position of a vertex, in single precision as `skinning.comp` has it, or with
-    /// fused multiplication.
+    /// Returns the position of a vertex in single precision, as in `skinning.comp`, or with fused
+    /// multiplication.
     fn vertex(&self, number: usize, is_fused: bool) -> Vec3 {
         let add = |sum: f32, a: f32, b: f32| if is_fused { a.mul_add(b, sum) } else { sum + a * b };
         let mut at = self.positions[number].to_array();
@@ -60,7 +60,7 @@ fn vector(size: f32) -> impl Strategy<Value = Vec3> {
     prop::array::uniform3(-size..size).prop_map(Vec3::from)
 }
 
-/// Returns any matrix: it rotates, shears, mirrors, flattens, near by or from far away.
+/// Returns an arbitrary matrix: it rotates, shears, mirrors or flattens, near or far away.
 fn joint(far: Vec3) -> impl Strategy<Value = Affine3A> {
     (prop::array::uniform3(vector(2.0)), vector(3.0)).prop_map(move |(axes, translation)| {
         let matrix3 = Mat3A::from_cols(axes[0].into(), axes[1].into(), axes[2].into());
@@ -134,7 +134,7 @@ proptest! {
     }
 }
 
-/// Returns four corners, each lifted by a target of its own.
+/// Returns four corners, each lifted by its own morph target.
 fn bumps() -> (Vec<Vec3>, Vec<MorphTarget>) {
     let corners: Vec<Vec3> = [Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::X + Vec3::Z].into();
     let lift = |target: usize| {
@@ -158,7 +158,7 @@ fn boxes_are_as_large_as_poses() {
         ([0.0; 4], [0.0, 0.0]),
         ([0.0, 2.0, 0.0, 0.0], [0.0, 2.0]),
         ([0.0, -2.0, 0.0, 0.5], [-2.0, 0.5]),
-        // No vertex has more than one of them.
+        // Each vertex has at most one of them.
         ([1.0; 4], [0.0, 1.0]),
         ([-1.0, 0.5, 0.5, 0.5], [-1.0, 0.5]),
     ] {

@@ -1,5 +1,5 @@
-//! Tests that the boxes of the fox's poses hold and are not much too large. Skipped, with a
-//! message, without `ANTUMBRA_ASSETS`, the folder that has `fox.glb`.
+//! Tests that the boxes of the fox's poses are right and not much too large. The folder
+//! `ANTUMBRA_ASSETS` must contain `fox.glb`; otherwise the test is skipped with a message.
 
 use std::io::Write;
 use std::ops::ControlFlow;
@@ -13,7 +13,7 @@ use scene::{Mesh, PoseBounds, SkinnedMesh};
 
 fn fox() -> Option<GltfScene> {
     let Ok(folder) = std::env::var("ANTUMBRA_ASSETS") else {
-        // Not by `eprintln!`, of which a test that passes shows nothing.
+        // Not by `eprintln!`, whose output is hidden if the test passes.
         let _told =
             writeln!(std::io::stderr(), "SKIPPED: ANTUMBRA_ASSETS names no folder with fox.glb");
         return None;
@@ -35,14 +35,14 @@ fn tight(mesh: &Mesh, skinned_mesh: &SkinnedMesh, matrices: &[Affine3A]) -> Aabb
     })
 }
 
-/// A check of poses of the fox, each mixed from two clips.
+/// A check of the fox's poses, each mixed from two clips.
 struct Watch<'a> {
     fox: &'a GltfScene,
     skeleton: Skeleton,
     bounds: PoseBounds,
     poses: [Pose; 2],
     matrices: Vec<Affine3A>,
-    /// The sums of surfaces of the boxes and of the tightest boxes.
+    /// The sums of the surface areas of the boxes and of the tightest boxes.
     surfaces: [f64; 2],
     largest_ratio: f32,
 }

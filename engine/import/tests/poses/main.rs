@@ -1,5 +1,5 @@
-//! Tests that the box of a pose holds. Nothing is outside for rigs, clips and meshes of all kinds,
-//! sampled densely, alone, mixed and faded, nor for poses that no clip has.
+//! Tests that no vertex is outside of the box of its pose: for rigs, clips and meshes of all kinds,
+//! sampled densely, alone, mixed and faded, and for poses that no clip produces.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod any_pose;
@@ -21,7 +21,7 @@ struct Mover<'a> {
     animated: &'a Animated,
     skeleton: Option<Skeleton>,
     bounds: PoseBounds,
-    /// The box that it stays in whatever these clips do.
+    /// The box that it never leaves in any mix of these clips.
     reach: Aabb,
     matrices: Vec<Affine3A>,
 }
@@ -57,7 +57,7 @@ impl<'a> Mover<'a> {
     }
 }
 
-/// Returns times from the beginning to the end of a clip, both among them.
+/// Returns times from the beginning to the end of a clip, including both.
 fn times_s(clip: &Clip, steps: usize) -> impl Iterator<Item = f32> + use<> {
     let duration_s = clip.duration_s();
     (0..=steps).map(move |step| duration_s * (step as f32 / steps as f32))
@@ -104,7 +104,8 @@ let mut other = Pose::new(&animated.rig);
         }
     }
 
-    /// Checks all that a player does with its clips: fades into fades, layers over layers.
+    /// Checks everything that a player can do with its clips: fades during fades, layers over
+    /// layers.
     #[test]
     fn no_vertex_leaves_the_box_of_a_player(
         animated in animated(),
@@ -131,7 +132,7 @@ let mut pose = Pose::new(&animated.rig);
         }
     }
 
-    /// Checks that the matrices are those of the specification, seen from the object's node.
+    /// Checks that the matrices are those of the specification, relative to the object's node.
     #[test]
     fn joints_are_where_the_world_has_them(animated in animated(), time_s in 0.0_f32..3.0) {
         let rig = &animated.rig;
@@ -153,8 +154,8 @@ let expected = at(*joint) * *bind;
         }
     }
 
-    /// Checks that all moving nodes are listed, and that updating them alone is as good as updating
-    /// all.
+    /// Checks that all moving nodes are listed, and that updating only these equals updating all
+    /// nodes.
     #[test]
     fn only_what_moves_needs_to_be_updated(
         animated in animated(), times_s in prop::collection::vec(0.0_f32..3.0, 1..4)

@@ -8,7 +8,7 @@ use glam::{Affine3A, Quat, Vec3};
 use proptest::prelude::*;
 use scene::{MorphTarget, PoseBounds, SkinWeights};
 
-/// The number of targets of the mesh, and so of weights per node.
+/// The number of morph targets of the mesh, and of weights per node.
 const TARGETS: usize = 2;
 
 #[derive(Clone, Debug)]
@@ -27,7 +27,7 @@ impl Animated {
         Skeleton::new(&self.rig, &self.skin, &[]).unwrap()
     }
 
-    /// Returns the boxes of its mesh, with a skin or without.
+    /// Returns the boxes of the rig's mesh, with or without the skin.
     pub fn bounds(&self, is_skinned: bool) -> PoseBounds {
         let skin = SkinWeights {
             joint_count: self.skin.joints.len() as u32,
@@ -63,7 +63,7 @@ fn vector(size: f32) -> impl Strategy<Value = Vec3> {
     prop::array::uniform3(-size..size).prop_map(Vec3::from)
 }
 
-/// Returns scales of all signs, and zero.
+/// Returns scales of any sign, including zero.
 fn scale() -> impl Strategy<Value = Vec3> {
     prop_oneof![
         3 => Just(Vec3::ONE),
@@ -73,7 +73,7 @@ fn scale() -> impl Strategy<Value = Vec3> {
     ]
 }
 
-/// Returns small and arbitrary rotations.
+/// Returns small rotations and arbitrary rotations.
 fn rotation() -> impl Strategy<Value = Quat> {
     prop_oneof![vector(0.4), vector(3.0)].prop_map(Quat::from_scaled_axis)
 }
@@ -121,7 +121,7 @@ fn track() -> impl Strategy<Value = Track> {
     })
 }
 
-/// Returns a clip of the channels; those that do not fit the rig, or are there twice, are left out.
+/// Returns a clip of the channels; channels that do not fit the rig or are repeated are left out.
 fn clip(rig: &Rig, channels: Vec<(prop::sample::Index, Track)>) -> Clip {
     let mut kept: Vec<Channel> = Vec::new();
     for (node, track) in channels {
@@ -155,7 +155,7 @@ pub fn animated() -> impl Strategy<Value = Animated> {
     (nodes, clips, joints, prop::collection::vec(vertex, 1..6), any::<bool>()).prop_map(
         |(nodes, clips, joints, vertices, has_targets)| {
             let node = |(id, (node, parent)): (usize, (RigNode, prop::sample::Index))| {
-                // One in five or so has no parent; all others have one before them.
+                // About one node in five has no parent; the parent of any other node precedes it.
                 let parent = parent.index(id + 1).checked_sub(usize::from(id > 3));
                 RigNode { parent: parent.filter(|p| *p < id).map(|p| RigNodeId(p as u32)), ..node }
             };

@@ -1,5 +1,4 @@
-//! Tests that whole scenes from a folder that `ANTUMBRA_ASSETS` names are loaded, and nothing of
-//! them is lost.
+//! Tests that whole scenes in the folder `ANTUMBRA_ASSETS` are loaded without losses.
 
 use std::io::Write;
 use std::ops::ControlFlow;
@@ -9,8 +8,8 @@ use antumbra_import::{LoadOptions, load};
 
 use gltf_files::loaded::check;
 
-/// The expected contents of a scene. Objects and triangles are those published with the files; the
-/// other numbers are those of the first run, and guard against change alone.
+/// The expected contents of a scene. The numbers of objects and triangles are published with the
+/// files; the other numbers come from the first run and only guard against changes.
 struct Expected {
     file: &'static str,
     meshes: usize,
@@ -22,7 +21,7 @@ struct Expected {
     images: usize,
     skinned_meshes: usize,
     cameras: &'static [&'static str],
-    /// True if its white walls would be white in the image.
+    /// True if its white walls would be overexposed.
     is_dimmed: bool,
 }
 
@@ -98,7 +97,7 @@ const SCENES: &[Expected] = &[
 #[test]
 fn nothing_of_a_scene_is_lost() {
     let Some(folder) = std::env::var_os("ANTUMBRA_ASSETS") else {
-        // Not by `eprintln!`, of which a test that passes shows nothing.
+        // Not by `eprintln!`, whose output is hidden if the test passes.
         let _told =
             writeln!(std::io::stderr(), "SKIPPED: ANTUMBRA_ASSETS names no folder of scenes");
         return;

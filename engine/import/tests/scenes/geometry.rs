@@ -116,7 +116,7 @@ fn strips_and_fans_are_triangles_all_of_one_winding() {
         scene.set("/meshes/0/primitives/0/mode", json!(mode));
         let imported = load(&scene);
         assert_eq!(imported.scene.triangles(), 2);
-        // Flat normals say that both triangles face +z; one plane shares its vertices.
+        // By their flat normals, both triangles face +z; triangles in one plane share vertices.
         assert_eq!(normals(&imported, 0), [[0, 0, 32767, 0]; 4]);
     }
 }

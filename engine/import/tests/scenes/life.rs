@@ -11,7 +11,7 @@ use super::geometry::ATTRIBUTES;
 use super::loading::{counts, load, notes, refused};
 use gltf_files::files::{GltfFile, U8, U16};
 
-/// Returns the triangle with one channel on its node, of a sampler of these keys.
+/// Returns the triangle with one channel on its node, whose sampler has these keys.
 fn animated(
     path: &str,
     times: &[f32],
@@ -131,7 +131,7 @@ fn channels_that_cannot_be_are_left_out_and_noted() {
     }
 }
 
-/// Returns a leg of two joints: the root at x = 10, the foot 2 above it; the triangle's corners
+/// Returns a leg of two joints: the root at x = 10, and the foot 2 above it. The triangle's corners
 /// follow both.
 fn leg(weights: &[f32]) -> GltfFile {
     let mut scene = GltfFile::triangle();
@@ -158,7 +158,7 @@ fn leg(weights: &[f32]) -> GltfFile {
 
 const WEIGHTS: [f32; 12] = [1.0, 0.0, 0.0, 0.0, 0.5, 1.5, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
 
-/// Returns the positions in the world of the first skinned object's vertices, in a pose.
+/// Returns the world positions of the first skinned object's vertices in a pose.
 fn skinned(imported: &GltfScene, pose: &Pose) -> Vec<Vec3> {
     let surfaces = imported.scene.surfaces.as_ref().expect("surfaces");
     let placement = &imported.placements[0];
@@ -201,7 +201,7 @@ fn skinned_objects_are_where_their_joints_are() {
     assert_eq!(imported.placements[0].node.0, 0, "the node that has the mesh");
     assert_eq!(imported.skins[0].joints.iter().map(|joint| joint.0).collect::<Vec<_>>(), [2, 3]);
     let pose = Pose::new(&imported.rig);
-    // The bind pose is 2 below the rest: all vertices are lifted by that and moved by the root.
+    // The bind pose is 2 below the rest pose: all vertices are lifted by 2 and moved by the root.
     let expected = [vec3(10.0, 2.0, 0.0), vec3(11.0, 2.0, 0.0), vec3(10.0, 3.0, 0.0)];
     assert_eq!(skinned(&imported, &pose), expected);
     // The object is in the space of the topmost joint.
@@ -249,7 +249,7 @@ fn skins_that_hold_nothing_are_left_out() {
     let binds = scene.floats("MAT4", &[f32::NAN; 32]);
     scene.set("/skins/0/inverseBindMatrices", json!(binds));
     assert!(refused(&scene).contains(said), "{}", refused(&scene));
-    // Other meshes are shown.
+    // Other meshes are still shown.
     scene.push("nodes", json!({ "mesh": scene.json["meshes"].as_array().map_or(0, Vec::len) }));
     scene.push("meshes", json!({ "primitives": [{ "attributes": { "POSITION": 0 } }] }));
     let node = scene.json["nodes"].as_array().map_or(0, Vec::len) - 1;
@@ -318,7 +318,7 @@ fn what_is_blended_and_changes_its_form_is_where_it_is_seen() {
     primitive["material"] = json!(0);
     scene.set("/materials", json!([{ "alphaMode": "BLEND" }]));
     scene.set("/meshes/0/primitives/0", primitive.clone());
-    // Two opaque objects come before it, far from it.
+    // Two opaque objects precede it, far away from it.
     primitive.as_object_mut().expect("an object").retain(|key, _| key == "attributes");
     scene.set("/meshes/1", json!({ "primitives": [primitive] }));
     scene.set("/nodes/1", json!({ "mesh": 1, "translation": [-5, 0, 0] }));
@@ -363,7 +363,7 @@ fn clips_of_weights_reach_as_far_as_they_say() {
     assert!((placement.reach.max.y - 7.0).abs() < 0.01, "{placement:?}");
     assert!((placement.seen_at_rest.max.y - 1.0).abs() < 1e-5, "{placement:?}");
     assert!(placement.reach.contains(&placement.seen_at_rest));
-    // The values of a mesh are those of its node, where the node has none.
+    // The mesh's weights are used if the node has none.
     scene.set("/meshes/0/weights", json!([0.25, 0.5]));
     assert_eq!(load(&scene).rig.nodes()[0].weights, [0.25, 0.5]);
 }

@@ -1,4 +1,4 @@
-//! The loading of files made here, for all tests, and tests of loading itself.
+//! Loading of files that tests build, and tests of loading itself.
 
 use std::ops::ControlFlow;
 
@@ -16,14 +16,14 @@ pub fn try_load(scene: &GltfFile) -> Result<GltfScene, ImportError> {
     load_bytes(scene.glb(), None, &options, &mut |_| ControlFlow::Continue(()))
 }
 
-/// Returns the scene of a file that can be loaded, after a check of everything in it.
+/// Returns the scene of a file that must load, and checks everything in it.
 pub fn load(scene: &GltfFile) -> GltfScene {
     let imported = try_load(scene).unwrap_or_else(|error| panic!("{error}"));
     check(&imported);
     imported
 }
 
-/// Returns the error of a file that cannot be loaded.
+/// Returns the error of a file that must not load.
 pub fn refused(scene: &GltfFile) -> String {
     match try_load(scene) {
         Ok(_) => panic!("it was loaded"),
@@ -36,7 +36,7 @@ pub fn notes(imported: &GltfScene, beginning: &str) -> bool {
     imported.notes.iter().any(|note| note.reason.starts_with(beginning))
 }
 
-/// Returns true if a note whose object and reason begin with these counts so many.
+/// Returns true if a note whose object and reason begin with these texts has this count.
 pub fn counts(imported: &GltfScene, object: &str, reason: &str, count: u64) -> bool {
     let is_it = |note: &Note| note.object.starts_with(object) && note.reason.starts_with(reason);
     imported.notes.iter().any(|note| is_it(note) && note.count == count)

@@ -1,4 +1,4 @@
-//! Tests of the scenes made of files: the values that are drawn, feature by feature.
+//! Tests of the scenes of files: the values that are drawn, feature by feature.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 

@@ -1,4 +1,4 @@
-//! Tests of places: nodes, scenes, instances, lights, cameras, and places that are none.
+//! Tests of places: nodes, scenes, instances, lights, cameras, and invalid places.
 
 use std::f32::consts::FRAC_PI_2;
 
@@ -10,7 +10,7 @@ use serde_json::json;
 use super::loading::{counts, load, notes};
 use gltf_files::files::{F32, GltfFile};
 
-/// Returns the position of each object's own (1, 0, 0).
+/// Returns the world position of each object's local point (1, 0, 0).
 fn tips(imported: &GltfScene) -> Vec<Vec3> {
     let objects = imported.scene.objects.iter();
     objects.map(|object| object.transform.transform_point3(Vec3::X)).collect()
@@ -118,7 +118,7 @@ fn instances_are_objects_each() {
     assert_near(&tips(&imported), &[vec3(1.0, 1.0, 9.0), vec3(-1.0, 0.0, 9.0)]);
     assert_eq!(imported.scene.meshes.len(), 2, "the second is mirrored");
     assert!(notes(&imported, "an instance has a rotation of length 0"));
-    // On a node that moves, each moves with it from its place on it.
+    // On a moving node, each instance moves with the node.
     animate(&mut scene, 0);
     let moving = load(&scene);
     let locals: Vec<Vec3> = moving
@@ -129,7 +129,7 @@ fn instances_are_objects_each() {
     assert_near(&locals, &[vec3(1.0, 1.0, 0.0), vec3(-1.0, 0.0, 0.0)]);
 }
 
-/// Moves a node by a clip.
+/// Animates the translation of a node.
 fn animate(scene: &mut GltfFile, node: usize) {
     let times = scene.floats("SCALAR", &[0.0, 1.0]);
     let places = scene.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
@@ -231,7 +231,7 @@ fn lights_of_physical_strength_are_dimmed_unless_an_exposure_is_given() {
         (surfaces.lights[0].intensity, surfaces.exposure)
     };
     let dimmed = load(&scene);
-    // A white surface sends on a pi-th of it.
+    // A white surface reflects 1/pi of it.
     assert!((lux(&dimmed).0 - 0.5 * std::f32::consts::PI).abs() < 0.01, "{:?}", lux(&dimmed));
     assert!(notes(&dimmed, "the lights are too bright"), "{:?}", dimmed.notes);
     let options = antumbra_import::LoadOptions { exposure: Some(0.5), ..Default::default() };

@@ -1,4 +1,4 @@
-//! Tests of the meshes that are made: shared ones, mirrored ones, backs, and transparent ones.
+//! Tests of the created meshes: shared ones, mirrored ones, backs, and transparent ones.
 
 use serde_json::json;
 
@@ -127,6 +127,6 @@ fn normal_textures_get_tangents() {
     let turned = json!({ "KHR_texture_transform": { "rotation": std::f32::consts::FRAC_PI_2 } });
     scene.set("/materials/0/normalTexture/extensions", turned);
     scene.set("/extensionsUsed", json!(["KHR_texture_transform"]));
-    // u is the old v: it grows downwards.
+    // u is the old v, which points down.
     assert_eq!(tangents(&scene), [[0, -32767, 0, 32767]; 3]);
 }

@@ -1,6 +1,6 @@
-//! The records of presented frames: signs that they are seen, and their reported timings.
+//! The records of presented frames: signs that they are visible, and their reported timings.
 
-/// The silence after presents: the absence of signs that frames are seen.
+/// The absence of signs that frames are visible.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::pacer) struct Silence {
     /// The last time at which a frame was known to leave the queue, or the queue was not full.
@@ -8,7 +8,7 @@ pub(in crate::pacer) struct Silence {
     pub(in crate::pacer) hidden: bool,
 }
 
-/// The timings handed out, and the times with which the next frames are compared.
+/// The next timing to return, and the times with which it is compared.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::pacer) struct TimingCursor {
     pub(in crate::pacer) next: u64,

@@ -1,23 +1,21 @@
-//! A trial of acquires, before their waits are believed to be for the display.
+//! A trial of acquires, which decides whether they wait for the display.
 //!
-//! An acquire may also wait for the GPU, or for a window system that copies images, and neither
-//! reveals refreshes. A display reveals itself by waits that end on one grid whenever frames start.
-//! So as soon as waits seem to have a period, frames are shaken: one waits until the GPU is idle,
-//! and some part of a frame more. Waits that follow the GPU are shifted as much from then on; waits
-//! for a display are not.
+//! An acquire may also wait for the GPU, or for a window system that copies images. Neither reveals
+//! refreshes. Waits for the display end on one grid, whenever frames start. So once waits seem to
+//! have a period, frames are shaken: a frame waits until the GPU is idle, and then for some part of
+//! a frame more. After that, waits that follow the GPU are shifted by the same part; waits for a
+//! display are not.
 //!
-//! A wait counts only if the frame that had to be shown first was seen finished a whole frame ago.
-//! With two images that frame is the newest one, and is never finished so early: there, frames
-//! start so that it is finished when the next image is asked for.
+//! A wait counts only if the frame that had to be shown first was seen finished a whole frame
+//! earlier. With two images that frame is the newest one, which is never finished so early. Then
+//! frames start so that it is finished when the next image is acquired.
 
 use crate::refresh_clock::RefreshClock;
 use crate::time::MILLISECOND_NS;
 
-/// The number of shakes in a row after which the first wait must end as predicted by the ones
-/// before.
+/// The number of consecutive shakes whose first wait must end as the earlier waits predict.
 const ENOUGH: u32 = 6;
-/// The error allowed, as a share of a period. A wait with a random end is within it one time in
-/// seven.
+/// The tolerance, as a share of a period. A wait with a random end is within it one time in seven.
 const AGREES: f64 = 0.07;
 /// The longest period of a display.
 const LONGEST_PERIOD_NS: f64 = 125.0 * MILLISECOND_NS;
@@ -26,9 +24,9 @@ const LONGEST_PERIOD_NS: f64 = 125.0 * MILLISECOND_NS;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::pacer) enum Shaking {
     Rests,
-    /// A shake that is due: the next frame is delayed.
+    /// A shake is due: the next frame will be delayed.
     Due,
-    /// A shake of this frame, where no wait for it or a later one has ended since.
+    /// The id of a delayed frame. No wait for this frame or a later one has ended since.
     Done(u64),
 }
 
@@ -50,13 +48,13 @@ impl Trial {
         Self { clock, agreed: 0, is_won: false, shaking, returned: None }
     }
 
-    /// Returns true if waits are believed to be for the display.
+    /// Returns true if waits are known to be for the display.
     pub(in crate::pacer) const fn is_won(&self) -> bool {
         self.is_won
     }
 
-    /// Notes that the acquire of `frame` returned, and returns the time at which the one before
-    /// did.
+    /// Notes that the acquire of `frame` returned. Returns the time at which the previous acquire
+    /// returned.
     pub(in crate::pacer) fn returned(&mut self, frame: u64, to: f64) -> Option<f64> {
         if self.shaking == Shaking::Due {
             self.shaking = Shaking::Done(frame);
@@ -64,7 +62,7 @@ impl Trial {
         self.returned.replace(to)
     }
 
-    /// Discards the evidence, which is too old.
+    /// Discards the evidence because it is too old.
     pub(in crate::pacer) fn restart(&mut self, hint: Option<f64>) {
         if !self.is_won {
             (self.clock, self.agreed) = (RefreshClock::new(hint), 0);
@@ -72,10 +70,10 @@ impl Trial {
         }
     }
 
-    /// Notes the end of a wait for `shown` that a display may have caused, and returns the
-    /// display's clock once it is sure.
+    /// Notes the end of a wait for `shown` that a display may have caused. Returns the display's
+    /// clock once it is certain.
     pub(in crate::pacer) fn observe(&mut self, shown: u64, at: f64) -> Option<RefreshClock> {
-        // Waits for frames from before the shake are not shaken.
+        // Waits for frames from before the shake are not shifted.
         if matches!(self.shaking, Shaking::Done(frame) if shown < frame) {
             return None;
         }
@@ -99,9 +97,9 @@ impl Trial {
         self.is_won.then(|| self.clock.clone())
     }
 
-    /// Returns some part of the apparent period, a different one for each frame.
+    /// Returns a delay of some part of the apparent period, different for each frame.
     pub(in crate::pacer) fn delay(&self, frame: u64) -> f64 {
-        // SplitMix64 (Steele, Lea, Flood 2014), which nothing periodic follows.
+        // SplitMix64 (Steele, Lea, Flood 2014): no periodic process follows it.
         let mut mixed = frame.wrapping_mul(0x9e37_79b9_7f4a_7c15);
         mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

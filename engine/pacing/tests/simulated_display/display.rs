@@ -1,12 +1,12 @@
-//! A presentation engine without events: each presented frame, with the end of its GPU work, is
-//! enough to compute when it is shown. True times, in nanoseconds.
+//! A presentation engine without events: the present time of a frame is computed from the frame and
+//! the end of its GPU work. All times are true times, in nanoseconds.
 
 use std::collections::VecDeque;
 use std::ops::Range;
 
 use antumbra_pacing::PresentationMode;
 
-/// The refreshes of a display: at fixed times, when a frame is there, or none at all.
+/// The refreshes of a display: at fixed times, whenever a frame is ready, or none.
 #[derive(Clone, Copy, Debug)]
 pub enum Panel {
     Fixed {
@@ -17,27 +17,27 @@ pub enum Panel {
         min_period: f64,
         max_period: f64,
     },
-    /// A window system without a screen, which copies each finished frame, one after the other, for
-    /// about so long.
+    /// A window system without a screen, which copies finished frames one after the other. A copy
+    /// takes about this long.
     Unthrottled {
         copy: f64,
         waits_for: Work,
     },
 }
 
-/// The work of the GPU that an acquire waits for without a screen.
+/// The GPU work that an acquire waits for without a screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Work {
-    /// The work of the frame that frees its image.
+    /// The work of the frame that frees the image.
     Replacing,
-    /// All submitted work, the frame's own included.
+    /// All submitted work, including the frame's own.
     All,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Presented {
     frame: usize,
-    /// The time of its showing; `None` if it was replaced first.
+    /// The present time; `None` if it was replaced before.
     shown: Option<f64>,
     /// The time at which its image can be acquired again.
     released: f64,
@@ -62,8 +62,8 @@ impl Display {
         Self { panel, mode, images, latch: 0.0, hidden: 0.0..0.0, held, last_shown: -1e9 }
     }
 
-    /// Returns the time at which an image is available, if it is asked for now; infinite if none
-    /// becomes free by itself.
+    /// Returns the time at which an image is available if it is requested at `now`; infinite if
+    /// none becomes free without another present.
     pub fn image_free(&mut self, now: f64) -> f64 {
         self.held.retain(|held| held.released > now);
         let mut released: Vec<f64> = self.held.iter().map(|held| held.released).collect();
@@ -72,8 +72,8 @@ impl Display {
         if excess == 0 { now } else { released[excess - 1] }
     }
 
-    /// Takes a frame whose GPU work ends at `finish`; returns the time of its showing, and the
-    /// frame that will now never be shown.
+    /// Presents a frame whose GPU work ends at `finish`. Returns its present time, and the frame
+    /// that will never be shown because of it.
     pub fn present(&mut self, frame: usize, finish: f64) -> (f64, Option<usize>) {
         let (shown, replaces) = match self.panel {
             Panel::Unthrottled { copy, .. } => (self.copied(frame, finish, copy), false),
@@ -98,7 +98,7 @@ impl Display {
         (shown, replaced)
     }
 
-    /// Changes to a new swapchain, and returns the frames that will now never be shown.
+    /// Changes to a new swapchain. Returns the frames that will never be shown.
     pub fn recreate(&mut self, mode: PresentationMode, images: usize, now: f64) -> Vec<usize> {
         let unseen = self.held.iter().filter(|held| held.shown.is_some_and(|shown| shown > now));
         let lost = unseen.map(|held| held.frame).collect();
@@ -141,7 +141,7 @@ impl Display {
         if self.hidden.contains(&at) { next(self.hidden.end) } else { at }
     }
 
-    /// Returns the end of a copy; copies take uneven times.
+    /// Returns the end of a copy; the durations of copies vary.
     fn copied(&self, frame: usize, finish: f64, copy: f64) -> f64 {
         let unevenness = 0.8 + 0.4 * (frame as f64 * 0.618).fract();
         finish.max(self.last_shown) + copy * unevenness
@@ -151,8 +151,8 @@ impl Display {
         if self.hidden.contains(&time) { self.hidden.end } else { time }
     }
 
-    /// Returns the time at which a variable panel shows a ready frame. The panel repeats its
-    /// image when none has come for too long, and is busy with that for the shortest period.
+    /// Returns the time at which a panel with a variable rate shows a ready frame. The panel
+    /// repeats its image if none arrives for too long, and is then busy for the shortest period.
     fn variable(&self, ready: f64) -> f64 {
         let Panel::Variable { min_period, max_period } = self.panel else { return ready };
         let waited = ready - self.last_shown;
@@ -177,10 +177,10 @@ mod tests {
         let mut display = fixed(PresentationMode::Fifo, 3);
         let shown: Vec<f64> = (0..3).map(|n| display.present(n, 1.0 + n as f64).0).collect();
         assert_eq!(shown, [10.0, 20.0, 30.0]);
-        // All three are held: the first becomes free when the second replaces it.
+        // All three images are held: the first becomes free when the second replaces it.
         assert_eq!(display.image_free(4.0), 20.0);
         assert_eq!(display.image_free(20.0), 20.0);
-        // A late one waits for the next refresh.
+        // A late frame waits for the next refresh.
         assert_eq!(display.present(3, 40.5).0, 50.0);
         display.latch = 2.0;
         assert_eq!(display.present(4, 59.0).0, 70.0);
@@ -220,7 +220,7 @@ mod tests {
         display.last_shown = 0.0;
         assert_eq!(display.present(0, 3.0).0, 7.0);
         assert_eq!(display.present(1, 17.0).0, 17.0);
-        // Nothing arrived until 37: repeated then, and busy until 44.
+        // Nothing arrived until 37, so the image was repeated, and the panel was busy until 44.
         assert_eq!(display.present(2, 38.0).0, 44.0);
     }
 

@@ -7,8 +7,8 @@ use crate::measure::{mean, quantile};
 use crate::run::{Run, run, run_for};
 use crate::scenario::{Change, MILLISECOND, SECOND, Scenario, Stall, Ticks};
 
-/// Checks that after frame `from` every refresh shows a new one, none later than a refresh over the
-/// optimum.
+/// Checks that after frame `from` every refresh shows a new frame, with a latency of at most a
+/// refresh above the optimum.
 fn assert_steady(run: &Run, from: usize, to: usize) {
     let seed = run.scenario.seed;
     let mut short = run.clone();
@@ -40,8 +40,8 @@ fn back_within_five_frames_of_a_stall() {
     }
 }
 
-/// Checks recovery with fewer images than frames may be queued, and with more. Here timestamps that
-/// come with a look are not enough if the GPU stalls.
+/// Checks recovery with fewer and with more images than the queue limit. Timestamps that arrive
+/// with a poll are not enough if the GPU stalls.
 #[test]
 fn back_within_five_frames_of_a_stall_without_reports() {
     const AT: usize = 200;
@@ -80,7 +80,7 @@ fn a_hidden_window_is_throttled_and_resumes_at_once() {
         let hidden = run.outcomes.iter().filter(while_hidden).count() as f64;
         let most = 20.0 * SECOND / interval + 10.0;
         assert!(hidden <= most, "seed {seed}: {hidden} frames while hidden");
-        // Not hung either: it keeps checking for a visible window.
+        // It does not hang either: it keeps checking for a visible window.
         assert!(hidden >= 10.0, "seed {seed}: {hidden} frames while hidden");
         let seen = |o: &&crate::run::Outcome| {
             o.shown.is_some_and(|shown| (28.15 * SECOND..29.15 * SECOND).contains(&shown))
@@ -126,7 +126,7 @@ fn swapchains_come_and_go() {
     assert!(missed_in_all * 1_000 <= all, "{missed_in_all} of {all} missed");
 }
 
-/// Checks that a new rate of the display is noticed without any report of it.
+/// Checks that a new rate of the display is noticed without a report of the change.
 #[test]
 fn another_rate_is_noticed() {
     for seed in 0..200 {
@@ -156,7 +156,7 @@ fn a_clock_of_one_millisecond_will_do() {
     for seed in 0..500 {
         let mut scenario = Scenario::random(seed, PresentationMode::Fifo);
         scenario.clock_grain = MILLISECOND;
-        // At 144 Hz a step of the clock is a seventh of a refresh: allow for that.
+        // At 144 Hz a step of the clock is a seventh of a refresh, so the limit is lower.
         let scale = if scenario.options.queue_limit == 1 { 0.75 } else { 1.0 };
         (scenario.cpu, scenario.gpu) = (scale * scenario.cpu, scale * scenario.gpu);
         let run = run(&scenario);
@@ -170,8 +170,8 @@ fn a_clock_of_one_millisecond_will_do() {
     assert!(missed_in_all * 200 <= all, "{missed_in_all} of {all}");
 }
 
-/// Checks that the loop still runs with a clock of steps of about a refresh, which reveals no
-/// phases.
+/// Checks that the loop still runs if a step of the clock is about a refresh, which reveals no
+/// phase.
 #[test]
 fn a_clock_of_sixty_four_hertz_does_not_break_it() {
     for seed in 0..300 {
@@ -188,7 +188,7 @@ fn a_clock_of_sixty_four_hertz_does_not_break_it() {
     }
 }
 
-/// Checks loops that only wake at the ends of their sleeps.
+/// Checks loops that wake only at the ends of their sleeps.
 #[test]
 fn reports_need_not_wake_the_loop() {
     let mut missed_in_all = 0;
@@ -208,8 +208,8 @@ fn reports_need_not_wake_the_loop() {
     assert!(missed_in_all * 500 <= all, "{missed_in_all} of {all}");
 }
 
-/// Checks that misses teach the early latch of a compositor that takes images long before they
-/// are shown.
+/// Checks that misses teach the early latch of a compositor, which takes images long before it
+/// shows them.
 #[test]
 fn an_early_latch_is_learnt() {
     let mut missed_in_all = 0;
@@ -235,7 +235,7 @@ fn an_early_latch_is_learnt() {
     assert!(missed_in_all * 500 <= all, "{missed_in_all} of {all}");
 }
 
-/// Checks that sleeping takes few sleeps.
+/// Checks that the number of sleeps is small.
 #[test]
 fn the_loop_wakes_a_few_times_a_frame() {
     for seed in 0..300 {

@@ -7,10 +7,10 @@ use crate::measure::{mean, quantile};
 use crate::run::{Run, run};
 use crate::scenario::{FrameLoop, Scenario};
 
-/// The number of frames that a pacer has for learning.
+/// The number of frames in which a pacer has to learn.
 const LEARNT: usize = 120;
 
-/// The number of runs behind the guarantees, by the kind of reports.
+/// The number of runs per guarantee, by the kind of reports.
 const FIFO_RUNS: u64 = 5_000;
 const RELAXED_RUNS: u64 = 1_000;
 const MAILBOX_RUNS: u64 = 2_000;
@@ -28,7 +28,7 @@ struct Tally {
 }
 
 impl Tally {
-    /// Adds a run, and checks the guarantees for each single run.
+    /// Adds a run, and checks the guarantees that hold for each run.
     fn add(&mut self, run: &Run, queue_limit: u32) {
         let seed = run.scenario.seed;
         assert_eq!(run.outcomes.len(), run.scenario.frames);
@@ -42,7 +42,7 @@ impl Tally {
         assert!(!excess.is_empty());
         let average = mean(&excess);
         assert!(average < 1.0, "seed {seed}: latency {average} refreshes over the optimum");
-        // No frame is shown before the optimum allows: the yardstick is one.
+        // No frame may be shown before the optimum allows; otherwise the optimum is wrong.
         assert!(excess.iter().all(|excess| *excess > -1e-6), "seed {seed}: beats the optimum");
         if average > self.worst_latency.0 {
             self.worst_latency = (average, seed);
@@ -93,8 +93,8 @@ fn mailbox_with_present_times() {
     tally("mailbox", MAILBOX_RUNS, |seed| Scenario::random(seed, PresentationMode::Mailbox));
 }
 
-/// Checks the guarantees with acquires and ticks only. The queue can then be no shorter than the
-/// swapchain forces, so the caller asks for as many images as may be queued.
+/// Checks the guarantees with acquires and ticks only. Then the queue is as long as the swapchain
+/// forces, so the caller creates as many images as frames may be queued.
 #[test]
 fn fifo_with_acquires_only() {
     tally("acquires only", ACQUIRES_ONLY_RUNS, |seed| {
@@ -121,7 +121,7 @@ fn long_runs_each_keep_the_promise() {
     }
 }
 
-/// Checks that a period is searched for again when it drifts away from the one that acquires
+/// Checks that the phase is searched again when the period drifts away from the one that acquires
 /// revealed.
 #[test]
 fn long_runs_with_acquires_only() {
@@ -138,7 +138,7 @@ fn long_runs_with_acquires_only() {
     }
 }
 
-/// Checks the measure: a loop that starts at once shows as many frames, much later.
+/// Checks the measure: a loop that always starts at once shows as many frames, but much later.
 #[test]
 fn starting_at_once_has_worse_latency_and_longer_queues() {
     let mut worse = 0;
@@ -175,7 +175,7 @@ fn overload_misses_refreshes_and_stays_bounded() {
     }
 }
 
-/// Checks that expected presents are the actual ones.
+/// Checks that expected present times are the actual ones.
 #[test]
 fn expected_presents_come_true() {
     for seed in 0..200 {

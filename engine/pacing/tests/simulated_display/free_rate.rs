@@ -1,4 +1,4 @@
-//! Tests without a grid of refreshes: frame limits, immediate mode, displays that wait for frames.
+//! Tests without a grid of refreshes: frame limits, immediate mode, and variable refresh rates.
 
 use antumbra_pacing::PresentationMode;
 
@@ -29,7 +29,7 @@ fn a_frame_limit_is_kept_and_used() {
         scenario.frames = 400;
         let run = run(&scenario);
         let starts: Vec<f64> = run.outcomes.iter().map(|outcome| outcome.start).collect();
-        // In any window, from frame to frame.
+        // The limit holds over any window of frames.
         for (first, window) in [(0, 399), (100, 50), (200, 150), (320, 7)] {
             let span = (starts[first + window] - starts[first]) / SECOND;
             let most = span * limit + 2.01;
@@ -48,7 +48,7 @@ fn immediate_mode_starts_when_the_gpu_is_about_to_be_free() {
         let run = run(&scenario);
         assert!(run.most_queued() <= scenario.options.queue_limit as usize, "seed {seed}");
         assert!(mean(&run.latency_excess(120)) < 1.0, "seed {seed}");
-        // As fast as the slower of the two allows.
+        // The rate is that of the slower processor.
         let took = run.outcomes[299].shown.unwrap() - run.outcomes[120].shown.unwrap();
         let serial = scenario.options.queue_limit == 1;
         let busy =
@@ -69,7 +69,7 @@ fn a_display_that_waits_gets_even_frames_at_low_latency() {
         let min_period = scenario.period();
         scenario.panel = Panel::Variable { min_period, max_period: 3.0 * min_period };
         scenario.latch = 0.0;
-        // From far below its rate to a bit over it.
+        // From far below the display's rate to slightly above it.
         let load = Random::new(seed).between(0.2, 2.0);
         let serial = scenario.options.queue_limit == 1;
         let busy = |s: &Scenario| if serial { s.cpu + s.gpu } else { s.cpu.max(s.gpu) };

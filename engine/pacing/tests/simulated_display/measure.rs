@@ -1,11 +1,11 @@
-//! The measures of a run: missed refreshes, and latency against the optimum of perfect knowledge.
+//! The measures of a run: missed refreshes, and latency relative to the optimum.
 
 use crate::run::{Outcome, Run};
 use crate::scenario::Scenario;
 
 impl Run {
-    /// Returns the number of refreshes from the showing of frame `from` on that showed nothing new,
-    /// and the number of all.
+    /// Returns the number of refreshes that showed nothing new since the present time of frame
+    /// `from`, and the number of all refreshes since then.
     pub fn missed_refreshes(&self, from: usize) -> (usize, usize) {
         let period = self.scenario.period();
         let shown: Vec<f64> =
@@ -20,7 +20,7 @@ impl Run {
         self.outcomes.iter().map(|outcome| outcome.queued).max().unwrap_or(0)
     }
 
-    /// Returns the latency of each frame shown from `from` on, less the optimum, in refreshes.
+    /// Returns the latency of each frame shown from `from` on minus the optimum, in refreshes.
     pub fn latency_excess(&self, from: usize) -> Vec<f64> {
         let best = optimal_starts(&self.scenario, &self.outcomes);
         let period = self.scenario.period();
@@ -31,8 +31,8 @@ impl Run {
     }
 }
 
-/// Returns the latest starts with which every frame would have been shown at the same time, given
-/// all durations: backwards through a flow line of one CPU and one GPU.
+/// Returns the latest start of each frame that would not have changed any present time. All
+/// durations are known, so it is computed backwards through a flow line of one CPU and one GPU.
 pub fn optimal_starts(scenario: &Scenario, outcomes: &[Outcome]) -> Vec<f64> {
     let mut next_gpu = f64::INFINITY;
     let mut next_cpu = f64::INFINITY;
@@ -81,7 +81,7 @@ mod tests {
         let scenario = Scenario::quiet(1);
         let alone = [outcome(0.0, 2.0, 3.0, 20.0)];
         assert_eq!(optimal_starts(&scenario, &alone), [15.0]);
-        // The second keeps the GPU busy for 9 before 20, so that the first must be done by 11.
+        // The second frame keeps the GPU busy for 9 before 20, so the first must be finished by 11.
         let two = [outcome(0.0, 2.0, 3.0, 12.0), outcome(1.0, 1.0, 9.0, 20.0)];
         assert_eq!(optimal_starts(&scenario, &two), [6.0, 10.0]);
     }

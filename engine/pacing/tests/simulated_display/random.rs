@@ -1,5 +1,5 @@
-//! Seeded random numbers: SplitMix64 (Steele, Lea, Flood 2014), so that a failing run can be run
-//! again.
+//! Seeded random numbers (SplitMix64; Steele, Lea, Flood 2014), so that a failing run can be
+//! repeated.
 
 #[derive(Clone, Debug)]
 pub struct Random(u64);
@@ -17,7 +17,7 @@ impl Random {
         mixed ^ (mixed >> 31)
     }
 
-    /// Returns a number, evenly distributed in 0 to 1, 1 excluded.
+    /// Returns a number that is uniformly distributed in 0 to 1, excluding 1.
     pub fn unit(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
     }
@@ -30,8 +30,8 @@ impl Random {
         from[(self.bits() % from.len() as u64) as usize]
     }
 
-    /// Returns a number of mean 0 and standard deviation 1, never beyond 3.5: a sum of four even
-    /// ones.
+    /// Returns a number of mean 0 and standard deviation 1, at most 3.5 from 0: the sum of four
+    /// uniform ones.
     pub fn bell(&mut self) -> f64 {
         let sum: f64 = (0..4).map(|_| self.unit()).sum();
         (sum - 2.0) * 3.0_f64.sqrt()

@@ -1,4 +1,4 @@
-//! The loop of a program against the simulated display: sleeps, records, acquires, presents,
+//! The loop of a program with the simulated display: it sleeps, records, acquires, presents,
 //! reports.
 
 use std::time::Duration;
@@ -21,7 +21,7 @@ pub struct Outcome {
     pub finish: f64,
     pub shown: Option<f64>,
     pub dropped: bool,
-    /// The number of frames between start and showing when it started, including itself.
+    /// The number of frames between start and present time when it started, including itself.
     pub queued: usize,
     pub expected: Option<f64>,
     pub acquire_wait: f64,
@@ -33,7 +33,7 @@ pub struct Run {
     pub outcomes: Vec<Outcome>,
     /// The timings reported by the pacer.
     pub timings: Vec<(PacedFrameId, FrameTiming)>,
-    /// The number of times the pacer was asked.
+    /// The number of calls for the next step.
     pub steps: usize,
     pub ended: f64,
 }
@@ -42,7 +42,7 @@ struct Delivery {
     at: f64,
     frame: PacedFrameId,
     feedback: Feedback,
-    /// True if it waits for the loop to look.
+    /// True if the loop must poll to see it.
     polled: bool,
 }
 
@@ -59,7 +59,7 @@ struct Simulation {
     steps: usize,
 }
 
-/// Runs a scenario to its end, or for as long as `limit` in nanoseconds.
+/// Runs a scenario to its end, or until `limit` in nanoseconds.
 pub fn run_for(scenario: &Scenario, limit: f64) -> Run {
     let mut display = Display::new(scenario.panel, scenario.mode, scenario.images);
     display.latch = scenario.latch;
@@ -115,7 +115,7 @@ impl Simulation {
                 assert!(wait.until.since(asked) <= Duration::from_secs(1));
                 let late = self.random.between(0.0, self.scenario.wake_lateness);
                 let grain = self.scenario.clock_grain;
-                // A coarse clock shows that time after it has passed, not earlier.
+                // A coarse clock shows a time only after it has passed.
                 let wake = (wait.until.as_nanos() as f64 / grain).ceil() * grain + late;
                 let report = self.deliveries.iter().filter(|delivery| !delivery.polled);
                 let report = report.map(|delivery| delivery.at).fold(f64::INFINITY, f64::min);
@@ -186,7 +186,7 @@ impl Simulation {
         }
         if free > self.now {
             self.outcomes[number].acquire_wait = free - self.now;
-            // The thread that sleeps for it wakes a little later.
+            // The thread that waits for it wakes a little later.
             self.now = free + self.random.between(0.0, 0.03 * MILLISECOND);
         }
         let at = self.clock(self.now);
@@ -204,7 +204,7 @@ impl Simulation {
         self.report(frame, finish, gpu, shown);
     }
 
-    /// Removes a frame that will never be shown from the queue, as if it had been dropped.
+    /// Removes a frame that will never be shown from the queue, as if it were dropped.
     fn unshow(&mut self, number: usize) {
         self.outcomes[number].shown = None;
         self.outcomes[number].dropped = true;

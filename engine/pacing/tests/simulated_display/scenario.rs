@@ -1,5 +1,4 @@
-//! The scenario of a simulated run: the display, the machine, the load, and the reports to the
-//! pacer.
+//! The scenario of a simulated run: the display, the machine, the load, and the reports.
 
 use std::ops::Range;
 use std::time::Duration;
@@ -12,14 +11,14 @@ use crate::random::Random;
 pub const MILLISECOND: f64 = 1e6;
 pub const SECOND: f64 = 1e9;
 
-/// The way in which the end of GPU work becomes known.
+/// The way in which the loop learns the end of GPU work.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ticks {
-    /// Ticks with a thread that waits for them.
+    /// A thread waits for ticks.
     Watched,
-    /// Ticks that the loop polls when it wakes.
+    /// The loop polls ticks when it wakes.
     Polled,
-    /// Polled ticks, with timestamps of the work.
+    /// The loop polls ticks and reads timestamps of the work.
     Timestamps,
     Unknown,
 }
@@ -28,18 +27,18 @@ pub enum Ticks {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FrameLoop {
     Paced,
-    /// A start as soon as the last was presented: a loop without pacing.
+    /// A start as soon as the last frame was presented: a loop without pacing.
     Unpaced,
 }
 
-/// A stall of a frame.
+/// A stall in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stall {
     Cpu { frame: usize, duration: f64 },
     Gpu { frame: usize, duration: f64 },
 }
 
-/// A change to another swapchain, before that frame.
+/// A change to another swapchain before a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Change {
     pub frame: usize,
@@ -57,16 +56,16 @@ pub struct Scenario {
     pub mode: PresentationMode,
     pub images: usize,
     pub latch: f64,
-    /// True if the period is given beforehand.
+    /// True if the period is given to the pacer in advance.
     pub hinted: bool,
     pub reports: PresentReports,
     pub ticks: Ticks,
     /// The mean CPU time, in nanoseconds.
     pub cpu: f64,
     pub gpu: f64,
-    /// The relative standard deviation of both.
+    /// The relative standard deviation of both times.
     pub jitter: f64,
-    /// The greatest lateness of a sleep's end.
+    /// The greatest lateness of a wake-up.
     pub wake_lateness: f64,
     /// The standard deviation of reported times.
     pub report_noise: f64,
@@ -79,12 +78,12 @@ pub struct Scenario {
     pub stalls: Vec<Stall>,
     pub hidden: Range<f64>,
     pub changes: Vec<Change>,
-    /// A change of the display before that frame, without a report.
+    /// A change of the display before a frame, which is not reported.
     pub silent_change: Option<(usize, Panel)>,
 }
 
 impl Scenario {
-    /// Returns a quiet machine at 60 Hz, with everything reported.
+    /// Returns a quiet machine at 60 Hz with all reports.
     pub fn quiet(seed: u64) -> Self {
         let period = SECOND / 60.0;
         Self {
@@ -114,8 +113,8 @@ impl Scenario {
         }
     }
 
-    /// Returns a random display of a fixed rate, load up to 80 %, and machine that is not
-    /// pathological.
+    /// Returns a random display of a fixed rate, a load of up to 80 %, and a machine without
+    /// pathological properties.
     pub fn random(seed: u64, mode: PresentationMode) -> Self {
         let mut random = Random::new(seed);
         let hz = random.pick(&[60.0, 90.0, 120.0, 144.0]) * random.between(0.998, 1.002);
@@ -161,7 +160,7 @@ impl Scenario {
             Panel::Variable { min_period, max_period } => {
                 Refresh::Variable { min_period: span(min_period), max_period: span(max_period) }
             }
-            // Rounded, as window systems do.
+            // Rounded, as by window systems.
             _ if self.hinted => Refresh::About(span(SECOND / (SECOND / self.period()).round())),
             _ => Refresh::Unknown,
         };

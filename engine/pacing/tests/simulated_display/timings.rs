@@ -1,4 +1,4 @@
-//! Tests that the pacer's timings of frames are true, and that unreported ones are unknown.
+//! Tests that the pacer's frame timings are true, and that timings without a report are unknown.
 
 use std::time::Duration;
 
@@ -44,7 +44,7 @@ fn exact_reports_give_exact_timings() {
     }
 }
 
-/// Checks the whole way from the display to the numbers that a user reads.
+/// Checks the whole chain from the display to the numbers that a user reads.
 #[test]
 fn statistics_of_a_run_count_its_stall() {
     for seed in 0..100 {
@@ -69,7 +69,7 @@ fn statistics_of_a_run_count_its_stall() {
     }
 }
 
-/// Returns the refreshes that showed nothing new, before each of these frames.
+/// Returns the number of refreshes that showed nothing new before these frames.
 fn missed(run: &Run, first: usize, last: usize) -> u64 {
     let shown = |frame: usize| run.outcomes[frame].shown.unwrap();
     let steps =
@@ -86,14 +86,15 @@ fn what_nobody_reports_is_unknown() {
         scenario.reports = PresentReports::Missing;
         scenario.images = 3;
         scenario.options.queue_limit = 3;
-        // Long enough to look for the phase twice.
+        // Long enough for two phase searches.
         scenario.frames = 1_200;
         let run = run(&scenario);
         assert!(run.timings.len() > 1_180, "seed {seed}");
         for (frame, timing) in &run.timings {
             let outcome = &run.outcomes[frame.0 as usize];
             match timing.latency {
-                // An acquire that had to wait revealed it, as exactly as its thread woke.
+                // An acquire that had to wait revealed it, with the precision of its thread's
+                // wake-up.
                 Some(latency) => {
                     known += 1;
                     let truth = outcome.shown.unwrap() - outcome.start;
@@ -104,7 +105,7 @@ fn what_nobody_reports_is_unknown() {
             }
             assert!(timing.start_interval.is_some() || frame.0 == 0);
             if let Some(interval) = timing.present_interval {
-                // From the frame before, never across one with an unknown time of showing.
+                // From the previous frame, never across a frame with an unknown present time.
                 let before = run.outcomes[frame.0 as usize - 1].shown.unwrap();
                 let off = interval.as_nanos() as f64 - (outcome.shown.unwrap() - before);
                 assert!(off.abs() < 0.0001 * SECOND, "seed {seed}: {off}");

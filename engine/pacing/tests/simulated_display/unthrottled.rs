@@ -1,5 +1,5 @@
-//! Tests with no display at all, and a slow rasteriser: acquires wait, and none of the waits
-//! reveals a refresh.
+//! Tests with a slow software rasteriser and no display: acquires wait, but no wait reveals a
+//! refresh.
 
 use antumbra_pacing::{FrameStatistics, HitchRule, PresentReports, PresentationMode};
 
@@ -8,8 +8,8 @@ use crate::random::Random;
 use crate::run::{Run, run};
 use crate::scenario::{MILLISECOND, Scenario, Stall, Ticks};
 
-/// Returns a scenario of an X server without a screen: a GPU whose time per frame ranges from
-/// constant to never the same twice.
+/// Returns a scenario of an X server without a screen. The GPU time per frame ranges from constant
+/// to completely random.
 fn rasteriser(seed: u64) -> Scenario {
     let mut random = Random::new(seed ^ 0xcafe);
     let mode = random.pick(&[
@@ -31,7 +31,7 @@ fn rasteriser(seed: u64) -> Scenario {
     scenario.jitter = random.pick(&[0.0, 0.005, 0.02, 0.1]);
     scenario.ticks = random.pick(&[Ticks::Watched, Ticks::Polled, Ticks::Timestamps]);
     scenario.frames = 1_500;
-    // The load grows and falls as well.
+    // The load also rises and falls.
     let heavier = |frame| Stall::Gpu { frame, duration: random.between(0.0, 2.0) * scenario.gpu };
     scenario.stalls = (0..1_500).step_by(97).map(heavier).collect();
     scenario
@@ -66,8 +66,8 @@ fn waits_for_a_rasteriser_are_no_refreshes() {
     );
 }
 
-/// Checks that acquires do not slow a rasteriser down: the GPU is as busy as without a pacer that
-/// looks for a display.
+/// Checks that the search for a display does not slow a rasteriser down: the GPU is as busy as
+/// without a pacer.
 #[test]
 fn a_rasteriser_is_kept_busy() {
     for seed in 0..200 {
@@ -80,7 +80,7 @@ fn a_rasteriser_is_kept_busy() {
         let run = run(&scenario);
         let took = run.outcomes[1_499].finish - run.outcomes[0].finish;
         let share = 1_499.0 * scenario.gpu / took;
-        // With two images it works for one frame while the other is copied.
+        // With two images, the GPU works on one frame while the other is copied.
         let least = if scenario.images == 2 { 0.7 } else { 0.85 };
         assert!(share > least, "seed {seed}: busy for {share} of the time");
     }

@@ -6,15 +6,16 @@ use crate::pieces::{PieceLimits, PieceMap, spatial_pieces};
 use crate::{Mesh, MeshId, Object, Scene, SurfaceMesh, Surfaces, bounds_of_vertices};
 
 impl Scene {
-    /// Cuts large meshes into pieces, each an object with a box of its own, and returns which are
-    /// whose. The pieces of an object take its place in the list, with its transform and tint;
-    /// triangles keep their order within a piece, and backs are in the piece of their fronts. Ids
-    /// of meshes stay: the first piece has its mesh's, the others follow all meshes.
+    /// Cuts large meshes into pieces and returns which pieces belong to which object. Each piece is
+    /// an object with a box of its own. The pieces of an object take its place in the list, with
+    /// its transform and tint. Triangles keep their order within a piece, and a back is in the
+    /// piece of its front. Mesh ids stay valid: the first piece keeps the id of its mesh, the other
+    /// pieces follow all meshes.
     ///
-    /// The image keeps its bits, but where triangles of one mesh are at equal depth: in scenes with
-    /// [`Surfaces`] the renderer's rule for objects decides there, without them the first draw. A
-    /// mesh that has a skin or morph targets, is of sprites or of transparent objects stays whole.
-    /// Pieces have no coarser levels of detail.
+    /// The image stays the same to the bit, except where triangles of one mesh have equal depths:
+    /// in scenes with [`Surfaces`] the renderer's rule for objects decides between them, in other
+    /// scenes the first draw wins. A mesh stays whole if it has a skin or morph targets, is a mesh
+    /// of sprites, or belongs to a transparent object. Pieces have no coarser levels of detail.
     pub fn cut_large_meshes(&mut self, limits: PieceLimits) -> PieceMap {
         let mut is_whole: Vec<bool> =
             self.meshes.iter().map(|mesh| mesh.indices.len() / 3 <= limits.cut_above).collect();
@@ -43,7 +44,7 @@ impl Scene {
         map
     }
 
-    /// Replaces a mesh by its first piece, and adds the others, with their surfaces.
+    /// Replaces a mesh by its first piece, and adds the other pieces, with their surfaces.
     fn cut_mesh(&mut self, place: usize, most: usize, meshes: &mut Vec<MeshId>) {
         let empty = Mesh::of_triangles("", &[]);
         let Some(mesh) = self.meshes.get_mut(place).map(|mesh| std::mem::replace(mesh, empty))
@@ -124,8 +125,8 @@ fn whole_meshes(surfaces: &Surfaces) -> Vec<MeshId> {
     skinned.chain(sprites).chain(transparent).collect()
 }
 
-/// Returns indices into the vertices that these triangles have, and which those are, in the order
-/// of their first use. `names` has an element per vertex, all `u32::MAX` before and after.
+/// Returns new indices of these triangles, and the old index of each vertex that they use, in the
+/// order of first use. `names` has an element per vertex, all `u32::MAX` before and after.
 fn renamed(triangles: &[[u32; 3]], names: &mut [u32]) -> (Vec<u32>, Vec<u32>) {
     let mut picks = Vec::new();
     let mut indices = Vec::with_capacity(3 * triangles.len());

@@ -1,3 +1,3 @@
-//! The calls of a scene that change all of it; nothing below imports them.
+//! Calls that change a whole scene; no other module imports them.
 
 mod cut_meshes;

@@ -1,7 +1,7 @@
 //! Formats of compressed blocks.
 
-/// A format of blocks that GPUs sample as they are. Colours and numbers have the same blocks: the
-/// [`Encoding`](crate::Encoding) of a texture says what they mean.
+/// A format of compressed blocks that GPUs can sample. Colours and numbers have the same formats:
+/// the [`Encoding`](crate::Encoding) of a texture gives their meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BlockFormat {
     /// BC1: red, green, blue; all opaque.
@@ -14,11 +14,11 @@ pub enum BlockFormat {
     Bc3,
     /// BC4: red alone.
     Bc4,
-    /// BC5: red and green. A normal map of it holds x and y; z follows from them.
+    /// BC5: red and green. As a normal map it holds x and y; z is computed from them.
     Bc5,
     /// BC7: red, green, blue, alpha.
     Bc7,
-    /// ASTC without light beyond white: red, green, blue, alpha.
+    /// ASTC of low dynamic range: red, green, blue, alpha.
     Astc(AstcBlock),
 }
 
@@ -45,13 +45,13 @@ const ASTC_SIZES: [[u32; 2]; 14] = [
 ];
 
 impl AstcBlock {
-    /// Returns the blocks of a size in texels; `None` for a size that ASTC does not have.
+    /// Returns the block format of a size in texels; `None` for a size that ASTC does not have.
     pub fn of_size(size: [u32; 2]) -> Option<Self> {
         let place = ASTC_SIZES.iter().position(|known| *known == size)?;
         Some(Self(place as u8))
     }
 
-    /// Returns the blocks at a place in the order of Vulkan's formats, from 4x4 on.
+    /// Returns the block format at a place in the order of Vulkan's formats, from 4x4 on.
     pub fn of_place(place: u32) -> Option<Self> {
         ((place as usize) < ASTC_SIZES.len()).then_some(Self(place as u8))
     }
@@ -61,14 +61,14 @@ impl AstcBlock {
         self.0.into()
     }
 
-    /// Returns width and height in texels.
+    /// Returns the width and height of a block in texels.
     pub fn size(self) -> [u32; 2] {
         ASTC_SIZES.get(usize::from(self.0)).copied().unwrap_or([4; 2])
     }
 }
 
 impl BlockFormat {
-    /// Returns width and height of a block in texels.
+    /// Returns the width and height of a block in texels.
     pub fn block_size(self) -> [u32; 2] {
         match self {
             Self::Astc(block) => block.size(),
@@ -84,15 +84,15 @@ impl BlockFormat {
         }
     }
 
-    /// Returns the bytes of all blocks of an image of this size in texels.
+    /// Returns the number of bytes of all blocks of an image of this size in texels.
     pub fn bytes(self, size: [u32; 2]) -> Option<u64> {
         let [width, height] = self.block_size();
         let blocks = [size[0].div_ceil(width), size[1].div_ceil(height)].map(u64::from);
         blocks[0].checked_mul(blocks[1])?.checked_mul(self.block_bytes().into())
     }
 
-    /// Returns true if blocks can mean colours. BC4 and BC5 hold numbers: colours of them are
-    /// unpacked.
+    /// Returns true if blocks of the format can hold colours. BC4 and BC5 hold numbers: colours in
+    /// them are unpacked.
     pub fn has_colours(self) -> bool {
         !matches!(self, Self::Bc4 | Self::Bc5)
     }

@@ -5,16 +5,16 @@ use std::panic::catch_unwind;
 
 use super::block_format::{AstcBlock, BlockFormat};
 
-/// The colour of ASTC's broken blocks, as GPUs show them: blue, green, red, alpha.
+/// The colour of broken ASTC blocks, as GPUs show them: blue, green, red, alpha.
 const BROKEN: u32 = u32::from_le_bytes([255, 0, 255, 255]);
 
-/// Returns four bytes per texel; those of missing blocks are 0.
+/// Returns four bytes per texel; the texels of missing blocks are 0.
 pub(super) fn unpacked(format: BlockFormat, size: [u32; 2], blocks: &[u8]) -> Vec<u8> {
     let [width, height] = size.map(|side| side as usize);
     let block_rows = format.block_size()[1] as usize;
     let row_bytes = format.bytes([size[0], 1]).map_or(usize::MAX, |bytes| bytes as usize).max(1);
     let mut rgba8 = Vec::new();
-    // A row of blocks at a time: the decoder's texels never lie beside all of ours.
+    // One row of blocks at a time, so that the decoder's copy of the texels stays small.
     for (row, first) in blocks.chunks_exact(row_bytes).zip((0..height).step_by(block_rows)) {
         let texels = decoded(format, row, [width, block_rows.min(height - first)]);
         let bytes = texels.into_iter().map(u32::to_le_bytes);
@@ -50,13 +50,13 @@ fn decoded(format: BlockFormat, blocks: &[u8], size: [usize; 2]) -> Vec<u32> {
             return texels;
         }
     };
-    // There is a block for each texel, all that it could lack.
+    // There is a block for each texel; the decoder fails only where blocks are missing.
     let _complete = decode(blocks, width, height, &mut texels);
     texels
 }
 
-/// Decodes a row of blocks, each by itself: the decoder panics over some broken ones, and no other
-/// block is lost then.
+/// Decodes a row of blocks individually: the decoder panics on some broken blocks, and the others
+/// must not be lost.
 fn decode_astc(block: AstcBlock, blocks: &[u8], texels: &mut [u32], width: usize) {
     let [across, down] = block.size().map(|side| side as usize);
     for (bytes, first) in blocks.chunks_exact(16).zip((0..width).step_by(across)) {
@@ -72,9 +72,9 @@ fn decode_astc(block: AstcBlock, blocks: &[u8], texels: &mut [u32], width: usize
     }
 }
 
-/// Returns a block of BC2 or BC3 whose first end of colours is above the second, with the same
-/// texels. BC1 alone has three colours and black where it is not (Khronos Data Format
-/// Specification, 18.2), but the decoder takes it for that in all three formats.
+/// Returns a block of BC2 or BC3 with the same texels whose first end colour is greater than the
+/// second. Otherwise the decoder takes it for a block of three colours and black, which only BC1
+/// has (Khronos Data Format Specification, 18.2).
 fn four_colours(mut block: [u8; 16]) -> [u8; 16] {
     let [_, _, _, _, _, _, _, _, a, b, c, d, choices @ ..] = &mut block;
     match u16::from_le_bytes([*a, *b]).cmp(&u16::from_le_bytes([*c, *d])) {
@@ -135,7 +135,7 @@ mod tests {
 
     #[test]
     fn channels_that_a_format_lacks_are_empty_and_opaque() {
-        // The two ends of a block, and the first one for all texels.
+        // The two end colours of a block; all texels choose the first.
         let red = [200, 100, 0, 0, 0, 0, 0, 0];
         let green = [90, 20, 0, 0, 0, 0, 0, 0];
         assert_eq!(unpacked(BlockFormat::Bc4, [1, 1], &red), [200, 0, 0, 255]);
@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn bc1_alone_has_three_colours_and_black() {
-        // Black and white, and all four choices: the first, the second, and those between.
+        // Black and white, and all four choices: the first end, the second, and the two mixes.
         let opaque = [255; 8];
         let low_first = [0, 0, 255, 255, 0b1110_0100, 0, 0, 0];
         let high_first = [255, 255, 0, 0, 0b1110_0100, 0, 0, 0];

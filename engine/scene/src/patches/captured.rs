@@ -1,5 +1,5 @@
-//! Surfaces that tessellation shaders cut into triangles: what goes in, and the mesh of what comes
-//! out.
+//! Surfaces that tessellation shaders cut into triangles: the shader's input, and the mesh of its
+//! output.
 
 use std::collections::HashMap;
 
@@ -9,8 +9,9 @@ use super::surface::PatchSurface;
 use super::welder::Welder;
 use crate::Mesh;
 
-/// The sides of a patch, as tessellation shaders read them: twice the level of each, and 1 more if
-/// it runs against the canonical direction of its edge. In the order of [`PatchSurface::sides`].
+/// The sides of a patch, as tessellation shaders read them, in the order of
+/// [`PatchSurface::sides`]. Each is twice the level of the side, plus 1 if the side runs against
+/// the canonical direction of its edge.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct PatchSides {
@@ -33,9 +34,9 @@ impl PatchSides {
     }
 }
 
-/// Returns the number of triangles that tessellation shaders make of a surface at these levels,
-/// with those without area at poles. It follows from the levels alone: the strip between the pieces
-/// of an edge and those inside along it has a triangle for each of either.
+/// Returns the number of triangles that tessellation shaders generate for a surface at these
+/// levels, including triangles without area at poles. It depends only on the levels: the strip
+/// along a side has a triangle for each piece of the edge and for each piece of the inner row.
 pub fn captured_triangle_count(surface: &PatchSurface, levels: &TessellationLevels) -> u64 {
     let of_patch = |(patch, sides): (usize, &[u32; 4])| {
         let inside = u64::from(levels.of_patch(surface, patch));
@@ -49,9 +50,9 @@ pub fn captured_triangle_count(surface: &PatchSurface, levels: &TessellationLeve
     surface.sides().iter().enumerate().map(of_patch).sum()
 }
 
-/// Returns the mesh of triangles, three points each. Points at equal places, to the bit, become one
-/// vertex if their normals are nearly equal. Triangles of which an edge is a single point, as at
-/// poles, are left out, and so is what was not captured: points whose normal is all zero.
+/// Returns the mesh of triangles, given as three points each. Points at equal places, to the bit,
+/// become one vertex if their normals are nearly equal. Triangles with an edge of no length, as at
+/// poles, are left out. Points that were not captured, which have a normal of 0, are left out, too.
 pub fn captured_mesh(points: &[EvaluatedPoint], name: &str, colour: u32) -> Mesh {
     let mut welder = Welder::new(colour);
     let mut newest: HashMap<[u32; 3], Option<u32>> = HashMap::new();

@@ -1,17 +1,18 @@
-//! An ellipsoid of eight patches, which meet in two poles.
+//! An ellipsoid of eight patches that meet in two poles.
 
 use glam::{Vec3, vec3};
 
 use super::surface::{Patch, PatchError, PatchSurface};
 
-/// The share of the tangents of a quarter circle.
+/// The length of the tangents of a quarter circle, relative to its radius.
 const KAPPA: f32 = 0.552_284_8;
 
-/// A quarter circle by its control points: the shares of its two axes.
+/// The control points of a quarter circle, in units of its two axes.
 const ARC: [[f32; 2]; 4] = [[1.0, 0.0], [1.0, KAPPA], [KAPPA, 1.0], [0.0, 1.0]];
 
-/// Returns the ellipsoid about the origin with these half axes, in metres: as near as cubic curves
-/// come, within a thousandth. Its poles lie on y. Each is an edge of four equal control points.
+/// Returns the ellipsoid around the origin with these half axes, in metres. Cubic curves
+/// approximate it within a thousandth. Its poles lie on y; each is an edge of four equal control
+/// points.
 ///
 /// # Errors
 /// [`PatchError::NotFinite`].
@@ -36,7 +37,8 @@ pub fn ellipsoid(half_axes: Vec3) -> Result<PatchSurface, PatchError> {
     PatchSurface::new(points, patches)
 }
 
-/// Returns a point after quarter turns about y: whole ones, so that equal points have equal bits.
+/// Returns a point after quarter turns about y. They are exact, so that equal points have equal
+/// bits.
 fn turned(quarters: u32, point: Vec3) -> Vec3 {
     let Vec3 { x, y, z } = point;
     match quarters {

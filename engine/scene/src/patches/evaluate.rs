@@ -1,8 +1,8 @@
-//! Points of a surface, computed. The shader `patch_points.comp` does the same in the same order.
+//! Computes points of a surface. The shader `patch_points.comp` does the same in the same order.
 //!
 //! A point of an edge is computed from the edge's own four control points, in its canonical
-//! direction: both patches get it bit for bit. Each step is `a + (b - a) * t` with a `t` that is a
-//! multiple of 1/64 and below 1, so it stays between `a` and `b`, rounding included.
+//! direction, so both patches get the same bits. Each step is `a + (b - a) * t`, where `t` is a
+//! multiple of 1/64 below 1. So the result stays between `a` and `b`, rounding included.
 
 use glam::Vec3;
 
@@ -11,14 +11,14 @@ use super::levels::TessellationLevels;
 use super::surface::PatchSurface;
 use crate::{Mesh, pack_normal};
 
-/// The area below which tangents span no plane, in squares of the patch's reach.
+/// The area below which tangents span no plane, relative to the square of the patch's size.
 const LEAST_AREA: f32 = 1e-6;
 
-/// Steps to the middle of the patch, as shares of the way, where a normal is tried: at a pole the
-/// tangents span no plane.
+/// The shares of the way to the middle of the patch at which a normal is computed, in this order:
+/// at a pole itself the tangents span no plane.
 const NUDGES: [f32; 3] = [0.0, 1.0 / 64.0, 0.25];
 
-/// Returns a surface at its levels as a mesh, in one colour; see [`Vertex::colour`].
+/// Returns a surface at its levels as a mesh in one colour; see [`Vertex::colour`].
 ///
 /// [`Vertex::colour`]: crate::Vertex::colour
 pub fn tessellated(
@@ -32,8 +32,7 @@ pub fn tessellated(
     grid.mesh(&points.collect::<Vec<_>>(), name, colour)
 }
 
-/// Returns a point of a surface. Its patch must be one of the surface's: for another one it lies at
-/// the origin.
+/// Returns a point of a surface; the origin if the surface does not have the patch.
 pub fn evaluated(surface: &PatchSurface, point: &SurfacePoint) -> EvaluatedPoint {
     let Some(patch) = surface.patches().get(point.patch as usize) else {
         return EvaluatedPoint { position: [0.0; 3], normal: pack_normal(Vec3::Y) };
@@ -71,7 +70,7 @@ fn curve(points: [Vec3; 4], t: f32) -> CurvePoint {
     CurvePoint { place: between(low, high), tangent: high - low }
 }
 
-/// Returns a point of an edge. Its ends are its control points, to the bit.
+/// Returns a point of an edge. The ends of an edge are its end control points, to the bit.
 fn on_edge(points: [Vec3; 4], t: f32) -> Vec3 {
     if t >= 1.0 { points[3] } else { curve(points, t).place }
 }

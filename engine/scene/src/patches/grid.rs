@@ -1,8 +1,8 @@
-//! The points and triangles of a surface at its levels: whole numbers, before anything is computed.
+//! The points and triangles of a surface at its levels, as whole numbers: nothing is computed yet.
 //!
 //! Each patch has a regular grid inside and four strips around it. A strip joins the pieces of an
-//! edge, as many as its level says, to the outer row of the grid. Both sides of an edge have the
-//! same points on it, so no vertex lies within another triangle's edge.
+//! edge, whose number is the edge's level, to the outer row of the grid. The patches on both sides
+//! of an edge have the same points on it, so no vertex lies within another triangle's edge.
 
 use super::levels::TessellationLevels;
 use super::surface::{Patch, PatchSurface};
@@ -15,16 +15,16 @@ use crate::Mesh;
 pub struct SurfacePoint {
     /// The index of its patch.
     pub patch: u32,
-    /// 0 inside. On a side of the patch 1 + 2 * its number, and 1 more if the side runs against the
-    /// canonical direction of its edge; see [`PatchSurface::sides`].
+    /// 0 for a point inside. On a side of the patch, 1 + 2 * the side's number, plus 1 if the side
+    /// runs against the canonical direction of its edge; see [`PatchSurface::sides`].
     pub side: u32,
-    /// The first parameter in the patch: a multiple of 1/64, as the second is.
+    /// The first parameter in the patch: a multiple of 1/64, like the second one.
     pub u: f32,
     /// The second parameter in the patch.
     pub v: f32,
 }
 
-/// A point of a surface that is computed, as shaders write it.
+/// A computed point of a surface, as shaders write it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct EvaluatedPoint {
@@ -38,14 +38,15 @@ pub struct EvaluatedPoint {
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceGrid {
     points: Vec<SurfacePoint>,
-    /// The place of each point: points of several patches that lie at one place have one number.
+    /// The number of each point's place: points of several patches at one place have the same
+    /// number.
     places: Vec<u32>,
     triangles: Vec<[u32; 3]>,
 }
 
 impl SurfaceGrid {
-    /// Returns the grid of a surface at these levels. Triangles of which an edge is a single point,
-    /// as at poles, are left out.
+    /// Returns the grid of a surface at these levels. Triangles with an edge of no length, as at
+    /// poles, are left out.
     pub fn new(surface: &PatchSurface, levels: &TessellationLevels) -> Self {
         let mut grid = Self { points: Vec::new(), places: Vec::new(), triangles: Vec::new() };
         // Places: control points, then the inner points of each edge, then those of each patch.
@@ -71,8 +72,8 @@ impl SurfaceGrid {
         grid
     }
 
-    /// Returns the number of points that the grid of a surface at these levels has, before it is
-    /// made: of large surfaces it takes gigabytes.
+    /// Returns the number of points of a surface's grid at these levels, without creating it: the
+    /// grid of a large surface takes gigabytes.
     pub fn point_count(surface: &PatchSurface, levels: &TessellationLevels) -> u64 {
         let of_patch = |(patch, sides): (usize, &[u32; 4])| {
             let inside = u64::from(levels.of_patch(surface, patch) - 1).pow(2);
@@ -82,12 +83,12 @@ impl SurfaceGrid {
         surface.sides().iter().enumerate().map(of_patch).sum()
     }
 
-    /// Returns the points. One that lies on an edge is there once for each patch.
+    /// Returns the points. A point on an edge is listed once per patch.
     pub fn points(&self) -> &[SurfacePoint] {
         &self.points
     }
 
-    /// Returns the number of the place of each point. Points with equal numbers lie at one place.
+    /// Returns the number of each point's place. Points with equal numbers lie at one place.
     pub fn places(&self) -> &[u32] {
         &self.places
     }
@@ -97,8 +98,9 @@ impl SurfaceGrid {
         &self.triangles
     }
 
-    /// Returns the mesh of the points, computed. Points at one place become one vertex if they are
-    /// equal to the bit and their normals nearly so; points that are missing lie at the origin.
+    /// Returns the mesh of the grid, with these computed points. Points at one place become one
+    /// vertex if their positions are equal to the bit and their normals nearly equal. Missing
+    /// points are at the origin.
     pub fn mesh(&self, points: &[EvaluatedPoint], name: &str, colour: u32) -> Mesh {
         let mut welder = Welder::new(colour);
         // The newest vertex at each place.
@@ -172,8 +174,8 @@ impl SurfaceGrid {
         }
     }
 
-    /// Adds the points on a side of a patch between its corners. Returns all of the side, in the
-    /// direction of u or v.
+    /// Adds the points on a side of a patch between its corners. Returns all points of the side, in
+    /// the direction of u or v.
     fn add_side(
         &mut self,
         surface: &PatchSurface,
@@ -207,7 +209,7 @@ impl SurfaceGrid {
         outer
     }
 
-    /// Adds the triangles between a side of a patch and the row of its grid along that.
+    /// Adds the triangles between a side of a patch and the parallel row of its grid.
     fn add_strip(&mut self, outer: &[u32], inner: &[u32], side: usize) {
         // The sides v = 0 and u = 1 run anticlockwise around the patch, the others clockwise.
         let is_clockwise = side >= 2;
@@ -223,7 +225,7 @@ impl SurfaceGrid {
         let mut from_outer = 0;
         let mut from_inner = 0;
         while from_outer < outer_level || from_inner + 1 < inner.len() {
-            // The next step is the one whose middle comes first, in whole numbers.
+            // The next triangle is the one whose middle comes first, compared in whole numbers.
             let outer_middle = (2 * from_outer + 1) * inner_level;
             let inner_middle = (2 * from_inner + 3) * outer_level;
             let is_inner_done = from_inner + 1 >= inner.len();
@@ -284,7 +286,7 @@ impl InnerRows {
     }
 }
 
-/// Returns what [`SurfacePoint::side`] holds for points of a side.
+/// Returns the value of [`SurfacePoint::side`] for points of a side.
 fn side_word(surface: &PatchSurface, patch: usize, side: usize) -> u32 {
     1 + 2 * side as u32 + u32::from(surface.is_reversed(patch, side))
 }

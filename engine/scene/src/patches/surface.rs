@@ -5,36 +5,35 @@ use std::collections::HashMap;
 use cull::Aabb;
 use glam::Vec3;
 
-/// The most patches of a surface: at the highest level their vertices still have 32-bit indices.
+/// The most patches of a surface: at the highest level, their vertices still fit 32-bit indices.
 pub const MAX_PATCHES: usize = 1 << 16;
 
-/// Coordinates beyond this many metres are refused: differences of them must stay finite.
+/// The largest magnitude of coordinates, in metres: differences of them must stay finite.
 const FARTHEST_M: f32 = 1e15;
 
-/// The control points of each side of a patch, anticlockwise from v = 0: v = 0, u = 1, v = 1, u =
-/// 0.
+/// The control points of each side of a patch, in this order: v = 0, u = 1, v = 1, u = 0.
 const SIDES: [[usize; 4]; 4] = [[0, 1, 2, 3], [3, 7, 11, 15], [12, 13, 14, 15], [0, 4, 8, 12]];
 
 /// A bicubic Bezier patch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Patch {
-    /// Its control points, by index: four rows from v = 0 to v = 1, each from u = 0 to u = 1. Seen
-    /// from outside, u to the right and v upwards.
+    /// The indices of its control points: four rows from v = 0 to v = 1, each from u = 0 to u = 1.
+    /// Seen from outside, u points to the right and v upwards.
     pub control_points: [u32; 16],
 }
 
-/// A side of a patch: a cubic Bezier curve. Its direction is canonical, by the smaller control
-/// point first, so that the patches on both sides of it name the same edge.
+/// A side of a patch: a cubic Bezier curve. Its direction is canonical, so that the patches on both
+/// sides of it have the same edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct PatchEdge {
-    /// Its control points, by index.
+    /// The indices of its control points.
     pub control_points: [u32; 4],
 }
 
-/// The reason why patches are no surface.
+/// The reason why patches are not a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PatchError {
-    /// There is nothing to draw.
+    /// A surface without patches.
     #[error("a surface needs at least one patch")]
     NoPatches,
     /// More than [`MAX_PATCHES`].
@@ -46,7 +45,7 @@ pub enum PatchError {
     /// A control point that is not finite, or farther away than 1e15 m.
     #[error("control point {point} is not finite, or farther away than 1e15 m")]
     NotFinite {
-        /// Its index.
+        /// The index of the control point.
         point: usize,
     },
     /// An index beyond the control points.
@@ -73,9 +72,9 @@ pub struct PatchSurface {
 }
 
 impl PatchSurface {
-    /// Returns the surface of these patches over control points in metres, in the space of the mesh
-    /// that it becomes. Control points at equal places count as one, so patches that meet there
-    /// share their edge.
+    /// Returns the surface of these patches. The control points are in metres, in the space of the
+    /// mesh that the surface becomes. Control points at equal places count as one, so patches that
+    /// meet there share their edge.
     ///
     /// # Errors
     /// No patch, or more than [`MAX_PATCHES`]; a control point that is not finite or too far away;
@@ -98,7 +97,7 @@ impl PatchSurface {
                 return Err(PatchError::NoSuchPoint { patch, point, points });
             }
         }
-        // Negative zero is zero, in place and bits.
+        // Negative zero becomes zero, so that equal places have equal bits.
         control_points.iter_mut().for_each(|point| *point += Vec3::ZERO);
         let first_at = first_of_equals(&control_points);
         for point in patches.iter_mut().flat_map(|patch| &mut patch.control_points) {
@@ -129,12 +128,12 @@ impl PatchSurface {
         &self.control_points
     }
 
-    /// Returns the patches. Of control points at equal places they name the first.
+    /// Returns the patches. If control points lie at equal places, patches name the first of them.
     pub fn patches(&self) -> &[Patch] {
         &self.patches
     }
 
-    /// Returns the edges, each once, in the order of the patches.
+    /// Returns the edges, each listed once, in the order of the patches.
     pub fn edges(&self) -> &[PatchEdge] {
         &self.edges
     }
@@ -145,8 +144,8 @@ impl PatchSurface {
         &self.sides
     }
 
-    /// Returns the box around the control points of the patches, in metres. Each point of the
-    /// surface lies within: at each level, rounding included.
+    /// Returns the box around the control points of the patches, in metres. It holds each point of
+    /// the surface, at each level, rounding included.
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }

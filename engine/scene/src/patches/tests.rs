@@ -1,4 +1,4 @@
-//! Walks along the seams of surfaces, and the decisions about levels.
+//! Tests of the seams of surfaces and of the choice of levels.
 
 use std::collections::HashMap;
 
@@ -24,7 +24,7 @@ fn random_levels(surface: &PatchSurface, seed: u64) -> TessellationLevels {
     TessellationLevels::from_edges(surface, &levels)
 }
 
-/// Returns how often each edge between two places is walked in each direction.
+/// Returns how often triangles run along each edge between two places, in each direction.
 fn walked(mesh: &Mesh) -> HashMap<[[u32; 3]; 2], usize> {
     let mut walked = HashMap::new();
     let place = |index: u32| mesh.vertices[index as usize].position.map(f32::to_bits);
@@ -36,7 +36,7 @@ fn walked(mesh: &Mesh) -> HashMap<[[u32; 3]; 2], usize> {
     walked
 }
 
-/// Checks that each edge of a closed mesh has exactly two triangles, one on either side.
+/// Checks that each edge of a closed mesh has exactly two triangles, with opposite directions.
 fn walk_seams(mesh: &Mesh) {
     let walked = walked(mesh);
     for ([a, b], times) in &walked {
@@ -63,7 +63,7 @@ fn seams_are_closed_whatever_the_levels() {
         let levels = TessellationLevels::uniform(&surface, level);
         let mesh = tessellated(&surface, &levels, "ball", colour);
         walk_seams(&mesh);
-        // Two triangles for each quad, but one for those at a pole.
+        // Two triangles per quad, but one per quad at a pole.
         let level = u64::from(level);
         let of_patch = if level == 1 { 1 } else { 2 * level * level - level };
         assert_eq!(mesh.triangles(), 8 * of_patch, "{level}");
@@ -79,7 +79,7 @@ fn triangles_of_three_points_each_become_the_same_mesh() {
         let corners = grid.triangles().as_flattened().iter();
         let corner = |point: &u32| evaluated(&surface, &grid.points()[*point as usize]);
         let mut points: Vec<EvaluatedPoint> = corners.map(corner).collect();
-        // One without area, and one that was not captured.
+        // A triangle without area, and one that was not captured.
         points.extend([points[0], points[1], points[0]]);
         points.extend([EvaluatedPoint { position: [0.0; 3], normal: 0 }; 3]);
         let mesh = captured_mesh(&points, "ball", 7);
@@ -89,7 +89,7 @@ fn triangles_of_three_points_each_become_the_same_mesh() {
         assert_eq!(mesh.vertices.len(), expected.vertices.len());
         assert_eq!(mesh.bounds, expected.bounds);
     }
-    // Of a surface without poles nothing is left out.
+    // Nothing is left out of a surface without poles.
     let points = (0..16).map(|point: u8| vec3(f32::from(point % 4), f32::from(point / 4), 0.0));
     let patch = Patch { control_points: std::array::from_fn(|point| point as u32) };
     let flat = PatchSurface::new(points.collect(), vec![patch]).unwrap();

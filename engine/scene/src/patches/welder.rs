@@ -1,16 +1,16 @@
-//! Points of surfaces joined into vertices of a mesh.
+//! Joins points of surfaces to the vertices of a mesh.
 
 use super::grid::EvaluatedPoint;
 use crate::{Mesh, Vertex, bounds_of_vertices, unpack_normal};
 
-/// The cosine of the angle between normals of one place up to which they share a vertex: 8 degrees.
+/// The cosine of the angle between normals at one place up to which they share a vertex: 8 degrees.
 const SAME_NORMAL: f32 = 0.99;
 
-/// The vertices that points have become. Points at one place become one vertex if they are equal to
-/// the bit and their normals nearly so.
+/// The vertices that points have become. Points at one place become one vertex if their positions
+/// are equal to the bit and their normals nearly equal.
 pub(super) struct Welder {
     vertices: Vec<Vertex>,
-    /// Before each vertex the one at the same place.
+    /// For each vertex the previous vertex at the same place.
     before: Vec<Option<u32>>,
     colour: u32,
 }
@@ -20,7 +20,7 @@ impl Welder {
         Self { vertices: Vec::new(), before: Vec::new(), colour }
     }
 
-    /// Returns the vertex of a point, a new one if it needs one. `newest` is the newest vertex at
+    /// Returns the vertex of a point, which is added if none fits. `newest` is the newest vertex at
     /// its place.
     pub(super) fn vertex_of(&mut self, point: &EvaluatedPoint, newest: &mut Option<u32>) -> u32 {
         let mut next = *newest;

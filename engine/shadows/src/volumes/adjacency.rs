@@ -1,21 +1,21 @@
 //! The neighbours of triangles: pairs of edges that run in opposite directions.
 
-/// An edge of a triangle, as one of its two ends sees it.
+/// An edge of a triangle, listed by its ends.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Edge {
-    /// The ends, the lesser first.
+    /// The ends, the smaller number first.
     ends: [u32; 2],
     /// The triangle.
     triangle: u32,
-    /// The place of the edge in its triangle, 0 to 2.
+    /// The index of the edge in its triangle, 0 to 2.
     place: u8,
-    /// True if it runs from the lesser end to the greater one.
+    /// True if the triangle runs from the smaller to the greater end.
     runs_up: bool,
 }
 
 /// The neighbours of triangles.
 pub(super) struct Neighbours {
-    /// The neighbour at each edge of each triangle: its triangle and the edge there.
+    /// The neighbour at each edge of each triangle: its triangle, and its index of the edge.
     pub(super) of: Vec<[Option<(u32, u8)>; 3]>,
     /// True if each edge has exactly two triangles, which run along it in opposite directions.
     pub(super) is_manifold: bool,
@@ -23,9 +23,9 @@ pub(super) struct Neighbours {
 
 /// Finds the neighbours of triangles.
 ///
-/// Where more than two meet at an edge, they are paired as far as their directions are opposite:
-/// any such pair closes its volumes, for the sides of two triangles that are turned alike cancel.
-/// An edge that is left over has no neighbour.
+/// Where more than two triangles meet at an edge, they are paired as far as their directions are
+/// opposite. Any such pairing closes the volumes, since the sides of two triangles with the same
+/// direction cancel. An edge that is left over has no neighbour.
 pub(super) fn neighbours(triangles: &[[u32; 3]]) -> Neighbours {
     let edges_of = |(triangle, &[a, b, c]): (u32, &[u32; 3])| {
         [(0, a, b), (1, b, c), (2, c, a)].map(|(place, from, to)| Edge {
@@ -58,7 +58,7 @@ impl Neighbours {
         }
     }
 
-    /// Returns the number of the part that each triangle belongs to: neighbours are in one part.
+    /// Returns the number of each triangle's connected part.
     pub(super) fn parts(&self) -> Vec<u32> {
         let mut parts = vec![u32::MAX; self.of.len()];
         let mut open = Vec::new();

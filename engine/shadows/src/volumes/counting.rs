@@ -1,36 +1,38 @@
-//! The way of counting at a volume's boundary, and the caps that it needs.
+//! The way of counting at a volume's boundary, and the caps that it requires.
 
 use cull::{Aabb, ProjectionKind, Rays};
 use glam::{Vec2, Vec3, Vec4};
 
 use super::mesh::{VolumeKind, rounding};
 
-/// The part of a volume's boundary that changes the count of a pixel.
+/// The part of a volume's boundary that changes a pixel's stencil count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum VolumeCounting {
-    /// In front of what the pixel shows: where the depth test passes. Wrong with the eye in a
-    /// volume.
+    /// The part in front of the visible surface, where the depth test passes. Wrong if the eye is
+    /// in a volume.
     ZPass,
-    /// Behind and at what the pixel shows: where the depth test fails. Always right, and dearer.
+    /// The part at or behind the visible surface, where the depth test fails. Always right, but
+    /// slower.
     ZFail,
 }
 
-/// The caps of a volume that are drawn beside its sides.
+/// The caps of a volume that are drawn in addition to its sides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Caps {
     /// None.
     None,
     /// The triangles themselves.
     Near,
-    /// The triangles, and the same at the far end.
+    /// The triangles, and their copies at the far end.
     Both,
 }
 
 impl VolumeCounting {
-    /// Returns the caps that volumes need.
+    /// Returns the caps that volumes of this kind need.
     ///
-    /// In front of the picture lies no far cap ever, and no near cap of a closed mesh: its own
-    /// surface covers the cap. What is not closed may be seen from its back, which covers nothing.
+    /// With z-pass, a far cap is never in front of the visible surface. The near cap of a closed
+    /// mesh is not either, since the mesh's own surface covers it. A mesh that is not closed may be
+    /// seen from its back, which covers nothing.
     #[must_use]
     pub fn caps(self, kind: VolumeKind) -> Caps {
         match (self, kind) {
@@ -41,8 +43,8 @@ impl VolumeCounting {
     }
 }
 
-/// The points that span the part of a view that its near plane cuts off, with the near plane's
-/// rectangle: its corners and the eye. None where that part has no end, as in a parallel view.
+/// The corners of the near plane's rectangle and the eye: the points whose hull is the part of a
+/// view that its near plane cuts off. Empty if this part is infinite, as in a parallel view.
 #[derive(Clone, Copy, Debug)]
 pub struct NearSpan<'a>(pub &'a [Vec3]);
 
@@ -62,12 +64,12 @@ impl NearSpan<'_> {
 const AXES: [Vec3; 3] = [Vec3::X, Vec3::Y, Vec3::Z];
 
 impl NearSpan<'_> {
-    /// Returns the way of counting that is right for casters in a box:
-    /// [`VolumeCounting::ZFail`] if the hull of the span and of a light may meet the box.
+    /// Returns the way of counting that is right for casters in a box: [`VolumeCounting::ZFail`] if
+    /// the hull of the span and of a light may meet the box.
     ///
     /// The light is in homogeneous coordinates: a point with w = 1, or the direction towards it
-    /// with w = 0. The test looks for a plane between box and hull, so what is unclear, also for
-    /// numbers that are none, is counted by z-fail.
+    /// with w = 0. The test looks for a plane between box and hull. If none is found, as with
+    /// numbers that are not finite, the result is z-fail.
     #[must_use]
     pub fn counting(self, bounds: &Aabb, light: Vec4) -> VolumeCounting {
         let reach = self.0.iter().fold(light.truncate().abs(), |most, at| most.max(at.abs()));
@@ -79,7 +81,8 @@ impl NearSpan<'_> {
         if axes.into_iter().any(is_apart) { VolumeCounting::ZPass } else { VolumeCounting::ZFail }
     }
 
-    /// Returns the normals of planes along an edge of the box and a line to the light.
+    /// Returns the normals of planes that contain an edge direction of the box and a line to the
+    /// light.
     fn edge_normals(self, light: Vec4) -> impl Iterator<Item = Vec3> {
         self.0.iter().flat_map(move |point| {
             let to_light = light.truncate() - light.w * point;
@@ -106,7 +109,7 @@ impl NearSpan<'_> {
         let most = bounds.centre().dot(axis) + bounds.half_extent().dot(axis.abs());
         let towards = light.truncate().dot(axis);
         let is_light_beyond = if light.w > 0.0 { towards > most * light.w } else { towards >= 0.0 };
-        // No axis at all separates nothing.
+        // A zero axis separates nothing.
         axis != Vec3::ZERO
             && !self.0.is_empty()
             && is_light_beyond
@@ -141,7 +144,7 @@ mod tests {
         let roof = (vec3(-5.0, 4.0, -5.0), vec3(5.0, 4.5, 5.0));
         assert_eq!(of(roof.0, roof.1, SUN), VolumeCounting::ZFail);
         assert_eq!(of(roof.0 + Vec3::X * 5.2, roof.1 + Vec3::X * 9.0, SUN), VolumeCounting::ZPass);
-        // Below the eye it shades nothing up here.
+        // A caster below the eye casts no shadow up to it.
         assert_eq!(of(vec3(-5.0, 0.0, -5.0), vec3(5.0, 1.0, 5.0), SUN), VolumeCounting::ZPass);
         assert_eq!(of(vec3(-5.0, 0.0, -5.0), vec3(5.0, 1.95, 5.0), SUN), VolumeCounting::ZFail);
     }
@@ -154,7 +157,7 @@ mod tests {
             [at(2.0), at(4.5), at(-2.0)],
             [VolumeCounting::ZFail, VolumeCounting::ZPass, VolumeCounting::ZPass]
         );
-        // Beside the thin end of the pyramid, but within its box.
+        // Beside the thin end of the pyramid, but inside the pyramid's box.
         assert_eq!(of(vec3(3.0, 2.07, -0.1), vec3(3.2, 2.2, 0.1), lamp), VolumeCounting::ZPass);
         let lamp = vec3(4.0, 6.0, 3.0).extend(1.0);
         assert_eq!(of(vec3(2.5, 2.5, 0.2), vec3(3.5, 3.2, 0.9), lamp), VolumeCounting::ZPass);

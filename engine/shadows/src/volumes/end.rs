@@ -1,45 +1,48 @@
-//! The far end of shadow volumes: infinity, or a plane beyond all that receives shadows.
+//! The far end of shadow volumes: at infinity, or at a plane beyond all receivers.
 //!
-//! A volume is filled pixel by pixel as far as it goes, so most of one that goes to infinity is
-//! filled for nothing: under the ground. Under a sun the way from a corner to a plane is a linear
-//! function of the corner, and under a lamp the share of it that the way to the corner is. So
-//! corners that are moved to the plane by it span flat caps, and sides that share a corner share
-//! its end.
+//! A volume is rasterised over its whole length, so most of an infinite volume is filled for
+//! nothing: under the ground. Under a sun, the distance from a corner to a plane along the light is
+//! a linear function of the corner. Under a lamp, the same holds for the ratio of the distances
+//! from the lamp to the corner and to the plane. So corners that are moved to the plane by this
+//! function span flat caps, and sides that share a corner share its end.
 
 use cull::{Aabb, CullView, ProjectionKind, Rays};
 use glam::{DVec3, DVec4, Vec2, Vec3, Vec4};
 
 use super::counting::NearSpan;
 
-/// The least distance in metres of the end from the last receiver, and its share of the size of
-/// what is around: more than what vertices are rounded by.
+/// The distance of the end from the last receiver: at least this many metres, plus this share of
+/// the size of the surroundings. It is more than the rounding of vertices.
 const MARGIN: [f32; 2] = [0.01, 1.0e-4];
 
-/// The least steps per pixel of a sub-pixel grid on which a sun's volumes end. On a coarser one a
-/// thin triangle that is not long may get a depth that is nowhere on it: SwiftShader has 16 steps,
-/// and of 100 images of seeded meshes two had a wrong pixel, one away from any edge.
+/// The least steps per pixel of the sub-pixel grid at which a sun's volumes end at a plane. On a
+/// coarser grid, a thin triangle that is not long may get a depth that lies nowhere on it.
+/// SwiftShader has 16 steps: of 100 images of seeded meshes, two had a wrong pixel, one of them
+/// away from any edge.
 const LEAST_STEPS: f32 = 256.0;
 
-/// The length of a sun's volumes in a parallel view, in sizes of what is in view.
+/// The length of a sun's volumes in a parallel view, in multiples of the size of the view volume.
 const SUN_LENGTH: f32 = 10.0;
 
-/// The nearest that casters come to a lamp where volumes end in a parallel view (metres).
+/// The least distance of casters from a lamp for which volumes are right in a parallel view
+/// (metres).
 const NEAREST_CASTER_M: f32 = 1e-3;
 
-/// The least share that the way to a caster may be of the way to the plane that its volumes end at:
-/// rounding grows as the share gets smaller.
+/// The least ratio of a caster's distance from a lamp to the distance of the plane at which its
+/// volumes end: rounding grows as this ratio shrinks.
 const LEAST_SHARE: f64 = 0.05;
 
-/// The far end of shadow volumes: the place of the point behind each corner.
+/// The far end of shadow volumes: a function from each corner to the point behind it.
 ///
-/// The point behind `v` is `max(l.w, w) v - max(along · (v, 1), 0) l`, with this `w`, where `l` is
-/// the light in homogeneous coordinates. Under a lamp `w` is 1 less the factor of `l`.
+/// The point behind `v` is `max(l.w, w) v - max(along · (v, 1), 0) l`, where `l` is the light in
+/// homogeneous coordinates and `w` is the field of this type. Under a lamp, the result's fourth
+/// coordinate is 1 minus the factor of `l`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VolumeEnd {
-    /// The factor by which the light is taken off, as a linear function of the corner. Far from the
-    /// origin of the world its terms are large and cancel.
+    /// The factor by which the light is subtracted, as a linear function of the corner. Far from
+    /// the origin of the world its terms are large and cancel.
     pub along: DVec4,
-    /// The own w of a sun's points: 0 for infinity.
+    /// The fourth coordinate of points behind a sun's corners: 0 for infinity.
     pub w: f32,
 }
 
@@ -47,17 +50,18 @@ impl VolumeEnd {
     /// Infinity.
     pub const INFINITY: Self = Self { along: DVec4::W, w: 0.0 };
 
-    /// Returns the ends that volumes under a light may have in a view of `receivers`, which lie
-    /// before them all. Each caster takes its [nearest](VolumeEnd::nearest).
+    /// Returns the ends that volumes under a light may have in a view of `receivers`. All ends lie
+    /// beyond the receivers. Each caster uses its [nearest](VolumeEnd::nearest) end.
     ///
-    /// A sun's volumes end at the plane beyond the receivers that is met first, a lamp's at any
-    /// side of them, or at infinity. With an eye beyond a plane nothing ends there: z-pass would
-    /// count from outside of the volumes. Nor does it on a coarse sub-pixel grid.
+    /// A sun's volumes end at the nearest plane beyond the receivers, a lamp's volumes at any side
+    /// of the receivers' box or at infinity. A plane is not used if the eye is beyond it, since
+    /// z-pass would then count from outside of the volumes. Planes are not used on a coarse
+    /// sub-pixel grid either.
     ///
-    /// In a parallel view no ray meets a far cap that is all at infinity, and the farther away it
-    /// is, the worse drivers round what they clip of the sides. So volumes always end there, beyond
-    /// all that is in view: a sun's ten times as far away as that is large, a lamp's where a caster
-    /// that is a millimetre from it shades what is in view.
+    /// In a parallel view, no ray meets a far cap at infinity, and drivers round clipped sides the
+    /// worse the farther away it is. So volumes in such a view always end at a finite distance
+    /// beyond the view volume. For a sun, this is ten times the size of the view volume. For a
+    /// lamp, it suffices for casters at least a millimetre away from the lamp.
     #[must_use]
     pub fn of(view: &CullView, light: Vec4, receivers: &Aabb) -> Vec<Self> {
         if view.rays.kind == ProjectionKind::Orthographic {
@@ -78,8 +82,7 @@ impl VolumeEnd {
         vec![if is_before(&end) { end } else { Self::INFINITY }]
     }
 
-    /// Returns the place among the ends of a light of the one at which volumes of casters in a box
-    /// are shortest.
+    /// Returns the index of the end at which volumes of casters in a box are shortest.
     #[must_use]
     pub fn nearest(ends: &[Self], bounds: &Aabb) -> usize {
         let least_share = |end: &Self| {
@@ -89,7 +92,7 @@ impl VolumeEnd {
             if share >= LEAST_SHARE { share } else { 0.0 }
         };
         let shares = ends.iter().map(least_share).enumerate();
-        // The last of those that are alike: infinity.
+        // Of equal shares, `max_by` takes the last: infinity.
         shares.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(place, _)| place)
     }
 
@@ -109,13 +112,13 @@ impl VolumeEnd {
         self.along.truncate().extend(of_anchor).as_vec4()
     }
 
-    /// Returns the factor by which the light is taken off a corner; under a sun in metres.
+    /// Returns the factor by which the light is subtracted from a corner; under a sun in metres.
     fn factor(&self, corner: Vec3) -> f64 {
         self.along.dot(corner.as_dvec3().extend(1.0))
     }
 
-    /// Returns the box whose sides volumes may end at, as seen from the anchor that vertices are
-    /// drawn around.
+    /// Returns the box at whose sides volumes may end, with a margin for vertices that are relative
+    /// to the anchor.
     fn around(receivers: &Aabb, anchor: Vec3) -> Aabb {
         let [least, share] = MARGIN;
         let from_anchor = Aabb::new(receivers.min - anchor, receivers.max - anchor);
@@ -123,7 +126,7 @@ impl VolumeEnd {
         receivers.enlarged(least + share * size_m)
     }
 
-    /// Returns the sides of a box that a lamp is before.
+    /// Returns the ends at those sides of a box that face away from a lamp beyond them.
     fn beside(around: &Aabb, position: Vec3) -> impl Iterator<Item = Self> {
         let sides = [around.min, around.max].into_iter().flat_map(move |corner| {
             [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| (axis, axis.dot(corner.as_dvec3())))
@@ -133,13 +136,14 @@ impl VolumeEnd {
         sides.filter_map(move |(axis, side)| {
             let way = side - axis.dot(position);
             let outwards = side - axis.dot(centre);
-            // The share of the way grows from 0 at the lamp to 1 at the side.
+            // The ratio of distances grows from 0 at the lamp to 1 at the side.
             let share = (axis / way).extend(-axis.dot(position) / way);
             (way * outwards > 0.0).then_some(Self { along: DVec4::W - share, w: 1.0 })
         })
     }
 
-    /// Returns the side of a box, and beyond, that rays of a sun from anywhere in it meet first.
+    /// Returns the end at the side of a box that rays of a sun from anywhere in the box reach
+    /// first.
     fn beyond(around: &Aabb, towards: Vec3) -> Self {
         let extent = around.half_extent().as_dvec3();
         let towards = towards.as_dvec3();
@@ -203,7 +207,8 @@ mod tests {
             let light = sun.extend(0.0);
             let end = end_of(&view, light);
             assert_eq!(end.w, 1.0, "{sun}");
-            // What a corner shades of the receivers lies between it and the point behind it.
+            // The shadow of a corner on the receivers lies between the corner and the point behind
+            // it.
             for corner in RECEIVERS.corners() {
                 let behind = end.behind(corner, light).truncate();
                 let way_m = (corner - behind).dot(sun);

@@ -10,7 +10,7 @@ use super::mesh::{VolumeKind, VolumeMesh};
 /// counter-clockwise seen from outside of the volume. Those at infinity have w = 0.
 pub type VolumeTriangle = [Vec4; 3];
 
-/// The extrusion of a mesh away from a light: the reference of the shaders, which do the same per
+/// The extrusion of a mesh away from a light: the reference for the shaders, which do the same per
 /// triangle (`shaders/volume.glsl`).
 #[derive(Clone, Copy, Debug)]
 pub struct Extrusion {
@@ -26,7 +26,7 @@ pub struct Extrusion {
 }
 
 impl Extrusion {
-    /// Returns the boundary of the volumes of a mesh whose vertices are at these places.
+    /// Returns the boundary of a mesh's shadow volumes, with the vertices at these positions.
     #[must_use]
     pub fn volumes(&self, mesh: &VolumeMesh, positions: &[Vec3]) -> Vec<VolumeTriangle> {
         let place = |vertex: u32| positions.get(vertex as usize).copied().unwrap_or_default();
@@ -81,16 +81,16 @@ impl Extrusion {
         }
     }
 
-    /// Returns false where the far end is a single point: infinitely far behind a sun.
+    /// Returns false if the far end is a single point, as with a sun and an end at infinity.
     fn has_far_end(&self) -> bool {
         self.light.w > 0.0 || self.end.w > 0.0
     }
 
     /// Returns true if a triangle of named corners faces the light.
     ///
-    /// It is looked at as the own triangle and as the neighbour of three others, each of which must
-    /// find the same, also where rounding decides: so the arithmetic begins at the corner of the
-    /// least name, whichever comes first here.
+    /// A triangle is tested once for itself and once for each neighbour. All four tests must agree,
+    /// even where rounding decides. So the arithmetic begins at the corner of the least name,
+    /// whatever the order of the corners.
     fn faces(&self, corners: [(u32, Vec3); 3]) -> bool {
         let [(a, at_a), (b, at_b), (c, at_c)] = corners;
         let [p, q, r] = if a < b && a < c {

@@ -1,4 +1,4 @@
-//! The part of a view that a light can reach: its shadows matter nowhere else.
+//! The part of a view that a light can reach: shadow volumes need to be counted only in it.
 
 use cull::{Aabb, CullView};
 use glam::{DVec2, DVec4, Vec4Swizzles};
@@ -6,7 +6,7 @@ use glam::{DVec2, DVec4, Vec4Swizzles};
 use super::mesh::rounding;
 use crate::light::LightShape;
 
-/// Pixels around a light's reach, against the rounding of what is drawn there.
+/// Pixels around a light's reach, against rounding when it is drawn.
 const MARGIN_PIXELS: f64 = 2.0;
 
 /// A rectangle of pixels of a view, from its upper left corner on.
@@ -19,14 +19,14 @@ pub struct LitArea {
 }
 
 impl LitArea {
-    /// Returns a whole view.
+    /// Returns the area of a whole view.
     #[must_use]
     pub fn whole(view: &CullView) -> Self {
         Self { origin: [0, 0], size: view.size.map(|side| side.max(1)) }
     }
 
-    /// Returns the part of a view in which all of `receivers` lies that a light reaches and the
-    /// view shows; `None` if there is nothing of it.
+    /// Returns an area of a view that holds all visible points of `receivers` that a light reaches;
+    /// `None` if there are none.
     #[must_use]
     pub fn of(view: &CullView, shape: &LightShape, receivers: &Aabb) -> Option<Self> {
         let lit = shape.reached(receivers);
@@ -51,7 +51,7 @@ impl LitArea {
             (low, high) = (low.min(pixel), high.max(pixel));
         }
         (low, high) = ((low - MARGIN_PIXELS).floor(), (high + MARGIN_PIXELS).ceil());
-        // Also where no point is before the near plane.
+        // Also true if no point is beyond the near plane.
         if low.cmpge(pixels).any() || high.cmple(DVec2::ZERO).any() {
             return None;
         }
@@ -63,7 +63,8 @@ impl LitArea {
     }
 }
 
-/// Returns the corners of the part of a box that is not nearer than `nearest`, in clip space.
+/// Returns the corners of the part of a box whose clip coordinate w is at least `nearest`, in clip
+/// space.
 fn before(corners: &[DVec4; 8], nearest: f64) -> impl Iterator<Item = DVec4> {
     let edges = (0..8_usize).flat_map(|from| [1, 2, 4].map(|axis| (from, from ^ axis)));
     edges.filter_map(move |(from, to)| {
@@ -95,7 +96,7 @@ mod tests {
         CullView::new(&camera, SIZE, 8)
     }
 
-    /// Counts the points that are lit, shown and in the area, each of which must be.
+    /// Counts the points that are lit and visible, and checks that each of them is in the area.
     fn shown(view: &CullView, shape: &LightShape, receivers: &Aabb) -> usize {
         let (position, reach_m) = shape.reach().unwrap();
         let area = LitArea::of(view, shape, receivers);

@@ -1,4 +1,4 @@
-//! Meshes as shadow volumes are extruded from them: triangles with adjacency, and their kind.
+//! Meshes from which shadow volumes are extruded: triangles with adjacency, and their kind.
 
 use std::collections::HashSet;
 
@@ -13,11 +13,11 @@ use super::weld::weld;
 pub struct VolumeSource<'a> {
     /// The places of the vertices, in any unit.
     pub positions: &'a [Vec3],
-    /// Three vertices for each triangle, counter-clockwise seen from outside; surplus ones are left
+    /// Three vertices per triangle, counter-clockwise seen from outside; surplus vertices are left
     /// out.
     pub triangles: &'a [u32],
-    /// A number per vertex of a mesh that changes its shape: of two vertices at the same place
-    /// those with the same number always stay together, as with equal joints, weights and morph
+    /// A number per vertex of a mesh that changes its shape. Two vertices at the same position with
+    /// the same number always stay together, for example with equal joints, weights and morph
     /// targets. Empty for a rigid mesh.
     pub motions: &'a [u32],
 }
@@ -26,16 +26,16 @@ pub struct VolumeSource<'a> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum VolumeKind {
     /// For closed two-manifolds that face outwards: only triangles that face the light are
-    /// extruded. Right for points that no inside-out fold of the mesh encloses, as long as the
-    /// light is outside.
+    /// extruded. The result is right for points that no inside-out fold of the mesh encloses, if
+    /// the light is outside.
     Plain,
-    /// For any triangles: all are extruded, as if each faced the light.
+    /// For any triangles: all are extruded, each as if it faced the light.
     Robust,
 }
 
 impl VolumeKind {
     /// Returns the algorithm for a mesh of this kind in a box, for a light in homogeneous
-    /// coordinates: closed meshes need the robust one, too, if the light may be inside.
+    /// coordinates. Closed meshes need the robust algorithm, too, if the light may be inside.
     #[must_use]
     pub fn towards(self, bounds: &Aabb, light: Vec4) -> Self {
         let bounds = bounds.enlarged(rounding(bounds, light.truncate()));
@@ -57,18 +57,18 @@ pub struct VolumeMesh {
 /// The side of its triangles on which the inside of a mesh lies.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Enclosure {
-    /// Their backs: each part is closed.
+    /// At their backs: each part is closed.
     BehindBacks,
-    /// Their fronts, as of a mesh that a transform mirrors.
+    /// At their fronts, as after a transform that mirrors.
     BehindFronts,
-    /// Neither.
+    /// On no side: the mesh is not closed, or not consistent.
     #[default]
     None,
 }
 
 impl Enclosure {
-    /// Returns the algorithm for the mesh under a transform. What a transform mirrors must face
-    /// inwards to face outwards then.
+    /// Returns the algorithm for the mesh under a transform. A mesh must face inwards to face
+    /// outwards after a transform that mirrors.
     #[must_use]
     pub fn kind_under(self, transform: &Mat3A) -> VolumeKind {
         let determinant = transform.determinant();
@@ -83,7 +83,7 @@ impl Enclosure {
 /// The error of building a [`VolumeMesh`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum VolumeError {
-    /// A triangle has a vertex that is not there.
+    /// A triangle has an invalid vertex index.
     #[error("a triangle has vertex {vertex}, but there are {vertices}")]
     NoVertex {
         /// The vertex.
@@ -91,7 +91,7 @@ pub enum VolumeError {
         /// The number of vertices.
         vertices: usize,
     },
-    /// Some vertices have a motion and others have none.
+    /// The number of motions is neither 0 nor the number of vertices.
     #[error("there are {motions} motions for {vertices} vertices: it must be none or one for each")]
     Motions {
         /// The number of motions.
@@ -104,8 +104,8 @@ pub enum VolumeError {
 impl VolumeMesh {
     /// Builds the adjacency of a mesh, and finds which algorithm it needs.
     ///
-    /// Triangles that share a corner with themselves cast no shadow and are left out. Of a triangle
-    /// and its back the first is kept: each casts the shadow of both.
+    /// Triangles with two equal corners cast no shadow and are left out. Of a triangle and its
+    /// back, only the first is kept, since each casts the shadow of both.
     ///
     /// # Errors
     /// [`VolumeError`].
@@ -137,41 +137,41 @@ impl VolumeMesh {
         Ok(Self { enclosure, triangles: with_neighbours.collect() })
     }
 
-    /// Returns the algorithm that it needs where it is not mirrored.
+    /// Returns the algorithm that the mesh needs without a mirroring transform.
     #[must_use]
     pub fn kind(&self) -> VolumeKind {
         self.kind_under(&Mat3A::IDENTITY)
     }
 
-    /// Returns the algorithm that it needs under a transform.
+    /// Returns the algorithm that the mesh needs under a transform.
     #[must_use]
     pub fn kind_under(&self, transform: &Mat3A) -> VolumeKind {
         self.enclosure.kind_under(transform)
     }
 
-    /// Returns the side of its triangles on which its inside lies.
+    /// Returns the side of the triangles on which the inside lies.
     #[must_use]
     pub fn enclosure(&self) -> Enclosure {
         self.enclosure
     }
 
-    /// Returns its triangles with adjacency: a corner, the far corner of the neighbour at the edge
-    /// from there to the next corner, the next corner, and so on. Where there is no neighbour, the
-    /// corner before stands in its place.
+    /// Returns the triangles with adjacency: a corner, the far corner of the neighbour at the edge
+    /// from it to the next corner, the next corner, and so on. Without a neighbour, the preceding
+    /// corner is repeated.
     #[must_use]
     pub fn triangles(&self) -> &[[u32; 6]] {
         &self.triangles
     }
 }
 
-/// Returns the corner of a triangle that is not at an edge of it.
+/// Returns the corner of a triangle that is opposite an edge.
 fn opposite(triangles: &[[u32; 3]], triangle: u32, edge: u8) -> Option<u32> {
     let corners = triangles.get(triangle as usize)?;
     corners.get((usize::from(edge) + 2) % 3).copied()
 }
 
-/// Returns the triangles of welded vertices, without those that have a vertex twice, and without
-/// backs and repetitions of earlier ones.
+/// Returns the triangles of welded vertices, without triangles that have a vertex twice, without
+/// backs, and without repetitions.
 fn single_triangles(triangles: &[u32], welded: &[u32]) -> Vec<[u32; 3]> {
     let first = |vertex: u32| welded.get(vertex as usize).copied().unwrap_or(vertex);
     let (triangles, _) = triangles.as_chunks::<3>();
@@ -190,7 +190,7 @@ fn single_triangles(triangles: &[u32], welded: &[u32]) -> Vec<[u32; 3]> {
 fn enclosure(triangles: &[[u32; 3]], neighbours: &Neighbours, positions: &[Vec3]) -> Enclosure {
     let parts = neighbours.parts();
     let count = parts.iter().max().map_or(0, |last| *last as usize + 1);
-    // Six times the volume, and the sum of its terms' sizes.
+    // Six times the volume, and the sum of the magnitudes of its terms.
     let mut volumes = vec![(0.0, 0.0); count];
     let Some(origin) = positions.first().map(|first| first.as_dvec3()) else {
         return Enclosure::None;
@@ -204,7 +204,7 @@ fn enclosure(triangles: &[[u32; 3]], neighbours: &Neighbours, positions: &[Vec3]
             *size += term.abs();
         }
     }
-    // Numbers that are none compare as false, and what is flat may face either way.
+    // NaN compares as false, and a flat part may face either way.
     let are_all = |sign: f64| volumes.iter().all(|(volume, size)| sign * volume > 1e-9 * size);
     match (are_all(1.0), are_all(-1.0)) {
         (true, false) => Enclosure::BehindBacks,
@@ -213,8 +213,8 @@ fn enclosure(triangles: &[[u32; 3]], neighbours: &Neighbours, positions: &[Vec3]
     }
 }
 
-/// Returns the distance in metres by which a box is enlarged against the rounding of positions, of
-/// transforms and of these tests.
+/// Returns the distance in metres by which a box is enlarged against the rounding of positions,
+/// transforms and these tests.
 pub(super) fn rounding(bounds: &Aabb, reach: Vec3) -> f32 {
     let largest = bounds.min.abs().max(bounds.max.abs()).max(reach.abs()).max_element();
     1e-5 * largest.max(1e-3)
@@ -226,7 +226,7 @@ mod tests {
 
     use super::*;
 
-    /// Returns a box of eight corners per face's own: 24 vertices, as with normals of faces.
+    /// Returns a box of 24 vertices: each face has its own corners, as for flat normals.
     fn cube() -> (Vec<Vec3>, Vec<u32>) {
         let mut positions = Vec::new();
         let mut indices = Vec::new();

@@ -1,4 +1,4 @@
-//! Shadow volumes: triangles with adjacency, what is extruded of them, and the way of counting.
+//! Shadow volumes: triangles with adjacency, their extrusion, and the way of counting.
 //!
 //! After Stich, Waechter, Keller, "Efficient and Robust Shadow Volumes Using Hierarchical Occlusion
 //! Culling and Geometry Shaders" (GPU Gems 3, chapter 11).

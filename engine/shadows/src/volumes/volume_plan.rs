@@ -1,5 +1,5 @@
-//! The shadow volumes of a view: for each light its casters, as ranges of leaves, and the way to
-//! count them.
+//! The shadow volumes of a view: the casters of each light, as ranges of leaves, and their way of
+//! counting.
 
 use std::f32::consts::FRAC_PI_2;
 use std::ops::Range;
@@ -12,45 +12,45 @@ use super::end::VolumeEnd;
 use super::lit_area::LitArea;
 use crate::light::{CONE_MARGIN, LightShape, ShadowLight};
 
-/// The lights of one layer of the mask: the bits of its values.
+/// The number of lights per layer of the mask: the bits of a texel.
 pub const MASK_LIGHTS: u32 = 32;
 
-/// Casters that are counted alike.
+/// A range of casters with the same way of counting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VolumeRange {
-    /// Their leaves.
+    /// The leaves of the casters.
     pub leaves: LeafRange,
-    /// The way of counting that is right for each of them.
+    /// The way of counting that is right for each of the casters.
     pub counting: VolumeCounting,
 }
 
 /// The volumes of a light in a plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlannedVolumes {
-    /// The place of the light among those that were given.
+    /// The index of the light in the given list.
     pub light: usize,
-    /// The part of the view that it reaches: nothing else needs to be counted.
+    /// The part of the view that the light reaches: volumes need to be counted only in it.
     pub area: LitArea,
     /// The far ends that its volumes may have.
     pub ends: Vec<VolumeEnd>,
-    /// Its casters among [`VolumePlan::ranges`], ascending and apart.
+    /// The light's casters among [`VolumePlan::ranges`], ascending and disjoint.
     pub ranges: Range<usize>,
 }
 
 /// The shadow volumes of a view in a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct VolumePlan {
-    /// The lights with casters, in the order in which they were given: the bits of the mask.
+    /// The lights with casters, in the given order, which is the order of the mask's bits.
     pub lights: Vec<PlannedVolumes>,
-    /// The casters of them all.
+    /// The casters of all lights.
     pub ranges: Vec<VolumeRange>,
-    /// Lights without volumes, since the mask had no bits left.
+    /// The number of lights without volumes, since the mask had no bits left.
     pub unshadowed_lights: u32,
 }
 
 impl VolumePlan {
-    /// Plans the volumes of the lights that reach into a view, of at most `lights_max`: those of
-    /// all casters within a light's reach. Lights that are not usable have none.
+    /// Plans the volumes of all casters within reach, for at most `lights_max` lights that reach
+    /// into a view. Lights that are not usable have none.
     pub fn plan(
         &mut self,
         lights: &[ShadowLight],
@@ -89,7 +89,7 @@ impl VolumePlan {
         self.ranges.get(light.ranges.clone()).unwrap_or_default()
     }
 
-    /// Returns true if some light's volumes have a leaf among their casters.
+    /// Returns true if the leaf is a caster of some light's volumes.
     #[must_use]
     pub fn has_caster(&self, leaf: LeafIndex) -> bool {
         self.lights.iter().any(|light| {
@@ -101,13 +101,13 @@ impl VolumePlan {
     }
 }
 
-/// A light and an eye, as its casters depend on them.
+/// A light and an eye: the values that decide about casters.
 struct Casting<'a> {
     light: Vec4,
     reach: Option<(Vec3, f32)>,
-    /// The box around a local light and all that it lights.
+    /// The box around a local light and everything that it lights.
     rays: Option<Aabb>,
-    /// The middle of a spot's cone, and sine and cosine of half its angle.
+    /// The axis of a spot's cone, and the sine and cosine of its half angle.
     cone: Option<(Vec3, [f32; 2])>,
     span: NearSpan<'a>,
 }
@@ -115,7 +115,7 @@ struct Casting<'a> {
 impl<'a> Casting<'a> {
     fn of(shape: &LightShape, lit: &Aabb, span: NearSpan<'a>) -> Self {
         let cone = match *shape {
-            // The points of a wider one between a light and what it lights need not be in it.
+            // The tests need a convex cone.
             LightShape::Spot { direction, outer_rad, .. } if outer_rad < FRAC_PI_2 => {
                 let (sine, cosine) = outer_rad.sin_cos();
                 Some((direction, [sine, cosine]))
@@ -127,8 +127,8 @@ impl<'a> Casting<'a> {
         Self { light: shape.homogeneous(), reach, rays, cone, span }
     }
 
-    /// Lists the casters in the light's reach. All below a node whose box needs no z-fail need
-    /// none.
+    /// Lists the casters in the light's reach. If a node's box does not need z-fail, nothing below
+    /// it does.
     fn list(&self, hierarchy: &Hierarchy, ranges: &mut Vec<VolumeRange>) {
         let first = ranges.len();
         let mut open: Vec<_> = hierarchy.root().into_iter().collect();
@@ -156,8 +156,8 @@ impl<'a> Casting<'a> {
             && self.beside_cone(bounds).is_none_or(|[way_m, radius_m]| way_m <= radius_m)
     }
 
-    /// Returns the way from a spot's cone to the middle of a box, negative within, as the plane
-    /// that touches the cone on its side has it, and the radius of the ball around the box.
+    /// Returns the distance of a box's centre from the nearest side of a spot's cone, negative
+    /// inside, and the radius of the sphere around the box.
     fn beside_cone(&self, bounds: &Aabb) -> Option<[f32; 2]> {
         self.cone.map(|(direction, [sine, cosine])| {
             let away = bounds.centre() - self.light.truncate();
@@ -180,7 +180,7 @@ impl<'a> Casting<'a> {
     }
 }
 
-/// Adds a range to those from `first` on, the last of which it may continue.
+/// Adds a range to the ranges from `first` on, or extends the last of them if it continues there.
 fn add(ranges: &mut Vec<VolumeRange>, first: usize, range: VolumeRange) {
     let has_before = ranges.len() > first;
     match ranges.last_mut().filter(|_| has_before) {
@@ -202,7 +202,7 @@ mod tests {
     use super::*;
     use crate::light::ShadowLightId;
 
-    /// Returns a row of crates along x, one per two metres.
+    /// Returns a row of crates along x, one every two metres.
     fn crates() -> (Hierarchy, Vec<Aabb>) {
         let corner = |number: u32| vec3(2.0 * number as f32, 0.0, 0.0);
         let boxes = (0..64).map(|number| Aabb::new(corner(number), corner(number) + Vec3::ONE));
@@ -235,7 +235,7 @@ mod tests {
     #[test]
     fn each_caster_in_reach_is_there_once_and_counted_as_its_own_box_allows() {
         let (hierarchy, boxes) = crates();
-        // Right below a crate of the row, as the sun sees it.
+        // Directly below a crate of the row, seen from the sun.
         let view = view(vec3(40.5, -3.0, 0.5), vec3(41.0, -2.5, 0.0));
         for light in [light(SUN), lamp(44.0, 12.0), lamp(60.0, 500.0)] {
             let mut plan = VolumePlan::default();
@@ -282,7 +282,7 @@ mod tests {
             for (object, bounds) in (0..).zip(&boxes) {
                 let is_listed = plan.has_caster(hierarchy.leaf_of(ObjectId(object)).unwrap());
                 listed += u32::from(is_listed);
-                // Points all over the box, those of the cone among them.
+                // Points all over the box, in the cone or not.
                 let steps = || (0..=6).map(|step| step as f32 / 3.0 - 1.0);
                 let points = steps().flat_map(|x| steps().map(move |y| (x, y)));
                 let points = points.flat_map(|(x, y)| steps().map(move |z| vec3(x, y, z)));

@@ -1,17 +1,18 @@
-//! Vertices that are one point: at the same place, and always moved together.
+//! Welds vertices that are at the same position and always move together.
 
 use std::collections::HashMap;
 
 use glam::Vec3;
 
-/// Returns the first vertex of the same place and motion for each vertex. The bits decide, except
-/// that -0.0 is 0.0. Without `motions` all vertices move together.
+/// Returns for each vertex the first vertex with the same position and motion. Positions are
+/// compared by their bits, except that -0.0 equals 0.0. Without `motions` all vertices move
+/// together.
 pub(super) fn weld(positions: &[Vec3], motions: &[u32]) -> Vec<u32> {
     let mut firsts: HashMap<([u32; 3], u32), u32> = HashMap::with_capacity(positions.len());
     let motions = motions.iter().copied().chain(std::iter::repeat(0));
     let places = positions.iter().zip(motions);
     let first_of = |(vertex, (position, motion)): (u32, (&Vec3, u32))| {
-        // A sum with 0.0 makes 0.0 of -0.0, and changes no other number.
+        // Adding 0.0 turns -0.0 into 0.0 and changes no other number.
         let bits = position.to_array().map(|number| (number + 0.0).to_bits());
         *firsts.entry((bits, motion)).or_insert(vertex)
     };

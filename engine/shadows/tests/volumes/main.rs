@@ -1,5 +1,5 @@
-//! Shadow volumes of seeded meshes, good and bad, against rays: the signed count of a volume's
-//! boundary says the same as whether anything lies between a point and its light.
+//! Compares the shadow volumes of seeded meshes, good and bad, with rays: the signed count of a
+//! volume's boundary is not zero exactly where something lies between a point and its light.
 #![allow(clippy::expect_used, reason = "a test fails by panicking")]
 
 use antumbra_shadows::{
@@ -35,7 +35,7 @@ fn crossing(from: DVec4, to: DVec4, triangle: VolumeTriangle) -> Option<i32> {
     let sides = [[a, b], [b, c], [c, a]].map(|[p, q]| determinant([from, to, p, q]));
     let ends = [from, to].map(|end| determinant([end, a, b, c]));
     let is_all = |sign: f64| sides.iter().all(|side| side * sign > CLOSE);
-    // A side that is surely passed on the other hand of another one decides without the rest.
+    // Two edges that are clearly passed on opposite sides suffice for a miss.
     let is_outside =
         sides.iter().any(|side| *side > CLOSE) && sides.iter().any(|side| *side < -CLOSE);
     if is_outside || (ends[0] > CLOSE && ends[1] > CLOSE) || (ends[0] < -CLOSE && ends[1] < -CLOSE)
@@ -43,7 +43,7 @@ fn crossing(from: DVec4, to: DVec4, triangle: VolumeTriangle) -> Option<i32> {
         return Some(0);
     }
     if !(is_all(1.0) || is_all(-1.0)) || ends.iter().any(|end| end.abs() <= CLOSE) {
-        // A sliver without area is crossed by nothing.
+        // A sliver without area is never crossed.
         let area = (b.truncate() - a.truncate()).cross(c.truncate() - a.truncate()).length();
         let is_flat = a.w > 0.0 && b.w > 0.0 && c.w > 0.0 && area < 1e-12;
         return is_flat.then_some(0);
@@ -51,7 +51,7 @@ fn crossing(from: DVec4, to: DVec4, triangle: VolumeTriangle) -> Option<i32> {
     Some(if ends[0] > 0.0 { 1 } else { -1 })
 }
 
-/// Returns the crossing of a ray with a triangle at infinity, which it reaches in its direction.
+/// Returns the crossing of a ray with a triangle at infinity, which lies in the ray's direction.
 fn crossing_at_infinity(from: DVec4, to: DVec4, cornerss: [DVec4; 3]) -> Option<i32> {
     let [a, b, c] = cornerss;
     let towards = to.truncate();
@@ -74,12 +74,13 @@ fn crossing_at_infinity(from: DVec4, to: DVec4, cornerss: [DVec4; 3]) -> Option<
     Some(if determinant([from, a, b, c]) > 0.0 { 1 } else { -1 })
 }
 
-/// Returns how often more a segment enters volumes than it leaves them.
+/// Returns the number of times a segment enters volumes minus the number of times it leaves them.
 fn entered(from: DVec4, to: DVec4, boundary: &[VolumeTriangle]) -> Option<i32> {
     boundary.iter().map(|triangle| crossing(from, to, *triangle)).sum()
 }
 
-/// Returns the triangles between a point and a light: those that face the light, and all.
+/// Returns the numbers of triangles between a point and a light: those that face the light, and
+/// all.
 fn blockers(mesh: &SeededMesh, point: Vec3, light: Vec4) -> Option<(i32, i32)> {
     let from = point.as_dvec3().extend(1.0);
     let to = light.as_dvec4();
@@ -88,7 +89,7 @@ fn blockers(mesh: &SeededMesh, point: Vec3, light: Vec4) -> Option<(i32, i32)> {
     for corners in mesh.triangles.chunks(3) {
         let triangle = [0, 1, 2].map(|corner| mesh.positions[corners[corner] as usize].extend(1.0));
         let crossed = crossing(from, to, triangle)?;
-        // From the point to the light a triangle that faces the light is left by its front.
+        // On the way to the light, a triangle that faces the light is crossed from back to front.
         facing += i32::from(crossed == -1);
         all += i32::from(crossed != 0);
     }
@@ -102,7 +103,7 @@ struct Seen {
     plain: u32,
     robust: u32,
     z_pass: u32,
-    /// Volumes that end, of suns and of lamps.
+    /// Volumes that end at a plane, of suns and of lamps.
     ended: [u32; 2],
     unclear: u32,
 }
@@ -168,8 +169,8 @@ fn check_seed(seed: u64, seen: &mut Seen) {
             if NearSpan(&span).counting(&bounds, light) == VolumeCounting::ZFail {
                 continue;
             }
-            // Surfaces that are drawn hide the near cap of a closed mesh; here nothing is drawn, so
-            // that it is needed. The far cap is not.
+            // In a real frame, drawn surfaces hide the near cap of a closed mesh. Here nothing is
+            // drawn, so the near cap is needed, but the far cap is not.
             let open = extrude(kind, Caps::Near);
             let Some(crossed) = entered(from, to, &open) else { continue };
             assert_eq!(crossed, left, "z-pass: {told}");
@@ -181,15 +182,15 @@ fn check_seed(seed: u64, seen: &mut Seen) {
 /// The box around all eyes and points.
 const AROUND: Aabb = Aabb::new(Vec3::splat(-5.0), Vec3::splat(5.0));
 
-/// Returns a view from the middle of it.
+/// Returns a view from the middle of the box.
 fn view() -> CullView {
     let projection = Projection::perspective(1.0);
     let camera = Camera { eye: Vec3::ZERO, forward: Vec3::X, up: Vec3::Y, projection, near: 0.1 };
     CullView::new(&camera, [64, 48], 8)
 }
 
-/// Returns true if the edges of triangles cancel, each by one in the other direction; those at
-/// infinity that are the same point are no edge.
+/// Returns true if the edges of triangles cancel in pairs of opposite directions. An edge at
+/// infinity whose ends are one point does not count.
 fn is_closed(boundary: &[VolumeTriangle]) -> bool {
     let name = |corner: Vec4| corner.to_array().map(|number| (number + 0.0).to_bits());
     let mut edges = std::collections::HashMap::new();

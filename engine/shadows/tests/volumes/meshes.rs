@@ -1,4 +1,4 @@
-//! Seeded meshes, closed ones and bad ones.
+//! Seeded meshes: closed ones and faulty ones.
 
 use antumbra_shadows::VolumeKind;
 use glam::{Vec3, vec3};
@@ -8,11 +8,11 @@ use super::random::Random;
 /// The fault of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
-    /// A closed two-manifold that does not meet itself.
+    /// No fault: a closed two-manifold that does not intersect itself.
     None,
     /// Triangles are missing.
     Open,
-    /// Vertices lie anywhere: it meets itself.
+    /// Vertices lie anywhere, so the mesh intersects itself.
     SelfIntersecting,
     /// More than two triangles meet at edges.
     NonManifold,
@@ -20,7 +20,7 @@ pub enum Fault {
     Degenerate,
     /// Some triangles are turned around.
     Turned,
-    /// All are.
+    /// All triangles are turned around.
     InsideOut,
 }
 
@@ -85,7 +85,7 @@ impl SeededMesh {
         mesh
     }
 
-    /// Makes a sphere of rings, with bumps that keep its outside outside.
+    /// Creates a sphere of rings, with bumps that do not cross the surface.
     fn sphere(random: &mut Random) -> Self {
         let rings = 3 + random.below(3);
         let sectors = 4 + random.below(4);
@@ -132,7 +132,7 @@ impl SeededMesh {
         self.triangles = kept;
     }
 
-    /// Moves vertices onto others, onto lines between others, and almost there.
+    /// Moves vertices onto or close to other vertices and lines between them.
     fn flatten(&mut self, random: &mut Random) {
         for _ in 0..4 {
             let [a, b, c] = self.triangle(random).map(|vertex| vertex as usize);

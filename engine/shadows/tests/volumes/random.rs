@@ -2,7 +2,7 @@
 
 use glam::{Vec3, vec3};
 
-/// Its state.
+/// The generator's state.
 pub struct Random(pub u64);
 
 impl Random {

@@ -30,7 +30,7 @@ pub(super) struct ConveyorMeshes {
     parcels: [MeshId; 3],
 }
 
-/// Returns a loop around all rollers: its outline is that of a belt, straight above and below and
+/// Returns a loop around all rollers with the outline of a belt: straight above and below, and
 /// round at the ends. It lies in the x-z plane with its width along y.
 fn belt() -> Solid {
     let ring = |radius: f32| -> Vec<Vec3> {
@@ -132,7 +132,7 @@ impl ConveyorMeshes {
         }
     }
 
-    /// Places the drive, the guards and what lies on the belt.
+    /// Places the drive, the guards and the parcels on the belt.
     fn place_load(&self, placer: &mut Placer, conveyor: PartId, place: Affine3A) {
         let at = |x: f32, y: f32, z: f32| place * Affine3A::from_translation(vec3(x, y, z));
         let drive = at(-LENGTH_M / 2.0 + 0.9, HEIGHT_M - 0.02, HALF_WIDTH_M + 0.03);

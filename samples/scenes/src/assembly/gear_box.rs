@@ -19,12 +19,12 @@ const SHAFTS_M: f32 = (PINION_TEETH + WHEEL_TEETH) as f32 * MODULE_M / 2.0;
 const SHAFT_RADIUS_M: f32 = 0.012;
 const GEAR_WIDTH_M: f32 = 0.030;
 
-/// The inside of a housing: half of its sides along x, y and z, in metres.
+/// The inside of a housing: half of its extents along x, y and z, in metres.
 const INSIDE: Vec3 = Vec3::new(0.215, 0.098, 0.066);
 const WALL_M: f32 = 0.010;
 const GAP_M: f32 = 0.002;
 
-/// Places in a rack, along x, y and z, and the distance from one to the next, in metres.
+/// The numbers of places in a rack along x, y and z, and the distances between them, in metres.
 const RACK: [u8; 3] = [8, 5, 3];
 const CELL: Vec3 = Vec3::new(0.70, 0.46, 0.44);
 
@@ -49,13 +49,13 @@ pub(super) struct GearBoxMeshes {
     handle: MeshId,
 }
 
-/// Returns a spur gear about the y axis, of trapezoid teeth, with a bore for a shaft. A tooth
+/// Returns a spur gear about the y axis with trapezoidal teeth and a bore for a shaft. One tooth
 /// points along x.
 fn gear(teeth: u32) -> Solid {
     let pitch = teeth as f32 * MODULE_M / 2.0;
     let root = pitch - 1.25 * MODULE_M;
     let tip = pitch + 0.9 * MODULE_M;
-    // A tooth as shares of its pitch: its flanks lean, and it is narrower than its gap.
+    // A tooth in shares of its pitch: its flanks are slanted, and it is narrower than its gap.
     let profile = [(-0.27, root), (-0.10, tip), (0.10, tip), (0.27, root)];
     let corners = (0..teeth).flat_map(|tooth| {
         profile
@@ -136,7 +136,7 @@ impl GearBoxMeshes {
         }
     }
 
-    /// Places a rack and as many gear boxes in it as there are parts left for.
+    /// Places a rack with gear boxes, as far as parts are left.
     pub(super) fn place_rack(&self, placer: &mut Placer, hall: PartId, place: Affine3A) {
         let rack = placer.group("rack of gear boxes".to_owned(), hall);
         self.place_cabinet(placer, rack, place);
@@ -177,7 +177,7 @@ impl GearBoxMeshes {
             placer.part(cabinet, "shelf", self.shelf, at(0.0, y, 0.0));
         }
         for (number, door) in (0_u8..).zip([self.door; 4]) {
-            // One of the doors stands open.
+            // One of the doors is open.
             let is_open = u32::from(number) == placer.random.below(6);
             let x = size.x / 4.0 * (f32::from(number) - 1.5);
             let z = size.z / 2.0 + 0.04;
@@ -196,7 +196,7 @@ impl GearBoxMeshes {
         }
     }
 
-    /// Places a gear box around the origin of its place: its shafts lie along z.
+    /// Places a gear box around the origin of its place, with its shafts along z.
     fn place_gear_box(&self, placer: &mut Placer, rack: PartId, place: Affine3A) {
         let gear_box = placer.group("gear box".to_owned(), rack);
         let at = |x: f32, y: f32, z: f32| place * Affine3A::from_translation(vec3(x, y, z));
@@ -246,7 +246,7 @@ impl GearBoxMeshes {
         };
         let turn = placer.random.between(0.0, TAU);
         let mesh_turn = |turn: f32, teeth: u32, other: u32| {
-            // A tooth of one meets a gap of the other on the line between their middles.
+            // A tooth of one gear meets a gap of the other on the line between their axes.
             let pitch = TAU / other as f32;
             PI - turn * teeth as f32 / other as f32 + pitch / 2.0
         };

@@ -10,7 +10,7 @@ use super::super::parts::PartId;
 use super::super::solid::Solid;
 use super::placer::{MeshList, Placer};
 
-/// The distance of the middles of halls, in metres.
+/// The distance between the middles of neighbouring halls, in metres.
 pub(super) const PITCH_M: f32 = 24.0;
 
 const HALF_M: f32 = 9.2;
@@ -61,7 +61,7 @@ impl HallMeshes {
         for side in 0..4_u8 {
             let turned = place * Affine3A::from_rotation_y(FRAC_PI_2 * f32::from(side));
             let at = |x: f32| turned * Affine3A::from_translation(vec3(x, 0.0, out));
-            // The walls of two sides end where those of the others are.
+            // The walls of two sides end at the walls of the other sides.
             let (wall, middle) = match side % 2 {
                 0 => (self.gate_wall, middle),
                 _ => (self.side, middle - 0.05),

@@ -1,4 +1,4 @@
-//! The placing of parts, as many as an assembly is to have.
+//! Places parts until the wanted number is reached.
 
 use cull::ObjectId;
 use glam::Affine3A;
@@ -7,7 +7,7 @@ use scene::{Mesh, MeshId, Object, pack_unorm};
 use super::super::parts::{PartId, PartNode, PartTree};
 use super::super::random::Random;
 
-/// The meshes of a scene that is being made.
+/// The meshes of a scene that is being generated.
 #[derive(Default)]
 pub(super) struct MeshList {
     pub(super) meshes: Vec<Mesh>,
@@ -20,7 +20,7 @@ impl MeshList {
     }
 }
 
-/// A number of parts that may still be placed, and those that are there.
+/// The number of parts that may still be placed, and the placed parts.
 pub(super) struct Placer {
     pub(super) objects: Vec<Object>,
     pub(super) parts: PartTree,
@@ -29,7 +29,7 @@ pub(super) struct Placer {
 }
 
 impl Placer {
-    /// Places a part, unless there are enough; its name is that of its kind and a number.
+    /// Places a part, unless no parts are left; its name is its kind and a number.
     pub(super) fn part(&mut self, group: PartId, what: &str, mesh: MeshId, place: Affine3A) {
         if self.left == 0 {
             return;
@@ -43,12 +43,12 @@ impl Placer {
         self.objects.push(Object { mesh, transform: place, tint });
     }
 
-    /// Returns a group of parts, or the parent where no part is left for it.
+    /// Returns a new group of parts, or the parent if no parts are left for it.
     pub(super) fn group(&mut self, name: String, parent: PartId) -> PartId {
         if self.left == 0 { parent } else { self.parts.group(name, parent) }
     }
 
-    /// Places what `place` does, but at most so many parts.
+    /// Calls `place`, but limits it to this number of parts.
     pub(super) fn at_most(&mut self, parts: u32, place: impl FnOnce(&mut Self)) {
         let kept = self.left.saturating_sub(parts);
         self.left -= kept;

@@ -38,12 +38,12 @@ fn turned(profile: &[(f32, f32)], segments: u32) -> Solid {
     Solid::turned(&profile, segments)
 }
 
-/// Returns a hollow box whose walls are as thick as that, in metres.
+/// Returns a hollow box with walls of this thickness, in metres.
 fn hollow(size: Vec3, wall: f32) -> Solid {
     Solid::centred(size).without(&Solid::centred(size - 2.0 * wall))
 }
 
-/// Returns a fence panel of a frame and bars, around its middle.
+/// Returns a fence panel with a frame and bars, around its middle.
 fn fence_panel() -> Solid {
     let mut panel = Solid::default();
     let width = PANEL_M - 0.08;
@@ -118,7 +118,7 @@ impl RobotCellMeshes {
                 let x = -FENCE_M + PANEL_M * f32::from(number);
                 let at = |x: f32, y: f32| turned * Affine3A::from_translation(vec3(x, y, FENCE_M));
                 placer.part(fence, "fence post", self.post, at(x, 1.1));
-                // A way in.
+                // Leave an entrance.
                 if side != 0 || number != 3 {
                     placer.part(fence, "fence panel", self.panel, at(x + PANEL_M / 2.0, 1.2));
                 }
@@ -126,7 +126,7 @@ impl RobotCellMeshes {
         }
     }
 
-    /// Places the arm: each part in the space of the one before, turned about its joint.
+    /// Places the arm: each part is relative to the previous one, turned about its joint.
     fn place_robot(&self, placer: &mut Placer, cell: PartId, place: Affine3A) {
         let robot = placer.group("robot".to_owned(), cell);
         let up = |y: f32| Affine3A::from_translation(vec3(0.0, y, 0.0));

@@ -1,4 +1,4 @@
-//! The buildings' meshes: a table of their parts, and how they are put together.
+//! The meshes of buildings: a table of their parts, and their assembly.
 
 use glam::{Vec2, Vec3, vec2};
 use scene::Mesh;
@@ -9,8 +9,8 @@ use super::facade::{Entrance, Facade, Side};
 use super::palette::Materials;
 use super::roofs::{Roof, RoofSite};
 
-/// The footprint of a building: the lots of a block that it takes along x and z, in sixths of the
-/// block's side. All fronts look towards +z.
+/// The footprint of a building: the lots of a block that it covers along x and z, in sixths of the
+/// block's side. All fronts face +z.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Footprint {
     /// 2 by 2.
@@ -26,17 +26,17 @@ pub(super) enum Footprint {
 /// A sixth of the buildable side of a block, in metres.
 pub(super) const LOT_M: f32 = 44.0 / 6.0;
 
-/// The air between a building's box and the edge of its lot, in metres: neighbours stand twice that
-/// apart.
+/// The distance between a building's box and the edge of its lot, in metres: half the distance
+/// between neighbours.
 const CLEARANCE_M: f32 = 0.335;
 
-/// The distance that ledges and roofs may stand out of the walls, in metres.
+/// The distance by which ledges and roofs may protrude from the walls, in metres.
 const OVERHANG_M: f32 = 0.3;
 
 impl Footprint {
     pub(super) const ALL: [Self; 4] = [Self::House, Self::Row, Self::Tower, Self::Slab];
 
-    /// Returns its size in lots along x and z.
+    /// Returns the size in lots along x and z.
     pub(super) fn lots(self) -> [i8; 2] {
         match self {
             Self::House => [2, 2],
@@ -107,13 +107,14 @@ const DESIGNS: [Design; 21] = [
     design("slab, strips", Footprint::Slab, 6, 3.3, [8, 4], Facade::Strips, Roof::Tank),
 ];
 
-/// Returns the building meshes, each with the footprint that it fills.
+/// Returns the meshes of buildings, each with its footprint.
 pub(super) fn meshes(materials: &Materials) -> Vec<(Footprint, Mesh)> {
     DESIGNS.iter().map(|design| (design.footprint, build(design, materials))).collect()
 }
 
 fn build(design: &Design, materials: &Materials) -> Mesh {
-    // The panes' brightness is the same whatever the city's seed: a mesh is what its name says.
+    // The brightness of panes does not depend on the city's seed, so a mesh depends only on its
+    // design.
     let mut random = Random::keyed(0, &[i64::from(design.floors), i64::from(design.bays[0])]);
     let mut builder = MeshBuilder::default();
     let half = design.footprint.half_m();

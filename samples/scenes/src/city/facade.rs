@@ -9,7 +9,7 @@ use super::palette::Materials;
 pub(super) enum Facade {
     /// Single windows in recesses.
     Punched,
-    /// Single windows with sills that stand out, and a key stone above each.
+    /// Single windows with protruding sills and a key stone above each.
     Framed,
     /// A band of glass per floor, behind fins that run up the wall.
     Ribbon,
@@ -51,7 +51,7 @@ impl Side<'_> {
         panel(edge(bay), low, edge(bay + 1), high)
     }
 
-    /// Returns the height at which a floor above the ground floor begins.
+    /// Returns the height of a floor above the ground floor.
     fn level(&self, floor: u32) -> f32 {
         self.ground_m + self.floor_m * floor as f32
     }
@@ -105,7 +105,7 @@ impl Side<'_> {
         let width = cell.u1 - cell.u0;
         let glass = random.pick(&materials.glass);
         if self.facade == Facade::Loggia {
-            // Less deep than far from the corner, where the next side has niches too.
+            // Less deep than far from the corner, since the next side has niches, too.
             let depth = 0.6;
             let hole = inner(cell, 0.65, 0.25, 0.3);
             builder.recess(frame, cell, hole, depth, [materials.wall, materials.reveal.shade(0.8)]);

@@ -10,7 +10,7 @@ fn at(x: f32, y: f32, z: f32) -> Affine3A {
     Affine3A::from_translation(vec3(x, y, z))
 }
 
-/// Returns a place whose local y axis lies along x, for wheels and rails.
+/// Returns a transform that lays the local y axis along x, for wheels and rails.
 pub(super) fn lying(centre: Vec3) -> Affine3A {
     Affine3A::from_rotation_translation(
         glam::Quat::from_rotation_z(-std::f32::consts::FRAC_PI_2),
@@ -21,7 +21,7 @@ pub(super) fn lying(centre: Vec3) -> Affine3A {
 /// The name of lamp posts.
 pub(crate) const LAMP_NAME: &str = "street lamp";
 
-/// Returns the colours of a lamp's globes: below, above.
+/// Returns the colours of a lamp's globes: at the bottom and at the top.
 fn globe() -> [Paint; 2] {
     let glow = Paint::srgb(0xFF_F3D6);
     [glow.shade(0.9), glow]

@@ -1,9 +1,9 @@
 //! The ground of one block: half of the streets around it, kerbs, pavements and a paved or planted
 //! middle, as one mesh without a crack.
 //!
-//! Rectangles of any size lie side by side. Where a corner of one lies on the edge of another, that
-//! edge gets a vertex there, so that no T-junction opens a crack. The edges of the tile are alike
-//! on all four sides and symmetric; all coordinates on them are binary fractions, so neighbouring
+//! Rectangles of any size lie side by side. If a corner of one lies on an edge of another, this
+//! edge gets a vertex at the corner, so that no T-junction opens a crack. The edges of the tile are
+//! equal on all four sides and symmetric. Their coordinates are binary fractions, so neighbouring
 //! tiles share bit-identical vertices.
 
 use glam::{Vec3, vec3};
@@ -18,7 +18,7 @@ pub(crate) const PAVEMENT_M: f32 = 0.125;
 /// The distance between the middle of a block and its kerbs, in metres.
 pub(crate) const KERB_M: f32 = 26.0;
 
-/// The distance between the middle of a block and the line that its buildings keep behind, in
+/// The distance between the middle of a block and the line behind which its buildings stay, in
 /// metres.
 pub(super) const BUILDING_LINE_M: f32 = 22.0;
 
@@ -39,7 +39,7 @@ struct Plate {
     paint: Paint,
 }
 
-/// Plates that are joined without T-junctions.
+/// Plates without T-junctions between them.
 #[derive(Default)]
 pub(crate) struct Plates {
     plates: Vec<Plate>,
@@ -61,7 +61,7 @@ impl Plates {
         self.plates.push(Plate { corners, paint });
     }
 
-    /// Builds the plates, with a vertex wherever another plate has a corner.
+    /// Builds the plates, with a vertex at each corner of another plate.
     pub(crate) fn build(&self, builder: &mut MeshBuilder) {
         for plate in &self.plates {
             let mut outline = Vec::with_capacity(8);
@@ -82,8 +82,8 @@ impl Plates {
     /// Returns the corners of all plates that lie on an axis-parallel edge, in order.
     fn corners_between(&self, from: Vec3, to: Vec3) -> Vec<Vec3> {
         let length = (to - from).length();
-        // A division, not `normalize`: along an axis it gives exactly 1, and the test below is
-        // exact.
+        // A division instead of `normalize`: along an axis the result is exactly 1, and the test
+        // below is exact.
         let along = (to - from) / length;
         let mut found: Vec<(f32, Vec3)> = self
             .plates
@@ -144,7 +144,7 @@ pub(super) fn tile(name: &str, middle: Middle) -> Mesh {
     builder.finish(name)
 }
 
-/// Turns a rectangle given by how far it runs along a side (`u`) and away from the middle (`out`).
+/// Turns a rectangle, given by its ranges along a side (`u`) and away from the middle (`out`).
 fn turned(side: usize, u: [f32; 2], out: [f32; 2]) -> ([f32; 2], [f32; 2]) {
     let flipped = |[low, high]: [f32; 2]| [-high, -low];
     match side % 4 {
@@ -177,7 +177,7 @@ fn street(plates: &mut Plates, side: usize, surfaces: &Surfaces) {
             level(along(22.5, 25.5), [low + 0.5, low + 1.0], surfaces.road);
         }
     }
-    // The crossing of two streets belongs to the side before it.
+    // The crossing of two streets belongs to the previous side.
     level([KERB_M, EDGE_M], [KERB_M, EDGE_M], surfaces.road);
 }
 

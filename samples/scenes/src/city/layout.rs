@@ -8,16 +8,16 @@ use super::buildings::{Footprint, LOT_M};
 /// neighbouring ground tiles have exactly the same edges.
 pub(super) const TILE_M: f32 = 64.0;
 
-/// Blocks along a side of a district.
+/// The number of blocks along a side of a district.
 const DISTRICT_BLOCKS: i32 = 6;
 
-/// The average number of objects that a block holds: a tile, 5 to 9 buildings, 12 to 18 props.
+/// The average number of objects per block: a tile, 5 to 9 buildings, 12 to 18 props.
 const OBJECTS_PER_BLOCK: f64 = 23.0;
 
 /// One direction of the city: blocks `first..last`, cut into districts.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Axis {
-    /// Block boundaries on which walls stand, from the first to the last, ascending.
+    /// The block boundaries with walls, from the first to the last, ascending.
     cuts: Vec<i32>,
     /// The blocks of the middle district, which lies around the origin.
     pub(super) middle: [i32; 2],
@@ -51,16 +51,16 @@ impl Axis {
         self.cuts.binary_search(&boundary).is_ok()
     }
 
-    /// Numbers the districts along this axis; the middle one keeps its number in cities of any
-    /// size.
+    /// Returns the number of the district along this axis; the middle district has the same number
+    /// in cities of any size.
     pub(super) fn district(&self, block: i32) -> i64 {
         let count = |boundary: i32| self.cuts.partition_point(|&cut| cut <= boundary) as i64;
         count(block) - count(self.middle[0])
     }
 }
 
-/// Returns the ends of the districts in `blocks` blocks beyond the middle one; the last is smaller
-/// or larger.
+/// Returns the ends of the districts in `blocks` blocks beyond the middle district; the last one
+/// may have another size.
 fn outward(blocks: i32) -> Vec<i32> {
     if blocks == 0 {
         return Vec::new();
@@ -77,7 +77,7 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// Creates a grid for about that many objects, nearly square.
+    /// Creates a nearly square grid for about this number of objects.
     pub(super) fn new(objects: u32) -> Self {
         let blocks = (f64::from(objects) / OBJECTS_PER_BLOCK).max(1.0);
         let columns = blocks.sqrt().floor().max(1.0);
@@ -103,7 +103,7 @@ pub(super) fn block_centre(column: i32, row: i32) -> Vec2 {
     Vec2::new(boundary_m(column), boundary_m(row)) + Vec2::splat(TILE_M / 2.0)
 }
 
-/// A place for one building: lot coordinates of its corner, and the footprint that fits.
+/// A place for a building: the lot coordinates of its corner, and its footprint.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lot {
     x: i8,
@@ -113,12 +113,12 @@ pub(super) struct Lot {
     across: Across,
 }
 
-/// The way a footprint lies in its block.
+/// The orientation of a footprint in its block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Across {
-    /// Its x along the block's x.
+    /// The footprint's x is along the block's x.
     No,
-    /// Its x along the block's z.
+    /// The footprint's x is along the block's z.
     Yes,
 }
 
@@ -131,7 +131,7 @@ const fn tall(x: i8, z: i8, footprint: Footprint) -> Lot {
 }
 
 impl Lot {
-    /// Returns its size in lots, along the block's x and z.
+    /// Returns the size in lots, along the block's x and z.
     pub(super) fn size(&self) -> [i8; 2] {
         let [x, z] = self.footprint.lots();
         match self.across {
@@ -140,15 +140,15 @@ impl Lot {
         }
     }
 
-    /// Returns its middle relative to the middle of the block, in metres.
+    /// Returns the middle relative to the middle of the block, in metres.
     pub(super) fn centre(&self) -> Vec2 {
         let [width, depth] = self.size().map(f32::from);
         let corner = Vec2::new(f32::from(self.x), f32::from(self.z));
         (corner + Vec2::new(width, depth) / 2.0 - Vec2::splat(3.0)) * LOT_M
     }
 
-    /// Returns the side (0: +z, 1: +x, 2: -z, 3: -x) that its front should face: the nearest street
-    /// that it can face.
+    /// Returns the side (0: +z, 1: +x, 2: -z, 3: -x) that its front faces: the nearest street that
+    /// it can face.
     pub(super) fn facing(&self) -> usize {
         let centre = self.centre();
         let [width, depth] = self.size();
@@ -162,7 +162,7 @@ impl Lot {
 /// The middle of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Court {
-    /// Built over: there is no court.
+    /// Covered by a building: there is no court.
     Built,
     /// Open: the middle four lots are free.
     Open,
@@ -176,7 +176,7 @@ pub(super) struct Division {
 
 use Footprint::{House, Row, Slab, Tower};
 
-/// The divisions, each a partition of six by six lots, but for a court.
+/// The divisions, each a partition of six by six lots, except for a court.
 pub(super) const DIVISIONS: [Division; 8] = [
     Division {
         lots: &[

@@ -23,7 +23,7 @@ const FURNITURE_TINTS: [u32; 4] = [0x2F6B5A, 0x2F4F6B, 0x7A3B35, 0x55585C];
 /// The number of families of wall colours.
 pub(super) const WALL_FAMILIES: u32 = WALL_TINTS.len() as u32;
 
-/// Returns a wall's tint from one of the families.
+/// Returns a tint for walls from one of the families.
 pub(super) fn wall_tint(family: u32, random: &mut Random) -> u32 {
     let family = WALL_TINTS[family as usize % WALL_TINTS.len()];
     Paint::srgb(random.pick(&family)).shade(random.between(0.92, 1.06)).packed()
@@ -42,7 +42,7 @@ pub(crate) enum TintKind {
     Furniture,
 }
 
-/// Returns a tint for that kind of thing.
+/// Returns a tint for this kind of object.
 pub(crate) fn prop_tint(kind: TintKind, random: &mut Random) -> u32 {
     let paint = match kind {
         TintKind::Plain => Paint::srgb(0xFF_FFFF),
@@ -63,7 +63,7 @@ pub(crate) fn glass_colours() -> [u32; 4] {
     Materials::new().glass.map(Paint::packed)
 }
 
-/// The materials that meshes are made of.
+/// The materials of the meshes.
 pub(crate) struct Materials {
     /// A wall, tinted by the object.
     pub(crate) wall: Paint,
@@ -87,12 +87,12 @@ pub(crate) struct Materials {
     pub(crate) steel: Paint,
     /// Doors and benches.
     pub(crate) wood: Paint,
-    /// Anything painted in the object's own colour.
+    /// Anything that is painted in the object's tint.
     pub(crate) coat: Paint,
 }
 
 impl Materials {
-    /// Creates the only set there is.
+    /// Creates the materials.
     pub(crate) fn new() -> Self {
         let white = Paint::srgb(0xFF_FFFF);
         Self {

@@ -1,4 +1,4 @@
-//! Low buildings without an upper floor, for scenes in which nothing hides anything from above.
+//! Low buildings without an upper floor, for scenes in which nothing is hidden from above.
 
 use glam::{Vec2, Vec3, vec2, vec3};
 use scene::Mesh;
@@ -8,7 +8,7 @@ use super::super::random::Random;
 use super::facade::{Entrance, Facade, Side};
 use super::palette::Materials;
 
-/// Returns three pavilions of at most 9 by 9 metres and 4 metres high.
+/// Returns three pavilions of at most 9 by 9 metres and a height of 4 metres.
 pub(crate) fn pavilions(materials: &Materials) -> [Mesh; 3] {
     [
         pavilion("pavilion, square", vec2(3.9, 3.9), [4, 4], materials),

@@ -54,7 +54,7 @@ pub(super) fn tall_tree(materials: &Materials) -> Mesh {
     builder.finish("tall tree")
 }
 
-/// Returns a tree with boughs that carry separate, flat crowns.
+/// Returns a tree with branches that carry separate, flat crowns.
 pub(super) fn spreading_tree(materials: &Materials) -> Mesh {
     let mut builder = MeshBuilder::default();
     trunk(&mut builder, materials, 0.18, 4.4);

@@ -1,6 +1,6 @@
-//! The list of the things that stand in streets, each a mesh of some hundreds of triangles.
+//! The list of props in streets, each a mesh of some hundreds of triangles.
 //!
-//! All stand on y = 0, face +z, and keep within 1.9 m of their middle along x and z, cars within
+//! All stand on y = 0 and face +z. They extend at most 1.9 m from their middle along x and z, cars
 //! 2.3 m along x and 0.95 m along z.
 
 use scene::Mesh;
@@ -11,11 +11,11 @@ use super::{furniture, plants, shelters, vehicles};
 /// The places where a prop may stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Site {
-    /// Everywhere on a pavement, and in courts.
+    /// Anywhere on a pavement, and in courts.
     Pavement,
-    /// At the kerb in regular intervals.
+    /// At the kerb, at regular intervals.
     Lamp,
-    /// At the kerb of the road, along it.
+    /// On the road at the kerb, parallel to it.
     Parking,
     /// In the middle of a court.
     Court,

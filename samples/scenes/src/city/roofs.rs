@@ -1,4 +1,4 @@
-//! Roofs, and the things that stand on them.
+//! Roofs, and the objects on them.
 
 use glam::{Affine3A, Vec2, Vec3, vec3};
 
@@ -11,15 +11,15 @@ use super::palette::Materials;
 pub(super) enum Roof {
     /// A parapet around gravel, with stair heads, air handlers and pipes.
     Flat,
-    /// As flat, with a water tank on legs.
+    /// A flat roof with a water tank on legs.
     Tank,
     /// Tiles on four slopes, with chimneys.
     Hipped,
-    /// Steep slate with dormers under a flat top.
+    /// Steep slate with dormers below a flat top.
     Mansard,
     /// Tiles on two slopes, the gables at the narrow sides.
     Gabled,
-    /// One smaller storey drawn in, then flat.
+    /// A smaller storey that is set back, with a flat roof.
     Setback,
 }
 
@@ -194,7 +194,7 @@ impl RoofSite<'_> {
         self.dormers(builder, [0, 2], 3, rise / z, 0.9);
     }
 
-    /// Adds small windows that stand out of a slope of `slope` metres per metre.
+    /// Adds small windows that protrude from a slope of `slope` metres per metre.
     fn dormers(
         &self,
         builder: &mut MeshBuilder,

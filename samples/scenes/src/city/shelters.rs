@@ -1,4 +1,4 @@
-//! Larger things of the street: kiosk, bus stop, advertising column, fountain.
+//! Larger street furniture: kiosk, bus stop, advertising column, fountain.
 
 use glam::{Affine3A, Vec2, Vec3, vec2, vec3};
 use scene::Mesh;

@@ -97,7 +97,7 @@ pub(super) fn van(materials: &Materials) -> Mesh {
     )
 }
 
-/// Adds a convex side view, drawn out to both sides; its edges are drawn in by `bevel` towards the
+/// Adds a convex side view, extruded to both sides; its edges are bevelled by `bevel` towards the
 /// flanks.
 fn hull(
     builder: &mut MeshBuilder,
@@ -153,7 +153,7 @@ fn hull(
     builder.polygon(&far, paint);
 }
 
-/// Adds a thin plate on a hull's face, sunk into it so that its back is never visible.
+/// Adds a thin plate on a face of a hull, sunk into it so that its back is never visible.
 fn plate(builder: &mut MeshBuilder, corners: [Vec3; 4], paint: Paint) {
     let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
     let front = corners.map(|corner| corner + normal * 0.012);
@@ -165,7 +165,7 @@ fn plate(builder: &mut MeshBuilder, corners: [Vec3; 4], paint: Paint) {
     }
 }
 
-/// Adds a window with a frame around it, within the face of these corners.
+/// Adds a window with a frame around it, within the face with these corners.
 fn pane(builder: &mut MeshBuilder, corners: [Vec3; 4], paint: Paint) {
     let middle = corners.iter().sum::<Vec3>() / 4.0;
     plate(builder, corners.map(|corner| corner.lerp(middle, 0.14)), paint);

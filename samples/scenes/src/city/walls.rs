@@ -1,5 +1,5 @@
-//! The closure of a district: walls along its edge, a gate house across the end of each street, a
-//! round tower at each corner.
+//! The boundary of a district: walls along its edge, a gate house across the end of each street,
+//! and a round tower at each corner.
 
 use glam::{Affine3A, Vec2, Vec3, vec2, vec3};
 use scene::Mesh;
@@ -10,18 +10,18 @@ use super::facade::{Entrance, Facade, Side};
 use super::layout::TILE_M;
 use super::palette::Materials;
 
-/// Half the width of gate houses and corner towers, in metres; both fill a square of that size.
+/// Half the width of gate houses and corner towers, in metres; both fill a square of this size.
 pub(super) const POST_HALF_M: f32 = 4.5;
 
-/// The air between a wall and the posts at its ends, in metres.
+/// The distance between a wall and the posts at its ends, in metres.
 const GAP_M: f32 = 0.3;
 
-/// The bare wall without its piers and coping.
+/// The half extents of a wall without its piers and coping.
 const WALL_HALF: Vec2 = vec2(TILE_M / 2.0 - POST_HALF_M - GAP_M - 0.25, 0.5);
 const WALL_HEIGHT_M: f32 = 12.0;
 
-/// Returns a wall along x, from post to post: blind arches between piers on both sides, a coping on
-/// top.
+/// Returns a wall along x from post to post: blind arches between piers on both sides, and a coping
+/// on top.
 pub(super) fn wall(materials: &Materials) -> Mesh {
     let mut builder = MeshBuilder::default();
     let wall = materials.wall;
@@ -80,7 +80,7 @@ fn blind_arch(builder: &mut MeshBuilder, frame: &Frame, ends: [f32; 2], material
     let wall = materials.wall;
     let reveal = materials.reveal.shade(0.85);
     let back = materials.wall.shade(0.8);
-    // Below the arch: left, right and under the opening; above it: up to the top, step by step.
+    // Below the arch: left, right and under the opening; above it: in steps up to the top.
     let right = arc[0];
     let left = arc[arc.len() - 1];
     builder.polygon(

@@ -1,4 +1,4 @@
-//! The meshes of the courtyard: its ground, its walls, and what stands and hangs in it.
+//! The meshes of the courtyard: its ground, its walls, and its objects.
 
 use glam::{Affine3A, Vec2, Vec3, vec2, vec3};
 use scene::Mesh;
@@ -28,7 +28,7 @@ pub(super) fn ground() -> Mesh {
 
 pub(super) fn wall() -> Mesh {
     let mut builder = MeshBuilder::default();
-    // Walls end right before each other.
+    // Walls end just before they meet.
     let half = HALF_M - 0.82;
     let high = 4.2;
     let stone = Paint::srgb(0xC9_B79A);
@@ -44,7 +44,7 @@ pub(super) fn wall() -> Mesh {
 pub(super) fn column() -> Mesh {
     let mut builder = MeshBuilder::default();
     let profile = [
-        // No small hollows at the foot: filters of soft shadows are as wide as these are.
+        // No small hollows at the foot: filters of soft shadows are as wide as hollows would be.
         (0.55, -SUNK_M),
         (0.55, 0.3),
         (0.34, 0.3),
@@ -133,7 +133,7 @@ pub(super) fn housing() -> Mesh {
     builder.finish("housing")
 }
 
-/// Returns the lens of that spot, right behind its origin.
+/// Returns the lens of a spot, just behind its origin.
 pub(super) fn lens() -> Mesh {
     let mut builder = MeshBuilder::default();
     let profile = [(0.0, 0.03), (0.26, 0.03), (0.26, 0.09), (0.0, 0.09)];

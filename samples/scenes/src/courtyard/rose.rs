@@ -7,17 +7,17 @@ use scene::{Encoding, Filter, Image, ImageId, Sampler, Surfaces, Texture, Textur
 /// The side of the image, in pixels.
 const SIDE: u32 = 512;
 
-/// The points that are looked at for a pixel, along each side.
+/// The number of samples per pixel along each side.
 const POINTS: u32 = 4;
 
-/// The petals of a ring.
+/// The number of petals of a ring.
 const PETALS: f32 = 12.0;
 
-/// The width of the lead between panes, in halves of the image's side.
+/// The width of the lead between panes, relative to half of the image's side.
 const LEAD: f32 = 0.022;
 
-/// The rings of panes: their outer radius in halves of the image's side, and the linear colours
-/// that take turns in them.
+/// The rings of panes: their outer radius relative to half of the image's side, and the linear
+/// colours that alternate in them.
 const RINGS: [(f32, [[f32; 3]; 2]); 4] = [
     (0.16, [[1.0, 0.78, 0.30], [1.0, 0.78, 0.30]]),
     (0.42, [[0.85, 0.08, 0.07], [0.95, 0.55, 0.08]]),
@@ -40,13 +40,13 @@ pub(super) fn add(surfaces: &mut Surfaces) -> TextureId {
     TextureId(surfaces.textures.len() as u32 - 1)
 }
 
-/// Returns a pixel: the mean of its points.
+/// Returns a pixel: the mean of its samples.
 fn texel(column: u32, row: u32) -> [u8; 4] {
     let points = POINTS * POINTS;
     let mut sum = [0.0; 3];
     for point in 0..points {
         let [x, y] = [(column, point % POINTS), (row, point / POINTS)].map(|(pixel, part)| {
-            // Of its neighbours, too: edges of panes are soft.
+            // Samples include the neighbouring pixels, so that edges of panes are soft.
             let place = pixel as f32 - 0.5 + (part as f32 + 0.5) / POINTS as f32 * 2.0;
             place * 2.0 / SIDE as f32 - 1.0
         });
@@ -57,14 +57,14 @@ fn texel(column: u32, row: u32) -> [u8; 4] {
     [red, green, blue, 255]
 }
 
-/// Returns the linear colour of the window at a distance from its middle and an angle: that of a
-/// pane, or none where there is lead, and around it.
+/// Returns the linear colour of the window at a distance from its middle and an angle: the colour
+/// of a pane, or black in lead and outside of the window.
 fn pane(radius: f32, turn: f32) -> [f32; 3] {
     let inner = |ring: usize| ring.checked_sub(1).map_or(0.0, |ring| RINGS[ring].0);
     let Some(ring) = RINGS.iter().position(|(outer, _)| radius < *outer) else { return [0.0; 3] };
     let (outer, colours) = RINGS[ring];
     let is_on_rim = radius > outer - LEAD || (ring > 0 && radius < inner(ring) + LEAD);
-    // Panes of one ring stand over the lead of the next.
+    // Panes of one ring are above the lead of the next ring.
     let petal = turn / TAU * PETALS + if ring % 2 == 0 { 0.0 } else { 0.5 };
     let from_lead = (petal - petal.round()).abs() / PETALS * TAU * radius;
     let is_on_spoke = ring > 0 && from_lead < LEAD;

@@ -1,5 +1,5 @@
-//! The glow of a night: the globes of lamps that are lit, and some windows. A texture of three
-//! colours says so, whose coordinates vertices have.
+//! The glow at night: the globes of lit lamps, and some windows. It is a texture of a few texels,
+//! which vertices select by their coordinates.
 
 use cull::Aabb;
 use glam::Affine2;
@@ -15,20 +15,20 @@ use super::lamps::lamp_mesh;
 /// The name of the material that glows.
 pub const GLOW_NAME: &str = "glow";
 
-/// The light of the globes, and of the brightest windows.
+/// The emission of the globes, and of the brightest windows.
 const EMISSION: [f32; 3] = [2.6, 2.0, 1.2];
 
-/// The texels of the texture: nothing, globes, and windows from dim to bright.
+/// The texels of the texture: no glow, globes, and windows from dim to bright.
 const TEXELS: [[u8; 4]; 4] =
     [[0, 0, 0, 255], [255, 255, 255, 255], [92, 88, 80, 255], [150, 128, 92, 255]];
 
-/// The part of windows in which there is light: one in so many.
+/// The number of windows per lit window.
 const WINDOWS_PER_LIT: u32 = 4;
 
-/// The height from which a mesh with glass is a building, in metres.
+/// The height from which on a mesh with glass counts as a building, in metres.
 const BUILDING_M: f32 = 6.0;
 
-/// Adds a mesh that is the scene's lamp with globes that glow. Returns its id, if there are lamps.
+/// Adds a copy of the scene's lamp with glowing globes. Returns its id, if there are lamps.
 pub(super) fn add_lit_lamp(scene: &mut Scene) -> Option<MeshId> {
     let lamp = lamp_mesh(scene)?;
     let material = glow_material(scene.surfaces.as_mut()?);
@@ -45,7 +45,7 @@ pub(super) fn add_lit_lamp(scene: &mut Scene) -> Option<MeshId> {
     Some(MeshId(scene.meshes.len() as u32 - 1))
 }
 
-/// Lets a mesh glow, all of it.
+/// Makes a whole mesh glow.
 pub(crate) fn let_glow(scene: &mut Scene, mesh: MeshId) {
     let Some(surfaces) = &mut scene.surfaces else { return };
     let material = glow_material(surfaces);
@@ -55,7 +55,7 @@ pub(crate) fn let_glow(scene: &mut Scene, mesh: MeshId) {
     }
 }
 
-/// Lets some windows of buildings glow, the same ones in each building of a kind.
+/// Makes some windows of buildings glow, the same windows in each building of a kind.
 pub(super) fn light_windows(scene: &mut Scene) {
     let Some(surfaces) = &mut scene.surfaces else { return };
     let material = glow_material(surfaces);
@@ -81,7 +81,7 @@ pub(super) fn light_windows(scene: &mut Scene) {
     }
 }
 
-/// Returns for each vertex of glass its pane: the least vertex that triangles connect it with.
+/// Returns the pane of each vertex of glass: the least vertex that triangles connect it to.
 fn panes_of(mesh: &Mesh, glass: &[u32]) -> Vec<Option<u32>> {
     let is_glass = |vertex: u32| {
         mesh.vertices.get(vertex as usize).is_some_and(|vertex| glass.contains(&vertex.colour))
@@ -113,7 +113,7 @@ fn texel(number: usize) -> [f32; 2] {
     [(number as f32 + 0.5) / TEXELS.len() as f32, 0.5]
 }
 
-/// Returns the material that glows by its texture; adds it if it is not there.
+/// Returns the material that glows by its texture, and adds it if necessary.
 fn glow_material(surfaces: &mut Surfaces) -> MaterialId {
     let there = surfaces.materials.iter().position(|material| material.name == GLOW_NAME);
     if let Some(there) = there {

@@ -1,5 +1,5 @@
-//! The hour of the day: where the sun or the moon stands, and the colours of their light and of the
-//! sky.
+//! The hour of the day: the position of the sun or the moon, and the colours of their light and of
+//! the sky.
 
 use std::f32::consts::PI;
 use std::fmt;
@@ -10,14 +10,14 @@ use scene::Light;
 
 use super::super::error::GeneratorError;
 
-/// The angle by which the sun's way leans towards +z, in radians: 29 degrees.
+/// The tilt of the sun's path towards +z, in radians: 29 degrees.
 const LEAN_RAD: f32 = 0.5;
 
-/// The height of the sun, as the sine of its angle over the horizon, below which it is night.
+/// The sine of the sun's elevation below which it is night.
 const NIGHT_BELOW: f32 = 0.06;
 
-/// The colours of one time of the day: the sun's or the moon's light, ambient light from above and
-/// from below, and the sky.
+/// The colours of one time of day: the sun's or the moon's light, ambient light from above and from
+/// below, and the sky.
 const DAY: [[f32; 3]; 4] =
     [[1.02, 0.93, 0.78], [0.36, 0.42, 0.52], [0.20, 0.18, 0.16], [0.36, 0.56, 0.80]];
 const DUSK: [[f32; 3]; 4] =
@@ -30,7 +30,7 @@ const MINUTES_PER_DAY: u16 = 24 * 60;
 /// An hour of the day, to the minute: the sun rises at 6 and sets at 18.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Hour {
-    /// Minutes since midnight, less than those of a day.
+    /// Minutes since midnight, fewer than a day has.
     minutes: u16,
 }
 
@@ -51,7 +51,7 @@ impl Hour {
         }
     }
 
-    /// Returns the hour so many minutes later, or earlier if they are negative.
+    /// Returns the hour this number of minutes later, or earlier for a negative number.
     #[must_use]
     pub fn later(self, minutes: i16) -> Self {
         let day = i32::from(MINUTES_PER_DAY);
@@ -71,12 +71,12 @@ impl Hour {
         self.towards_sun().y < NIGHT_BELOW
     }
 
-    /// Returns the sun, or at night the moon across from it, and the light of the sky.
+    /// Returns the sun, or at night the moon opposite of it, and the light of the sky.
     #[must_use]
     pub fn light(self) -> Light {
         let towards_sun = self.towards_sun();
         let height = towards_sun.y;
-        // Both are dark at the horizon, where one takes the other's place.
+        // Both are dark at the horizon, where one replaces the other.
         let direct = step(0.0, 0.12, height.abs());
         let day = step(0.0, 0.45, height);
         let night = step(0.0, 0.25, -height);
@@ -114,7 +114,7 @@ fn step(low: f32, high: f32, value: f32) -> f32 {
 impl FromStr for Hour {
     type Err = GeneratorError;
 
-    /// Reads an hour such as `17.5` or `17:30`.
+    /// Parses an hour such as `17.5` or `17:30`.
     fn from_str(text: &str) -> Result<Self, GeneratorError> {
         let refused = || GeneratorError::Hour { text: text.to_owned() };
         let hour = match text.split_once(':') {

@@ -1,4 +1,4 @@
-//! Street lamps that shine: the nearest ones to the camera's path.
+//! Lit street lamps: the lamps nearest to the camera's path.
 
 use std::ops::RangeInclusive;
 
@@ -9,37 +9,37 @@ use super::super::city::LAMP_NAME;
 use super::super::error::GeneratorError;
 use super::glow;
 
-/// The place of the light, in the space of a lamp: before the post, under its globes, where nothing
-/// of the lamp is between it and the ground.
+/// The position of the light in the space of a lamp: in front of the post and below its globes,
+/// where no part of the lamp is between the light and the ground.
 const LIGHT_PLACE: Vec3 = vec3(0.0, 4.36, 0.32);
 
-/// The direction of a spot light in that space: down, and somewhat away from the post.
+/// The direction of a spot light in this space: down, and slightly away from the post.
 const SPOT_ALONG: Vec3 = vec3(0.0, -1.0, 0.22);
 
-/// Half angles of a spot's cone in radians: 35 and 62 degrees.
+/// The half angles of a spot's cone in radians: 35 and 62 degrees.
 const INNER_RAD: f32 = 0.61;
 const OUTER_RAD: f32 = 1.08;
 
-/// The intensity and the range of a spot light: a white pavement under it is a little brighter than
-/// white, and beyond the range there is nothing that one would see.
+/// The intensity and the range of a spot light. A white pavement below it is slightly overexposed,
+/// and beyond the range its light is not visible.
 const SPOT_CD: f32 = 130.0;
 const SPOT_RANGE_M: f32 = 24.0;
 
-/// The same of a point light, which shines on the walls, too.
+/// The intensity and the range of a point light, which shines on the walls, too.
 const TORCH_CD: f32 = 55.0;
 const TORCH_RANGE_M: f32 = 18.0;
 
-/// Sodium, and flames.
+/// The colours of sodium lamps and of flames.
 const SPOT_COLOUR: [f32; 3] = [1.0, 0.80, 0.52];
 const TORCH_COLOUR: [f32; 3] = [1.0, 0.58, 0.26];
 
-/// The metres on the path that count as much as a metre beside it.
+/// The distance along the path that counts as much as a metre beside it, in metres.
 const METRES_AHEAD: f32 = 4.0;
 
-/// The most places of a path that lamps are compared with.
+/// The most places of a path with which lamps are compared.
 const MOST_EYES: usize = 256;
 
-/// The kind of light that a lamp is.
+/// The kind of light of a lamp.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum LampKind {
     /// A point light.
@@ -48,10 +48,8 @@ pub(super) enum LampKind {
     Spot,
 }
 
-/// Returns a scene with surfaces with so many of its lamps lit, as many as it has of the range.
-///
-/// # Errors
-/// [`GeneratorError::TooFewLamps`].
+/// Returns a scene with surfaces whose lamps nearest to the path are lit: as many as it has, within
+/// the range of numbers.
 pub(super) fn light_lamps(
     mut scene: Scene,
     eyes: &[Vec3],
@@ -67,7 +65,7 @@ pub(super) fn light_lamps(
         let far = |(eye, walked_m): &(Vec3, f32)| eye.distance(*place) + walked_m / METRES_AHEAD;
         eyes.iter().map(far).fold(f32::INFINITY, f32::min)
     };
-    // The sort is stable: lamps as far away stay in the scene's order.
+    // The sort is stable: lamps at equal distances stay in the scene's order.
     lamps.sort_by(|a, b| far(a).total_cmp(&far(b)));
     lamps.truncate(*count.end() as usize);
     let lit = glow::add_lit_lamp(&mut scene);
@@ -85,7 +83,7 @@ pub(super) fn light_lamps(
     Ok(scene)
 }
 
-/// Returns true for the mesh of a street lamp.
+/// Returns true if a mesh is a street lamp.
 pub(super) fn is_lamp(mesh: &Mesh) -> bool {
     mesh.name == LAMP_NAME
 }
@@ -95,14 +93,14 @@ pub(super) fn lamp_mesh(scene: &Scene) -> Option<MeshId> {
     scene.meshes.iter().position(is_lamp).map(|mesh| MeshId(mesh as u32))
 }
 
-/// Returns the lamps of a scene: places among its objects, and in the world.
+/// Returns the lamps of a scene: their object indices and their positions in the world.
 fn lamps_of(scene: &Scene) -> Vec<(usize, Vec3)> {
     let objects = scene.objects.iter().enumerate();
     let lamps = objects.filter(|(_, object)| scene.mesh_of(object).is_some_and(is_lamp));
     lamps.map(|(index, object)| (index, object.transform.translation.into())).collect()
 }
 
-/// Returns some places of a path, and the metres walked to each.
+/// Returns some places of a path, with the distance walked to each.
 fn way_of(eyes: &[Vec3]) -> Vec<(Vec3, f32)> {
     let Some(first) = eyes.first() else { return vec![(Vec3::ZERO, 0.0)] };
     let mut before = *first;

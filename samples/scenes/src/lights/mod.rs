@@ -18,18 +18,19 @@ pub use self::hour::Hour;
 use self::lamps::{LampKind, light_lamps};
 use super::error::{GeneratorError, MAX_LAMPS};
 
-/// The most street lamps that are [`LightSet::Torches`].
+/// The most street lamps of [`LightSet::Torches`].
 const MOST_TORCHES: u32 = 32;
 
-/// A set of lights, by name in [`FromStr`] and [`Display`](fmt::Display).
+/// A set of lights, with names for [`FromStr`] and [`Display`](fmt::Display).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightSet {
-    /// `sun`: the sun of an hour, and no other light. A scene with suns of its own keeps these.
+    /// `sun`: only the sun of an hour. A scene with its own suns keeps them.
     Sun(Hour),
-    /// `torches`: point lights at night. A scene with point or spot lights of its own keeps these;
-    /// else they hang at the nearest street lamps.
+    /// `torches`: point lights at night. A scene with its own point or spot lights keeps them;
+    /// otherwise the torches are at the nearest street lamps.
     Torches,
-    /// A number, 1 to [`MAX_LAMPS`]: the nearest so many street lamps at night, as spot lights.
+    /// A number, 1 to [`MAX_LAMPS`]: this many of the nearest street lamps at night, as spot
+    /// lights.
     Lamps(u32),
 }
 
@@ -60,13 +61,14 @@ impl fmt::Display for LightSet {
 }
 
 impl LightSet {
-    /// Returns the scene with these lights and with surfaces that they shine on. `eyes` are places
-    /// along the path of the camera, in its order: lamps near its beginning are taken first.
+    /// Returns the scene with these lights and with surfaces. `eyes` are places along the camera's
+    /// path, in order: lamps near its beginning are preferred.
     ///
-    /// Lights of the scene that are not in the set stay, dark, so that all keep their ids.
+    /// Lights of the scene that are not in the set are kept, but dark, so that light ids stay
+    /// valid.
     ///
     /// # Errors
-    /// [`GeneratorError::TooFewLamps`]: the scene has not so many street lamps.
+    /// [`GeneratorError::TooFewLamps`]: the scene has fewer street lamps.
     pub fn light(self, scene: Scene, eyes: &[Vec3]) -> Result<Scene, GeneratorError> {
         let is_plain = scene.surfaces.is_none();
         match self {
@@ -90,21 +92,21 @@ impl LightSet {
     }
 }
 
-/// The lights of a scene that is shown at any hour: those that one changes with the hour.
+/// The lights of a scene that change with the hour.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Daylight {
     /// The hour.
     pub hour: Hour,
-    /// The street lamps as they shine at night, by their places among the scene's lights.
+    /// The street lamps as they shine at night, by their ids.
     pub lamps: Vec<(LightId, PunctualLight)>,
-    /// The material that glows at night, as it does then.
+    /// The material that glows at night, with its glow.
     pub glow: Option<(MaterialId, Material)>,
     /// The hours at which the lamps are on.
     pub lamp_hours: LampHours,
-    /// The way from the light of a lamp that shines all around to the middle of its glass, in
+    /// The displacement from the light of an omnidirectional lamp to the middle of its glass, in
     /// metres.
     pub glass: Vec3,
-    /// True if lamps that project a picture do so, and do not shine white.
+    /// True if lamps with a picture project it instead of white light.
     pub shows_pictures: bool,
 }
 
@@ -121,11 +123,11 @@ pub enum LampHours {
 const SUN: LightId = LightId(0);
 
 impl Daylight {
-    /// Returns a scene at night, with up to `lamps` of its street lamps on, and the lights that
-    /// change with the hour. A scene that has none is without lamps.
+    /// Returns a scene at night with up to `lamps` lit street lamps, and the lights that change
+    /// with the hour. A scene without street lamps gets none.
     ///
     /// # Errors
-    /// As [`LightSet::light`].
+    /// The errors of [`LightSet::light`].
     pub fn new(scene: Scene, eyes: &[Vec3], lamps: u32) -> Result<(Scene, Self), GeneratorError> {
         let scene = light_lamps(night(scene), eyes, LampKind::Spot, 0..=lamps)?;
         let surfaces = scene.surfaces.as_ref();
@@ -148,7 +150,7 @@ impl Daylight {
         Ok((scene, daylight))
     }
 
-    /// Returns the lights as they are at its hour.
+    /// Returns the lights at the current hour.
     pub fn lights(&self) -> Vec<LightMove> {
         let are_on = self.hour.is_night() || self.lamp_hours == LampHours::Always;
         let lamp = |(light, lamp): &(LightId, PunctualLight)| {
@@ -162,7 +164,7 @@ impl Daylight {
         sun.into_iter().chain(self.lamps.iter().map(lamp)).collect()
     }
 
-    /// Returns the material that glows, as it is at its hour.
+    /// Returns the glowing material at the current hour.
     pub fn material(&self) -> Option<(MaterialId, Material)> {
         let (id, glow) = self.glow.as_ref()?;
         let emission = if self.hour.is_night() { glow.emission } else { [0.0; 3] };
@@ -170,7 +172,7 @@ impl Daylight {
     }
 }
 
-/// Returns the scene with surfaces, under the moon.
+/// Returns the scene with surfaces, in moonlight.
 fn night(scene: Scene) -> Scene {
     Scene { light: Hour::NIGHT.light(), ..scene }.with_surfaces()
 }
@@ -179,13 +181,13 @@ fn is_sun(light: &PunctualLight) -> bool {
     light.kind == LightKind::Directional
 }
 
-/// Returns the sun of an hour, or the moon, as a light; `None` at the horizon, where it is dark.
+/// Returns the sun or the moon of an hour as a light; `None` at the horizon, where it is dark.
 fn sun_of(hour: Hour) -> Option<PunctualLight> {
     sun_light(&hour.light())
 }
 
-/// Returns the sun of a plain scene's light as the light that [`Scene::with_surfaces`] makes of
-/// it; `None` if it does not shine.
+/// Returns the sun of a plain scene's light as a punctual light, as [`Scene::with_surfaces`]
+/// creates it; `None` if it is dark.
 #[must_use]
 pub fn sun_light(light: &scene::Light) -> Option<PunctualLight> {
     let nothing =
@@ -193,8 +195,8 @@ pub fn sun_light(light: &scene::Light) -> Option<PunctualLight> {
     nothing.with_surfaces().surfaces?.lights.first().copied()
 }
 
-/// Returns a scene with surfaces of whose lights only `is_kept` ones shine; `other` shines if there
-/// is none.
+/// Returns a scene with surfaces in which only the lights shine that `is_kept` accepts. If there
+/// are none, `other` is added.
 fn keep(
     mut scene: Scene,
     is_kept: impl Fn(&PunctualLight) -> bool,

@@ -1,4 +1,4 @@
-//! Tests of the sets of lights: they are possible, where they should be, and the same each time.
+//! Tests of the sets of lights: they are valid, at the right places, and reproducible.
 
 use glam::Vec3;
 use scene::{LightKind, Mesh, PunctualLight, Scene};

@@ -1,4 +1,4 @@
-//! The motion of one object: its transform in a frame, and the space that this takes.
+//! The motion of an object: its transform in a frame, and the space that it sweeps.
 
 use std::f32::consts::TAU;
 
@@ -7,26 +7,26 @@ use glam::{Affine3A, Quat, Vec3};
 
 use crate::random::Random;
 
-/// A motion that repeats itself.
+/// A periodic motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Act {
     /// No motion: the object rests.
     Stay,
     /// A slide to a place and back.
     Slide {
-        /// The farthest place, relative to its place in the scene (metres).
+        /// The farthest displacement (metres).
         reach: Vec3,
-        /// The height by which it is lifted throughout (metres), to be clear of the kerbs.
+        /// The height by which it is lifted at all times (metres), so that it clears the kerbs.
         lift_m: f32,
         pace: Pace,
     },
-    /// A swing from side to side about an upright axis.
+    /// A swing from side to side about a vertical axis.
     Turn { centre: Vec3, angle_rad: f32, lift_m: f32, pace: Pace },
-    /// A change to a smaller size and back, on its foot.
+    /// A change to a smaller size and back, with a fixed foot.
     Shrink { foot: Vec3, least: f32, pace: Pace },
 }
 
-/// The speed and the start of a cycle.
+/// The period and the phase of a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pace {
     period_frames: f32,
@@ -38,7 +38,7 @@ impl Pace {
         Self { period_frames: random.between(50.0, 300.0), phase: random.unit() }
     }
 
-    /// Returns the position of a frame in its cycle: an angle.
+    /// Returns the phase of a frame in its cycle, as an angle.
     fn angle(self, frame: u32) -> f32 {
         let cycles = f64::from(frame) / f64::from(self.period_frames) + f64::from(self.phase);
         cycles.fract() as f32 * TAU
@@ -51,7 +51,7 @@ impl Pace {
 }
 
 impl Act {
-    /// Returns the transform in a frame of an object that stands at `base` in the scene.
+    /// Returns the transform in a frame, for an object with the transform `base` in the scene.
     pub(super) fn transform(&self, base: &Affine3A, frame: u32) -> Affine3A {
         match *self {
             Self::Stay => *base,

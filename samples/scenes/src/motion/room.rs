@@ -1,4 +1,4 @@
-//! A search for motions without collisions: the sweeps of all movers are kept in a hierarchy.
+//! Finds motions without collisions: the sweeps of all moving objects are kept in a hierarchy.
 
 use cull::{Aabb, Hierarchy, NodeId, ObjectId};
 use glam::Vec3;
@@ -9,13 +9,12 @@ use super::act::{Act, Pace};
 use crate::generated::HOVER_M;
 use crate::random::Random;
 
-/// The distance that sweeps keep from each other and from resting objects, in metres.
+/// The distance between sweeps, and between sweeps and resting objects, in metres.
 const CLEARANCE_M: f32 = HOVER_M * 0.5;
 
-/// The space that all objects take.
+/// The space that all objects occupy.
 pub(super) struct Room {
-    /// The hierarchy over all objects; the ground takes no part, since everything that moves is
-    /// lifted clear of it.
+    /// The hierarchy over all objects except the ground: moving objects are lifted clear of it.
     taken: Option<Hierarchy>,
     /// The height of the highest kerb.
     ground_top_m: f32,
@@ -40,7 +39,7 @@ impl Room {
         Self { taken: Hierarchy::build(&boxes).ok(), ground_top_m, stack: Vec::new() }
     }
 
-    /// Returns a motion for an object. Its sweep is taken from now on.
+    /// Returns a motion for an object, and marks its sweep as occupied.
     pub(super) fn act_for(
         &mut self,
         scene: &Scene,
@@ -61,11 +60,11 @@ impl Room {
         None
     }
 
-    /// Returns the motions that an object with this box might make if there is room.
+    /// Returns the possible motions of an object with this box, to be tried in order.
     fn acts(&self, bounds: &Aabb, random: &mut Random) -> [Act; 7] {
         let size = bounds.max - bounds.min;
         let lift_m = (self.ground_top_m + HOVER_M - bounds.min.y).max(0.0);
-        // Further than it is long, so that what is behind shows.
+        // Farther than its length, so that objects behind become visible.
         let far = |along: f32, random: &mut Random| (along * 1.2).max(1.0) + random.unit();
         let mut slide = |direction: Vec3| Act::Slide {
             reach: direction * far(direction.abs().dot(size), random),
@@ -85,7 +84,7 @@ impl Room {
         [east, west, south, north, up, turn, shrink]
     }
 
-    /// Returns true if no other object's space meets a box.
+    /// Returns true if a box meets no other object's space.
     fn is_free(&mut self, object: ObjectId, space: &Aabb) -> bool {
         let Some(taken) = &self.taken else {
             return false;

@@ -1,4 +1,4 @@
-//! Movers meet nothing in any frame; the same frame is always the same.
+//! Tests that moving objects never meet others, and that frames are reproducible.
 
 use std::collections::BTreeMap;
 
@@ -62,7 +62,7 @@ fn nobody_leaves_its_sweep_and_no_sweep_meets_another() {
             for frame in (0..700).step_by(7) {
                 if let Some(object) = mover.at(frame) {
                     let now = scene.bounds_of(&object).unwrap();
-                    // The box of a turned box is larger than what is in it.
+                    // The box of a turned box is larger than its contents.
                     if !matches!(mover.act, Act::Turn { .. }) {
                         assert!(
                             sweep.enlarged(1.0e-3).contains(&now),
@@ -91,7 +91,7 @@ fn a_cast_follows_in_any_order_and_gives_every_id_to_one() {
     let scene = city(800, 3).unwrap().scene;
     let motion = Motion::new(&scene, 100, 5).unwrap();
     let mut cast = Cast::new(&motion);
-    // The ids that are taken, as a renderer would deal them out.
+    // The used ids, as a renderer would assign them.
     let mut shown: BTreeMap<ObjectId, Object> =
         (0..).map(ObjectId).zip(scene.objects.iter().copied()).collect();
     let all: Vec<ObjectId> = shown.keys().copied().collect();

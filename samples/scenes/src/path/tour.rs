@@ -1,4 +1,4 @@
-//! A closed walk along streets that turns corners in arcs and never turns back.
+//! A closed walk along streets that takes corners in arcs and never turns back.
 
 use std::collections::VecDeque;
 use std::f32::consts::FRAC_PI_2;
@@ -9,15 +9,14 @@ use super::super::random::Random;
 use super::super::routes::Streets;
 use super::direction;
 
-/// The number of legs that are walked at random before the tour closes.
+/// The number of random legs before the tour closes.
 const RANDOM_LEGS: usize = 24;
 
-/// The distance before a corner at which the walk begins, in metres: short runs should see a turn
-/// too.
+/// The distance before a corner at which the walk begins, in metres, so that short runs include a
+/// turn.
 const LEAD_IN_M: f32 = 9.0;
 
-/// A crossing, and the direction in which one is about to leave it (quarter turns from +x towards
-/// +z).
+/// A crossing, and the direction in which the walk leaves it (quarter turns from +x towards +z).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Stand {
     column: usize,
@@ -25,10 +24,10 @@ struct Stand {
     quarter: usize,
 }
 
-/// A straight way from one crossing to the next, and the turn at its end.
+/// A straight leg from one crossing to the next, and the turn at its end.
 #[derive(Clone, Copy, Debug)]
 struct Leg {
-    /// The distance walked before it, in metres.
+    /// The distance walked before the leg, in metres.
     begin_m: f32,
     from: Vec2,
     straight_m: f32,
@@ -47,7 +46,7 @@ pub(super) struct Tour {
 }
 
 impl Tour {
-    /// Creates a walk that the seed decides; `None` if the streets form no closed walk.
+    /// Creates a walk that depends on the seed; `None` if the streets form no closed walk.
     pub(super) fn new(streets: &Streets, seed: u64) -> Option<Self> {
         let grid = Grid { columns: streets.xs.len(), rows: streets.zs.len() };
         if grid.columns < 2 || grid.rows < 2 {
@@ -104,13 +103,13 @@ impl Tour {
         Self { legs, radius_m, length_m: begin_m, start_m }
     }
 
-    /// Returns its length in metres.
+    /// Returns the length in metres.
     pub(super) fn length_m(&self) -> f64 {
         f64::from(self.length_m)
     }
 
-    /// Returns the position and the direction of the walk, as an angle from +x towards +z, after so
-    /// many metres of at most its length.
+    /// Returns the position and the direction of the walk, as an angle from +x towards +z, after a
+    /// distance in metres of at most its length.
     pub(super) fn at(&self, way_m: f32) -> (Vec2, f32) {
         let way = (way_m + self.start_m) % self.length_m;
         let number = self.legs.partition_point(|leg| leg.begin_m <= way).saturating_sub(1);
@@ -148,7 +147,7 @@ impl Grid {
         (column < self.columns && row < self.rows).then_some(Stand { column, row, quarter })
     }
 
-    /// Returns the directions in which one can go on from a crossing: ahead, right, left; not back.
+    /// Returns the possible directions after a crossing: ahead, right, left; not back.
     fn turns(&self, arrived: Stand) -> [Option<Stand>; 3] {
         [0, 1, 3].map(|turn| {
             let stand = Stand { quarter: (arrived.quarter + turn) % 4, ..arrived };
@@ -164,8 +163,8 @@ impl Grid {
         (stand.row * self.columns + stand.column) * 4 + stand.quarter
     }
 
-    /// Returns the shortest way from one stand to another, by breadth-first search: all stands
-    /// after the first, the last included.
+    /// Returns the shortest path from one stand to another, by breadth-first search: all stands
+    /// after the first, including the last.
     fn way(&self, from: Stand, to: Stand) -> Option<Vec<Stand>> {
         let mut before: Vec<Option<Stand>> = vec![None; self.columns * self.rows * 4];
         let mut open = VecDeque::from([from]);

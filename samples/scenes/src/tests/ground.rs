@@ -1,4 +1,4 @@
-//! The ground has no cracks, within a tile and between tiles.
+//! Tests that the ground has no cracks, within a tile and between tiles.
 
 use std::collections::{HashMap, HashSet};
 
@@ -61,7 +61,7 @@ fn opposite_rims_have_the_same_vertices_and_are_binary_fractions() {
             assert!(vertex.position.iter().all(|part| (part * 64.0).fract() == 0.0));
         }
     }
-    // The two kinds of city ground lie side by side.
+    // The two kinds of city ground are adjacent.
     assert_eq!(rim(&meshes[0], 0, EDGE_M), rim(&meshes[1], 0, EDGE_M));
 }
 

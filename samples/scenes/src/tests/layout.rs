@@ -1,4 +1,5 @@
-//! Scenes have the number of objects asked for, are reproducible, and no object touches another.
+//! Tests that scenes have the requested number of objects and are reproducible, and that no objects
+//! touch.
 
 use cull::Aabb;
 use glam::{Affine3A, Quat, Vec3, vec3};
@@ -60,7 +61,7 @@ fn blocks_hold_what_a_city_needs() {
 }
 
 fn assert_apart(scene: &Scene) {
-    // Half the least distance that things keep, enlarged: 0.2 m between them on all sides.
+    // Enlarged by half of the least distance: objects are at least 0.2 m apart.
     let boxes = Boxes::new(scene, 0.1, |object| !is_ground(scene, object));
     let overlap = |a: &Aabb, b: &Aabb| a.min.cmplt(b.max).all() && b.min.cmplt(a.max).all();
     for numbers in boxes.cells.values() {
@@ -90,8 +91,8 @@ fn no_two_objects_touch() {
     }
 }
 
-/// Returns the height of the surface that carries a thing: the road, or the pavement if all of its
-/// box is over the pavement. A thing that lies over both gives `None`.
+/// Returns the height of the surface below an object: the road, or the pavement if the whole box is
+/// over it. Returns `None` for an object over both.
 fn carrier_m(scene: &Scene, bounds: &Aabb) -> Option<f32> {
     if scene.name == "field" {
         return Some(0.0);
@@ -103,7 +104,7 @@ fn carrier_m(scene: &Scene, bounds: &Aabb) -> Option<f32> {
     if inside == [true, true] && same_block[0] == same_block[1] {
         return Some(0.125);
     }
-    // A box in the road lies, as a whole, beyond one of the kerbs.
+    // A box on the road must be completely on one side of each kerb.
     let beyond = |low: f32, high: f32| {
         let line = ((low + high) / 128.0).round() * 64.0;
         line - 6.0 < low && high < line + 6.0

@@ -1,4 +1,4 @@
-//! Every mesh is within its budget, closed as far as one can look, and lit from outside.
+//! Tests that every mesh is within its budget, closed as far as it is visible, and faces outwards.
 
 use glam::Vec3;
 use scene::{Mesh, unpack_normal};
@@ -68,9 +68,9 @@ fn triangles_face_the_way_their_normals_do() {
     }
 }
 
-/// Returns the distance at which a ray meets a triangle's plane inside the triangle (Moeller and
-/// Trumbore, 1997), and true if it meets its front. In double precision: in single, rays slip
-/// through between slender triangles.
+/// Returns the distance at which a ray hits a triangle (Moeller and Trumbore, 1997), and true if it
+/// hits the front. In double precision, since in single precision rays pass between slender
+/// triangles.
 fn meet(eye: Vec3, towards: Vec3, corners: [Vec3; 3]) -> Option<(f64, bool)> {
     let eye = eye.as_dvec3();
     let towards = towards.as_dvec3();
@@ -101,7 +101,7 @@ fn nobody_sees_the_back_of_a_face() {
         let mut random = Random::keyed(9, &[mesh.indices.len() as i64]);
         let mut hits = 0;
         for _ in 0..1200 {
-            // From anywhere that is not below the ground.
+            // From anywhere above the ground.
             let turn = random.between(0.0, std::f32::consts::TAU);
             let height = random.unit() * random.unit();
             let outward = Vec3::new(turn.cos(), height, turn.sin()).normalize();
@@ -117,7 +117,7 @@ fn nobody_sees_the_back_of_a_face() {
                 *nearest = nearest.min(distance);
             }
             hits += u32::from(front.is_finite());
-            // Thin sheets have both faces in one place.
+            // Thin sheets have both faces at the same place.
             let seen = back + 1e-3 < front;
             assert!(!seen, "{}: a back at {}, from {eye}", mesh.name, eye + towards * back as f32);
         }

@@ -1,4 +1,4 @@
-//! Models of closed parts: the waffle maker and the assembly.
+//! Tests of the models of closed parts: the waffle maker and the assembly.
 
 use std::collections::HashMap;
 
@@ -7,14 +7,14 @@ use scene::{Mesh, ObjectChange, Scene};
 
 use super::super::{Assembly, PartId, PartTree, assembly, waffle_maker};
 
-/// Returns the triangles of a mesh, by the bits of their corners.
+/// Returns the triangles of a mesh, as their corners.
 fn triangles(mesh: &Mesh) -> impl Iterator<Item = [Vec3; 3]> {
     let at = |index: &u32| Vec3::from_array(mesh.vertices[*index as usize].position);
     mesh.indices.as_chunks::<3>().0.iter().map(move |corners| corners.each_ref().map(at))
 }
 
-/// Fails unless each edge of a mesh has two triangles with opposite directions, once equal corners
-/// are one, and unless it encloses what is inside of it.
+/// Fails unless each edge of a mesh has two triangles with opposite directions, after welding equal
+/// corners, and unless the mesh encloses its inside.
 fn assert_closed(mesh: &Mesh) {
     let bits = |position: Vec3| position.to_array().map(f32::to_bits);
     let mut edges: HashMap<_, [u32; 2]> = HashMap::new();
@@ -32,7 +32,7 @@ fn assert_closed(mesh: &Mesh) {
     assert!(volume > 1e-9, "{}: {volume} m3", mesh.name);
 }
 
-/// Fails unless parents come before what they hold, and each object is one part.
+/// Fails unless parents precede their children, and each object is exactly one part.
 fn assert_tree(tree: &PartTree, scene: &Scene) {
     assert_eq!(tree.nodes[0].parent, None);
     for (place, node) in tree.nodes.iter().enumerate().skip(1) {
@@ -63,7 +63,7 @@ fn the_waffle_maker_is_of_closed_parts_true_to_the_millimetre() {
     assert!(low.fold(f32::MAX, f32::min) >= 0.0, "it stands on y = 0");
 }
 
-/// A part in the world, to ask for what is inside of it.
+/// A part in the world, for tests of points inside.
 struct Shape {
     name: String,
     triangles: Vec<[Vec3; 3]>,
@@ -127,7 +127,7 @@ fn the_lid_opens_without_touching_anything() {
     let fixed: Vec<Shape> = fixed.collect();
     assert!(turning.len() > 10 && fixed.len() > 10);
     for step in 0..=7_u8 {
-        // Beyond some 163 degrees the cable is in the way.
+        // Beyond about 163 degrees the cable blocks the lid.
         let angle = 2.8 * f32::from(step) / 7.0;
         let turn = made.hinge.turn(angle);
         for object in turning.iter().filter(|object| **object != made.logo) {
@@ -137,7 +137,7 @@ fn the_lid_opens_without_touching_anything() {
             }
         }
     }
-    // The grip rises, and no angle is beyond the range.
+    // The grip rises, and no angle exceeds the range.
     assert_eq!(made.opened(9.0), made.opened(made.hinge.open_rad));
     let update = made.opened(1.8);
     assert_eq!(update.objects.len(), turning.len());

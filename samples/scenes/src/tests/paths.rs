@@ -1,4 +1,4 @@
-//! Cameras move smoothly, jump when they should, and never enter anything.
+//! Tests that cameras move smoothly, jump when they should, and never enter an object.
 
 use glam::Vec3;
 

@@ -1,4 +1,4 @@
-//! The visible objects: at street level a district and hardly more, for any size of the city.
+//! Tests of visible objects: at street level, little more than a district, for cities of any size.
 
 use std::collections::HashSet;
 
@@ -11,13 +11,12 @@ use super::Boxes;
 /// A distance beyond the reach of every view of these tests.
 const REACH_M: f32 = 5000.0;
 
-/// The distance between opposite corners of a district, and a house more, in metres.
+/// The distance between opposite corners of a district, plus a house, in metres.
 const DISTRICT_M: f32 = 6.0 * 64.0 * 1.42 + 20.0;
 
 const VIEWS: [u32; 12] = [0, 90, 300, 700, 1100, 1700, 2500, 3300, 4100, 5200, 6500, 8000];
 
-/// Returns the number of objects that own at least one of 160 by 90 rays, on average over the
-/// views.
+/// Returns the number of objects that own at least one of 160 by 90 rays, averaged over the views.
 fn seen_per_view(GeneratedScene { scene, routes }: &GeneratedScene) -> f32 {
     let boxes = Boxes::new(scene, 0.0, |_| true);
     let path = CameraPath::new(PathKind::Street, routes).unwrap();
@@ -71,7 +70,7 @@ fn level_views_end_within_the_district() {
                 leaks += u32::from(hit.is_none_or(|(_, distance)| distance > DISTRICT_M));
             }
         }
-        // Gaps of 0.3 m between walls and gate houses let a ray through now and then.
+        // Gaps of 0.3 m between walls and gate houses let some rays through.
         assert!(leaks * 500 < rays, "{leaks} of {rays} rays leave the district");
     }
 }

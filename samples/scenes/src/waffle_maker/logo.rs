@@ -6,7 +6,7 @@ use scene::{
     TextureId, TextureUse, Vertex, bounds_of_vertices, pack_normal,
 };
 
-/// The halves of the picture's sides, in metres.
+/// Half of the picture's sides, in metres.
 const HALF_X_M: f32 = 0.060;
 const HALF_Z_M: f32 = 0.030;
 
@@ -14,7 +14,7 @@ const HALF_Z_M: f32 = 0.030;
 const WIDTH: u32 = 256;
 const HEIGHT: u32 = 128;
 
-/// The letters, five columns by seven rows each: a bit per dot, the left one highest.
+/// The letters, five columns by seven rows each: a bit per dot, the leftmost in the highest bit.
 const LETTERS: [[u8; 7]; 6] = [
     [0b10001, 0b10001, 0b10001, 0b10101, 0b10101, 0b11011, 0b10001],
     [0b01110, 0b10001, 0b10001, 0b11111, 0b10001, 0b10001, 0b10001],
@@ -24,7 +24,7 @@ const LETTERS: [[u8; 7]; 6] = [
     [0b11111, 0b10000, 0b10000, 0b11110, 0b10000, 0b10000, 0b11111],
 ];
 
-/// The texels of a dot of a letter, and of a letter with the gap after it.
+/// The number of texels per dot of a letter, and per letter with the following gap.
 const DOT: u32 = 6;
 const ADVANCE: u32 = 36;
 
@@ -49,7 +49,7 @@ pub(super) fn decal(y: f32) -> Mesh {
     }
 }
 
-/// Puts the picture on the mesh of the decal.
+/// Adds the picture to the mesh of the decal.
 pub(super) fn print(surfaces: &mut Surfaces, mesh: MeshId) {
     surfaces.images.push(Image::of_rgba8("logo", [WIDTH, HEIGHT], texels()));
     let image = ImageId(surfaces.images.len() as u32 - 1);

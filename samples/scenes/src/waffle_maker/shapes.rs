@@ -8,19 +8,19 @@ use scene::{Mesh, PatchSurface, TessellationLevels, ellipsoid, tessellated};
 use super::super::builder::Paint;
 use super::super::solid::{Solid, circle, rounded};
 
-/// The halves of the sides of body and lid along x and z.
+/// Half of the extents of body and lid along x and z.
 const HALF: Vec2 = Vec2::new(0.15, 0.125);
 
 /// The radius of their corners.
 const CORNER_M: f32 = 0.035;
 
-/// The distance of the cavity of each from its outside.
+/// The distance between the outside and the cavity of body and lid.
 const RIM_M: f32 = 0.022;
 
-/// The edges of each round corner.
+/// The number of edges per rounded corner.
 const STEPS: u32 = 12;
 
-/// Waffles along x and z on a plate.
+/// The number of waffle pegs along x and z on a plate.
 const PEGS: [u8; 2] = [6, 5];
 
 const CHARCOAL: u32 = 0x33_363B;
@@ -76,7 +76,8 @@ pub(super) fn lid() -> Mesh {
 
 /// Returns a plate with the relief of waffles, from y = 0 up.
 pub(super) fn plate(name: &str) -> Mesh {
-    // A peg of a waffle and half of the grooves around it, as shares of its cell, and its height.
+    // A peg of a waffle and half of the surrounding grooves, as shares of its cell, with its
+    // height.
     const PROFILE: [(f32, f32); 4] = [(0.16, 0.0), (0.30, 1.0), (0.70, 1.0), (0.84, 0.0)];
     let half = HALF - RIM_M - 0.0025;
     let lines = |half: f32, pegs: u8| {
@@ -102,13 +103,13 @@ fn turned(name: &str, hex: u32, profile: &[(f32, f32)], segments: u32) -> Mesh {
     Solid::turned(&profile, segments).mesh(name, Paint::srgb(hex))
 }
 
-/// Returns a foot of rubber, which ends half a millimetre below the body.
+/// Returns a rubber foot, which ends half a millimetre below the body.
 pub(super) fn foot() -> Mesh {
     let profile = [(0.0105, 0.0), (0.0120, 0.0010), (0.0115, 0.0080), (0.0085, 0.0095)];
     turned("foot", BLACK, &profile, 32)
 }
 
-/// Returns a knuckle of the hinge around the x axis: a ring with a tongue that points up to the
+/// Returns a knuckle of the hinge around the x axis: a ring with a tongue that points up and to the
 /// front by `up_rad`.
 pub(super) fn knuckle(name: &str, up_rad: f32) -> Mesh {
     const SEGMENTS: u32 = 64;
@@ -127,7 +128,8 @@ pub(super) fn knuckle(name: &str, up_rad: f32) -> Mesh {
             let turn = TAU * segment as f32 / SEGMENTS as f32;
             let (sin, cos) = turn.sin_cos();
             let radius = radius(turn);
-            // In the plane of a loft whose y is the world's x, z the front and x up.
+            // In the plane of a loft whose y is the world's x, whose z is the front and whose x is
+            // up.
             vec3(radius * sin, 0.0, radius * cos)
         };
         (0..SEGMENTS).map(point).collect()
@@ -147,7 +149,7 @@ pub(super) fn pin() -> Mesh {
     turned("hinge pin", STEEL, &profile, 32)
 }
 
-/// Returns the dial along y, with a ridge to hold it by.
+/// Returns the dial along y, with a grip ridge.
 pub(super) fn dial() -> Mesh {
     let ring = |radius: f32, y: f32| circle(radius, y, 48);
     let ridge = |half_width: f32, y: f32| -> Vec<Vec3> {
@@ -211,7 +213,7 @@ pub(super) fn tessellated_knob(surface: &PatchSurface) -> Mesh {
 pub(super) fn screw(name: &str) -> Mesh {
     let socket = |y: f32| {
         let corner = |segment: u32| {
-            // On the sides of a hexagon, so that it has as many points as the head.
+            // On the sides of a hexagon, with as many points as the head.
             let turn = TAU / 24.0 * (segment % 4) as f32 - TAU / 12.0;
             let radius = 0.0019 / turn.cos();
             let (sin, cos) = (TAU * segment as f32 / 24.0).sin_cos();
@@ -250,7 +252,7 @@ pub(super) fn cable() -> Mesh {
             let (sin, cos) = (TAU * segment as f32 / 16.0).sin_cos();
             middle + (aside * cos + above * sin) * RADIUS_M
         };
-        // Counter-clockwise seen from where the cable goes to.
+        // Counter-clockwise seen from the end of the cable.
         (0..16).rev().map(point).collect::<Vec<_>>()
     });
     Solid::loft(&rings.collect::<Vec<_>>()).mesh("cable", Paint::srgb(BLACK))

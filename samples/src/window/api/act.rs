@@ -1,4 +1,4 @@
-//! The effect of actions on a session. Actions about a window do nothing here.
+//! The effects of actions on a session. Actions on the window do nothing here.
 
 use antumbra::render::DebugOverlay;
 
@@ -28,7 +28,7 @@ pub enum Panel {
 }
 
 impl Session {
-    /// Carries the action out, or shows in the image why it cannot be.
+    /// Carries out the action, or shows in the image why that is impossible.
     ///
     /// # Errors
     /// When the device fails.
@@ -101,7 +101,7 @@ impl Session {
         Ok(())
     }
 
-    /// Returns the panel over the image that Esc closes, if there is one.
+    /// Returns the panel over the image that Esc would close.
     pub fn topmost_panel(&self) -> Option<Panel> {
         let panels = [
             (self.menu.is_some(), Panel::Menu),
@@ -125,7 +125,7 @@ impl Session {
         Ok(())
     }
 
-    /// Shows the result of a request to the view of the scene.
+    /// Carries out a request to the view of the scene, and shows its result.
     fn answer(&mut self, ask: impl FnOnce(&mut SceneView) -> Result<String, String>) {
         match ask(&mut self.scene_view) {
             Ok(told) => self.tell(told),
@@ -138,7 +138,7 @@ impl Session {
         self.toast.tell(self.clock.now(), text);
     }
 
-    /// Shows an error in the image, also where there is no HUD.
+    /// Shows an error in the image, even without the HUD.
     pub fn refuse(&mut self, text: String) {
         self.toast.refuse(self.clock.now(), text);
     }
@@ -175,7 +175,7 @@ impl Session {
         }
     }
 
-    /// Shows why a debug overlay that is on shows nothing.
+    /// Explains why an active debug overlay shows nothing.
     fn tell_if_overlay_is_empty(&mut self) {
         let DebugOverlay { has_boxes, has_depth_complexity, .. } = self.debug_overlay;
         let is_on = self.has_top_down || has_boxes || has_depth_complexity;
@@ -220,7 +220,7 @@ impl Session {
         Ok(())
     }
 
-    /// Shows another debug overlay, or, where the device cannot, the reason.
+    /// Shows another debug overlay, or the reason why the device cannot.
     fn explain(&mut self, debug_overlay: DebugOverlay) {
         let before = std::mem::replace(&mut self.debug_overlay, debug_overlay);
         if let Err(error) = self.update_debug_overlay() {
@@ -237,7 +237,7 @@ impl Session {
         match self.renderer.time_passes() {
             Ok(()) => {
                 self.is_timing_passes = true;
-                // There they are listed.
+                // The details list them.
                 if self.hud_level == HudLevel::Compact {
                     self.hud_level = HudLevel::Detailed;
                 }
@@ -257,10 +257,7 @@ impl Session {
         }
     }
 
-    /// Writes the path that is recorded, if one is. If that fails, the recording continues.
-    ///
-    /// # Errors
-    /// When the file cannot be written.
+    /// Writes the path that is being recorded. If that fails, the recording continues.
     pub(crate) fn stop_recording(&mut self) -> Result<(), RunError> {
         let Some(recorded) = self.recording.take() else { return Ok(()) };
         if recorded.frames().is_empty() {

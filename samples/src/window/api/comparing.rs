@@ -1,4 +1,4 @@
-//! A session during a comparison: two frames of each moment, of which one is shown.
+//! A session during a comparison: two frames per moment, one of which is shown.
 
 use antumbra::cull::Camera;
 use antumbra::gpu::{Readback, Tick};
@@ -11,7 +11,7 @@ use bench::run_error::RunError;
 use bench::strategy::Strategy;
 
 impl Session {
-    /// Begins to show frames with and without culling in turn, or ends that.
+    /// Begins to alternate frames with and without culling, or ends that.
     pub(crate) fn toggle_comparison(&mut self) -> Result<(), RunError> {
         if let Some(comparison) = self.comparison.take() {
             self.tell(format!("{}: {}", self.strategy, comparison.tally().text()));
@@ -29,7 +29,7 @@ impl Session {
         Ok(())
     }
 
-    /// Returns the text about the comparison, if there is one.
+    /// Returns the text about the running comparison.
     pub(crate) fn comparison_text(&self) -> Option<String> {
         let comparison = self.comparison.as_ref()?;
         let shown = match comparison.shown() {
@@ -44,8 +44,8 @@ impl Session {
         Some(format!("{shown}: {}{times}", comparison.tally().text()))
     }
 
-    /// Draws a frame by the strategy in use; while frames are compared, also one without culling.
-    /// The one that is shown is drawn last, and is copied to `image`.
+    /// Draws a frame with the current strategy, and during a comparison also one without culling.
+    /// The shown frame is drawn last and copied to `image`.
     pub(crate) fn render(
         &mut self,
         camera: Camera,
@@ -82,8 +82,8 @@ impl Session {
         let hidden = if shown == Side::Culled { Side::Unculled } else { Side::Culled };
         let mut tick = Tick::default();
         for side in [hidden, shown] {
-            // The history with culling goes on in every frame; frames that are not compared are not
-            // needed.
+            // The history with culling needs every frame; frames without culling that are neither
+            // shown nor compared are skipped.
             if (side, shown, pair) == (Side::Unculled, Side::Culled, None) {
                 continue;
             }

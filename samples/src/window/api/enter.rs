@@ -1,4 +1,4 @@
-//! The change to another scene; everything that the user chose stays.
+//! The change to another scene; all settings of the user are kept.
 
 use std::path::Path;
 
@@ -16,8 +16,8 @@ use bench::strategy::Strategy;
 use bench::terminal::shown;
 
 impl Session {
-    /// Shows `loaded` from now on, from its first frame. The previous scene is freed when the GPU
-    /// is done with it.
+    /// Shows `loaded` from its first frame on. The previous scene is freed when the GPU has
+    /// finished with it.
     ///
     /// # Errors
     /// A device that fails; then the previous scene stays.
@@ -29,8 +29,8 @@ impl Session {
         Ok(())
     }
 
-    /// Shows `loaded`, which is the same scene with lights, from where the camera is, and carries
-    /// out the action that asked for them.
+    /// Shows `loaded`, the same scene with lights, from the current camera, and carries out the
+    /// action that requires lights.
     ///
     /// # Errors
     /// A device that fails; then the previous scene stays.
@@ -41,14 +41,14 @@ impl Session {
             self.scene_view.take_over();
         }
         match action {
-            // It is an hour of its own already.
+            // The scene already has an hour.
             Action::NextHour => self.tell_hour(),
             action => self.act(action)?,
         }
         Ok(())
     }
 
-    /// Puts another scene in the place of the one that is shown.
+    /// Replaces the scene.
     fn replace(&mut self, loaded: LoadedScene) -> Result<(), RunError> {
         let LoadedScene { mut renderer, mut scene_view, daylight, lit } = loaded;
         if renderer.size() != self.renderer.size() {
@@ -62,7 +62,7 @@ impl Session {
         if let Some(detail) = &scene_view.detail {
             detail.watch(&mut history)?;
         }
-        // Scenes have limits of their own: what cannot draw this one gives way.
+        // A scene may have lower limits: settings that cannot draw it are replaced.
         let strategy = match renderer.supports(self.strategy) {
             Ok(()) => self.strategy,
             Err(error) => {
@@ -95,7 +95,7 @@ impl Session {
         self.update_debug_overlay()
     }
 
-    /// Shows once the parts of a file that are not shown, and the keys to try next.
+    /// Shows once which parts of a file are left out, and the keys to try next.
     fn tell_notes(&mut self, notes: Vec<String>) {
         let others = notes.len().saturating_sub(1);
         let more = (others > 0).then(|| format!("... and {others} more, see the log"));
@@ -106,12 +106,12 @@ impl Session {
         }
     }
 
-    /// Shows the progress of a scene that is loading, or removes it if none is.
+    /// Shows the progress of a loading scene; `None` removes it.
     pub fn await_scene(&mut self, progress: Option<LoadingStatus>) {
         self.awaited = progress;
     }
 
-    /// Shows a message until another replaces it.
+    /// Shows a message until another one replaces it.
     pub fn keep_telling(&mut self, text: String) {
         self.toast.keep_telling(text);
     }

@@ -1,4 +1,4 @@
-//! The effects of the mouse and of single keys on an open window, and the choices from its lists.
+//! The effects of the mouse and of some keys on an open window, and the choices from its lists.
 
 use std::path::PathBuf;
 
@@ -17,14 +17,11 @@ use crate::window::source::SceneSource;
 use bench::options::MadeScene;
 use bench::run_error::RunError;
 
-/// The approximate number of objects of a scene that is chosen from the list.
+/// The approximate number of objects of a scene chosen from the list.
 const MADE_OBJECTS: u32 = 10_000;
 
 impl Opened {
-    /// Carries out Esc; returns true if that is the end.
-    ///
-    /// # Errors
-    /// When the device fails.
+    /// Handles Esc; returns true if the program should end.
     pub(crate) fn escape(&mut self) -> Result<bool, RunError> {
         let closes = self.session.topmost_panel().map(|_| Escape::Close);
         let frees = self.pointer.is_looking().then_some(Escape::Free);
@@ -66,8 +63,8 @@ impl Opened {
         }
     }
 
-    /// Keeps the mouse in the window. Not every window system supports it; looking around works all
-    /// the same, up to the edge of the screen.
+    /// Keeps the mouse in the window. Some window systems do not support this; looking around then
+    /// works up to the edge of the screen.
     fn grab(&self) {
         let locked = self.window.set_cursor_grab(CursorGrabMode::Locked);
         let _free = locked.or_else(|_| self.window.set_cursor_grab(CursorGrabMode::Confined));
@@ -79,19 +76,19 @@ impl Opened {
         self.window.set_cursor_visible(true);
     }
 
-    /// Notes that the window is hidden by others, or shows again.
+    /// Notes whether other windows hide this window.
     pub(crate) fn set_occluded(&mut self, is_occluded: bool) {
         self.is_occluded = is_occluded;
         self.not_before = Time::ZERO;
     }
 
-    /// Changes the camera's speed by notches of the wheel.
+    /// Changes the camera's speed by notches of the mouse wheel.
     pub(crate) fn hasten(&mut self, notches: f32) {
         self.session.hasten(notches);
         self.next_layout = Time::ZERO;
     }
 
-    /// Begins to load or make a scene that replaces the one shown.
+    /// Begins to load or generate another scene.
     pub(crate) fn load(&mut self, source: &SceneSource, options: &ShowOptions) {
         let size = self.session.renderer().size();
         let device = self.session.renderer().device().clone();
@@ -105,7 +102,7 @@ impl Opened {
         }
     }
 
-    /// Begins to make the scene with lights, if the last action asked for that.
+    /// Begins to generate the scene with lights, if the last action requires them.
     pub(crate) fn load_lit(&mut self, options: &ShowOptions) {
         let Some(request) = self.session.take_lighting_request() else { return };
         let size = self.session.renderer().size();
@@ -115,16 +112,13 @@ impl Opened {
         }
     }
 
-    /// Returns the list of scenes, with the one shown selected.
+    /// Returns the list of scenes, with the current scene selected.
     pub(crate) fn scenes(&self) -> Menu {
         let shown = self.session.title_words().scene;
         menu::scenes(scene_files::to_choose(&self.files), shown)
     }
 
     /// Handles a key while a list or field is open.
-    ///
-    /// # Errors
-    /// When the device fails.
     pub(crate) fn choose(
         &mut self,
         key: MenuKey,

@@ -1,5 +1,4 @@
-//! A session while an object is selected: it is outlined, and a card explains why it is drawn or
-//! not.
+//! A session with a selected object: it is outlined, and a card explains why it is drawn or not.
 
 use antumbra::{FrameRequest, ObjectId, RenderView, Strategy};
 
@@ -10,18 +9,18 @@ use crate::window::session::Session;
 use bench::run_error::RunError;
 
 impl Session {
-    /// Begins to find out which object is at a pixel of the image, or in its middle.
+    /// Begins to identify the object at a pixel of the image, or in its middle.
     pub fn identify(&mut self, pixel: Option<[u32; 2]>) {
         let [width, height] = self.renderer.size();
         let [x, y] = pixel.unwrap_or([width / 2, height / 2]);
         self.selection.pixel = Some([x.min(width - 1), y.min(height - 1)]);
     }
 
-    /// Handles the answer that is there by now, then points at the pixel that was clicked last;
-    /// never waits.
+    /// Handles the newest answer, then points at the pixel of the last click; never waits.
     pub(crate) fn follow_selection(&mut self) -> Result<(), RunError> {
         if let Some(Search { after, .. }) = self.selection.search {
-            // A newer click waits, so that many of them cannot keep all from being answered.
+            // A newer click waits for this answer; otherwise many clicks could keep all from being
+            // answered.
             let newer = self.searching()?.pointed().filter(|pointed| pointed.frame > after);
             let surface = newer.map(|pointed| pointed.surface);
             let Some(surface) = surface else { return self.draw_search() };
@@ -38,7 +37,7 @@ impl Session {
         Ok(())
     }
 
-    /// Begins a search again that is on its way, before frames are drawn in another view.
+    /// Restarts a pending search, before frames are drawn in another view.
     pub(crate) fn search_again(&mut self) -> Result<(), RunError> {
         self.history.point_at(None)?;
         self.search_view = None;
@@ -48,8 +47,8 @@ impl Session {
         Ok(())
     }
 
-    /// Returns the view whose frames find objects: the one that is shown, or while the culling is
-    /// frozen one of its own, since its frames lack what was left out.
+    /// Returns the view whose frames find objects. It is the shown view, except while the culling
+    /// is frozen: frozen frames lack the objects that were left out, so a separate view is used.
     fn searching(&mut self) -> Result<&mut RenderView, RunError> {
         if self.frozen.is_none() {
             return Ok(&mut self.history);
@@ -61,7 +60,7 @@ impl Session {
         Ok(self.search_view.insert(view))
     }
 
-    /// Draws a frame of the view that finds objects while the culling is frozen. It is not shown.
+    /// Draws a frame of the separate view while the culling is frozen. It is not shown.
     fn draw_search(&mut self) -> Result<(), RunError> {
         if let Some(view) = &mut self.search_view {
             let request = FrameRequest::new(Strategy::FRUSTUM, self.seen_from);
@@ -81,7 +80,7 @@ impl Session {
         Ok(())
     }
 
-    /// Closes the card of the selected object, and removes its outline.
+    /// Closes the card of the selected object and removes its outline.
     pub(crate) fn deselect(&mut self) -> Result<(), RunError> {
         self.renderer.outline(None)?;
         self.selection = Selection::default();
@@ -89,7 +88,7 @@ impl Session {
         Ok(())
     }
 
-    /// Logs the card of an object, once after it was selected.
+    /// Logs the card of an object, once per selection.
     pub(crate) fn log_selection(&mut self) {
         if std::mem::take(&mut self.selection.is_new) {
             let rows = self.card().into_iter().map(|(name, value)| format!("{name}: {value}"));
@@ -97,7 +96,7 @@ impl Session {
         }
     }
 
-    /// Returns the facts about the selected object; none if it is gone.
+    /// Returns the facts about the selected object; empty if it does not exist any more.
     pub(crate) fn card(&self) -> Facts {
         let view = match &self.frozen {
             Some(snapshot) => snapshot.view,

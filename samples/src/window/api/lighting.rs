@@ -1,4 +1,4 @@
-//! The hour of the day and the shadows of a session.
+//! The hour of day and the shadows of a session.
 
 use antumbra::glam::Vec3;
 use antumbra::render;
@@ -14,7 +14,7 @@ use bench::run_error::RunError;
 use bench::shadow_choice::{ShadowChoice, ShadowWay};
 use scenes::Hour;
 
-/// The ways that a key goes through; the others are for comparisons.
+/// The methods that a key cycles through; the others are for comparisons.
 const BY_KEY: [ShadowWay; 3] = [ShadowWay::Off, ShadowWay::Maps, ShadowWay::Volumes];
 
 const NO_FLARES: &str = "there are lens flares in city, in field, and in `shadows`";
@@ -37,28 +37,25 @@ impl Session {
         self.daylight.as_ref().map(|daylight| daylight.hour)
     }
 
-    /// Returns true for an action that waits until the same scene was loaded with lights.
+    /// Returns true if an action must wait until the scene was loaded with lights.
     pub(crate) fn needs_lights(&self, action: Action) -> bool {
         self.lit.is_some() && is_about_lights(action)
     }
 
-    /// Takes the action that waits for lights, with the scene that has them.
+    /// Takes the action that waits for lights, with the source of the scene that has them.
     pub fn take_lighting_request(&mut self) -> Option<LightingRequest> {
         let action = self.waiting_for_lights.take()?;
         Some(LightingRequest { source: self.lit.clone()?, action })
     }
 
-    /// Shows which hour it is.
+    /// Shows the current hour.
     pub(crate) fn tell_hour(&mut self) {
         if let Some(hour) = self.hour() {
             self.tell(format!("the hour is {hour}"));
         }
     }
 
-    /// Shows the scene at an hour; the next one if none is given.
-    ///
-    /// # Errors
-    /// When the renderer refuses a light.
+    /// Shows the scene at an hour; at the next hour if `hour` is `None`.
     pub(crate) fn set_hour(&mut self, hour: Option<Hour>) -> Result<(), RunError> {
         let Some(daylight) = &mut self.daylight else {
             self.refuse(NO_HOURS.to_owned());
@@ -70,7 +67,7 @@ impl Session {
         Ok(())
     }
 
-    /// Shows lens flares from now on, or none.
+    /// Switches lens flares on or off.
     pub(crate) fn toggle_flares(&mut self) {
         if self.daylight.is_none() {
             return self.refuse(NO_FLARES.to_owned());
@@ -86,11 +83,8 @@ impl Session {
         self.tell(told.to_owned());
     }
 
-    /// Lets the lights flare as they are in the next frame. Frames that are compared have no
-    /// flares: those of two views begin at different times.
-    ///
-    /// # Errors
-    /// When the renderer refuses a flare.
+    /// Updates the lens flares for the next frame. Frames that are compared have no flares, since
+    /// the flares of two views begin at different times.
     pub(crate) fn follow_flares(&mut self, eye: Vec3) -> Result<(), RunError> {
         let is_shown = self.flares == FlareChoice::On && self.comparison.is_none();
         let flares = match &self.daylight {
@@ -102,10 +96,7 @@ impl Session {
         Ok(self.renderer.set_flares(&flares)?)
     }
 
-    /// Lets spots project their pictures, or shine white.
-    ///
-    /// # Errors
-    /// When the renderer refuses a light.
+    /// Switches between pictures projected by spots and white light.
     pub(crate) fn toggle_pictures(&mut self) -> Result<(), RunError> {
         let Some(daylight) =
             self.daylight.as_mut().filter(|daylight| projector_of(daylight).is_some())
@@ -124,10 +115,7 @@ impl Session {
         Ok(())
     }
 
-    /// Chooses levels of detail by visible samples, too, or by distance alone.
-    ///
-    /// # Errors
-    /// When the device fails.
+    /// Switches between levels of detail by visible samples, too, and only by distance.
     pub(crate) fn toggle_detail_by_samples(&mut self) -> Result<(), RunError> {
         if let Err(error) = self.renderer.supports_counts() {
             self.refuse(error.to_string());
@@ -143,7 +131,7 @@ impl Session {
         Ok(())
     }
 
-    /// Returns the shadows as they are drawn.
+    /// Returns the current choice of shadows.
     fn shadows(&self) -> ShadowChoice {
         let options = self.renderer.shadows();
         let way = match (options.method, options.caching, options.culling) {
@@ -188,7 +176,7 @@ impl Session {
         self.tell(lines.join("\n"));
     }
 
-    /// Returns the facts about light, if there is anything to say.
+    /// Returns the facts about light, if there are any.
     pub(crate) fn light_facts(&self) -> Option<Facts> {
         let hour = self.hour().map(|hour| fact("hour", hour.to_string()));
         let choice = self.shadows();
@@ -219,7 +207,7 @@ impl Session {
     }
 }
 
-/// Returns true for an action that changes nothing in a scene without lights of its own.
+/// Returns true for an action that has no effect in a scene without its own lights.
 fn is_about_lights(action: Action) -> bool {
     use Action::{Filter, Flares, Hour, NextFilter, NextHour, NextShadows, Shadows};
     matches!(
@@ -228,7 +216,7 @@ fn is_about_lights(action: Action) -> bool {
     )
 }
 
-/// Returns the one after `current`; after the last the first.
+/// Returns the element after `current`, or the first after the last.
 fn next<T: Copy + PartialEq>(all: &[T], current: T) -> T {
     let following = all.iter().skip_while(|one| **one != current).nth(1);
     following.or(all.first()).copied().unwrap_or(current)

@@ -1,4 +1,4 @@
-//! The calls of a [`Session`](super::session::Session) and of an open window, a file per concern.
+//! The methods of a [`Session`](super::session::Session) and of an open window, one file per topic.
 
 mod act;
 mod comparing;

@@ -1,4 +1,4 @@
-//! The page of the HUD of a session.
+//! The HUD page of a session.
 
 use std::time::Duration;
 
@@ -18,15 +18,15 @@ use crate::window::session::Session;
 use bench::run_error::RunError;
 use bench::transparency::TransparencyReport;
 
-/// The interval of frames whose passes are timed while the HUD is shown.
+/// The interval, in frames, at which passes are timed while the HUD is visible.
 const TIMED_INTERVAL_FRAMES: u64 = 8;
-/// The time for which a screenshot is shown.
+/// The time for which the sign of a screenshot is visible.
 const FLASH: Duration = Duration::from_millis(800);
 /// The most frames that are remembered until their results are read back.
 const MOST_VIEWED: usize = 64;
 
 impl Session {
-    /// Lays the HUD out; without one, errors and signs only. `scale` pixels are a point.
+    /// Lays out the HUD; without it, only errors and signs. A point has `scale` pixels.
     ///
     /// # Errors
     /// When the device fails.
@@ -46,7 +46,7 @@ impl Session {
         Ok(())
     }
 
-    /// Times passes: of all frames on request, of some for the HUD.
+    /// Times passes: of all frames on request, of some frames for the HUD.
     fn time_passes(&mut self) -> Result<(), RunError> {
         let has_timestamps =
             self.renderer.device().capabilities().has(gpu::OptionalFeature::Timestamps);
@@ -95,7 +95,7 @@ impl Session {
     fn page(&self, screen: Option<&ScreenFacts>) -> HudPage {
         let now = self.clock.now();
         let signs = match (screen, self.hud_level) {
-            // Without a window there are no signs: images stay as they are.
+            // Without a window there are no signs, so images are unchanged.
             (None, HudLevel::Off) => Vec::new(),
             _ => self.signs(now),
         };
@@ -144,7 +144,7 @@ impl Session {
             HudLevel::Detailed => ("F1 help, H no text", known.details()),
             _ => ("F1 help, H details", Vec::new()),
         };
-        // Beside a list that is open, what was done before is of no interest.
+        // While a list is open, messages about earlier actions are hidden.
         let toast = match self.menu {
             Some(_) => self.toast.refused_at(now),
             None => self.toast.at(now),
@@ -164,7 +164,7 @@ impl Session {
         }
     }
 
-    /// Returns what is known of the newest frame, and what can be claimed about its image from it.
+    /// Returns the facts about the newest frame on which the claim about its image rests.
     fn claim_basis(&self) -> ClaimBasis {
         ClaimBasis {
             frames: self.frame,
@@ -179,8 +179,8 @@ impl Session {
         }
     }
 
-    /// Returns the answer to a request, in words: the list or field that is open, or else the
-    /// results of a comparison and the card of the selected object.
+    /// Returns the answer to a request: the open list or field, or else the results of a comparison
+    /// and the card of the selected object.
     fn asked_for(&self) -> Option<HudAnswer> {
         if let Some(menu) = &self.menu {
             return Some(menu.asked());
@@ -190,7 +190,7 @@ impl Session {
         (!lines.is_empty()).then(|| HudAnswer::Rows(lines.join("\n")))
     }
 
-    /// Returns the meanings of the colours that are shown.
+    /// Returns the legends for the visible colours.
     fn legends(&self) -> Vec<Legend> {
         let selected = (!self.card().is_empty()).then(legends::of_selection);
         let explained = legends::of(self.renderer.debug_overlay(), self.frozen.is_some());
@@ -200,7 +200,7 @@ impl Session {
     /// Returns the signs that must be understood without reading.
     fn signs(&self, now: Time) -> Vec<Sign> {
         let is_new = |taken: Time| now.since(taken) < FLASH;
-        // A screenshot does not show that one was taken.
+        // A screenshot does not show its own sign.
         let photographed = self.photographed.filter(|_| !self.wants_screenshot);
         let signs = [
             (self.frozen.is_some(), Sign::Frozen),

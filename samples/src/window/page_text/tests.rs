@@ -1,4 +1,4 @@
-//! The whole text of pages with all values known, and of one with none.
+//! Tests of the whole text of pages, with all values known and with none.
 
 use std::time::Duration;
 
@@ -10,7 +10,7 @@ use super::*;
 use crate::window::comparison::Side;
 use crate::window::conditions::Conditions;
 
-/// Returns a distribution whose numbers all differ, in hundredths of a millisecond from `first` on.
+/// Returns a distribution of distinct numbers, in hundredths of a millisecond from `first` on.
 fn distribution(first: u64) -> Distribution {
     let at = |step: u64| Duration::from_micros((first + step) * 10);
     Distribution {
@@ -29,7 +29,7 @@ fn pass(label: &'static str, gpu_ms: f64) -> PassTime {
     PassTime { label, gpu_ms, began_ns: 0 }
 }
 
-/// Returns one line per fact, an empty line between groups.
+/// Returns one line per fact, and an empty line between groups.
 fn text(known: &Known<'_>) -> String {
     let line = |(name, value): &(String, String)| format!("{name}: {value}\n");
     let groups = known.details();
@@ -129,7 +129,7 @@ fn known<'a>(
     }
 }
 
-/// Nothing is claimed.
+/// A claim without contents.
 static CLAIM: ExactnessVerdict = ExactnessVerdict::Unclaimed(String::new());
 
 const PASSES: [(&str, f64); 7] = [
@@ -169,7 +169,7 @@ fn what_a_person_looks_for_is_said_first() {
         [figure("10,000", "objects"), figure("2,055", "in frustum"), figure("1,001", "drawn")]
     );
     assert_eq!(overview.split, Some(Split { drawn: 1_001, culled: 1_054 }));
-    // The overlay's times are not the engine's.
+    // The overlay's times are not included in the engine's.
     assert_eq!(overview.times, [figure("6.38 ms", "GPU"), figure("1.25 ms", "CPU")]);
     assert_eq!(overview.verdict, CLAIM);
 }

@@ -1,4 +1,4 @@
-//! The viewer's event loop: receives winit's events and draws frames when something changes.
+//! The viewer's event loop: handles winit's events, and draws frames when something changes.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -20,15 +20,15 @@ use crate::args::WorkshopArguments;
 use crate::inputs::{files_of, keep_inputs};
 use crate::run::{Model, model, write_report};
 
-/// The longest sleep of the loop, since no signal wakes it.
+/// The longest sleep of the loop, since signals do not wake it.
 const LONGEST_SLEEP: Duration = Duration::from_millis(250);
 
-/// Shows the model of the arguments in a window until that is closed, or a signal comes, and writes
+/// Shows the model of the arguments in a window until it is closed or a signal arrives, then writes
 /// the report.
 ///
 /// # Errors
-/// A model or file that is wrong; no display, or one that fails; an unsuited device; messages of
-/// the validation layer.
+/// An invalid model or file; no display, or a failed one; an unsuitable device; messages of the
+/// validation layer.
 pub fn run(arguments: &WorkshopArguments, ending: &mut Ending) -> Result<(), RunError> {
     let report_file = OutputFile::of("--report", arguments.report.as_deref());
     let files: Vec<OutputFile<'_>> = report_file.into_iter().collect();
@@ -51,7 +51,7 @@ pub fn run(arguments: &WorkshopArguments, ending: &mut Ending) -> Result<(), Run
     first_error([outcome, ran, closed])
 }
 
-/// The handler that winit calls.
+/// The event handler for winit.
 struct App<'a> {
     arguments: &'a WorkshopArguments,
     /// The model, until the window is open.
@@ -62,7 +62,7 @@ struct App<'a> {
 }
 
 impl App<'_> {
-    /// Continues, or ends with the error.
+    /// Continues with the next step, or ends with the error.
     fn follow(&mut self, event_loop: &ActiveEventLoop, result: Result<Next, RunError>) {
         match result {
             Ok(Next::Now) => event_loop.set_control_flow(ControlFlow::Poll),

@@ -1,46 +1,46 @@
-//! The camera's path: recorded from the user's motion, or the model's own, and played.
+//! The camera's path: recorded from the user's movements, or the model's own, and played back.
 
 use crate::orbit::OrbitCamera;
 
-/// The time between two cameras that are recorded, in seconds.
+/// The time between two recorded cameras, in seconds.
 const RECORD_INTERVAL_S: f32 = 0.1;
 
-/// The most cameras that are recorded: half an hour.
+/// The most recorded cameras: half an hour.
 const MOST_RECORDED: usize = 18_000;
 
-/// The time for one round of a model's own path, in seconds.
+/// The time for one round on a model's own path, in seconds.
 const ROUND_S: f32 = 12.0;
 
 /// The camera's path.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct OrbitPath {
-    /// The model's own cameras, on a closed way.
+    /// The model's own cameras, on a closed path.
     own: Vec<OrbitCamera>,
-    /// The cameras that were recorded.
+    /// The recorded cameras.
     recorded: Vec<OrbitCamera>,
-    /// The time since the newest of them, while it records.
+    /// The time since the newest recorded camera, while recording.
     recording_s: Option<f32>,
-    /// The time since the start, while it plays.
+    /// The time since the start, while playing.
     playing_s: Option<f32>,
 }
 
 impl OrbitPath {
-    /// Creates the path of a model with its own cameras, or none.
+    /// Creates the path of a model, with its own cameras if it has any.
     pub fn new(own: Vec<OrbitCamera>) -> Self {
         Self { own, ..Self::default() }
     }
 
-    /// Returns true while it records.
+    /// Returns true while recording.
     pub fn is_recording(&self) -> bool {
         self.recording_s.is_some()
     }
 
-    /// Returns true while it plays.
+    /// Returns true while playing.
     pub fn is_playing(&self) -> bool {
         self.playing_s.is_some()
     }
 
-    /// Begins to record, in place of what was, or ends it.
+    /// Begins a new recording, or ends the current one.
     pub fn toggle_recording(&mut self) {
         self.playing_s = None;
         if self.recording_s.take().is_none() {
@@ -49,8 +49,8 @@ impl OrbitPath {
         }
     }
 
-    /// Begins to play, what was recorded or else the model's own path, or ends it. Returns false
-    /// where there is nothing to play.
+    /// Begins or ends playing. Plays the recorded path, or the model's own path if nothing was
+    /// recorded. Returns false if there is nothing to play.
     pub fn toggle_playing(&mut self) -> bool {
         self.recording_s = None;
         if self.playing_s.take().is_none() && self.seconds() > 0.0 {
@@ -70,8 +70,8 @@ impl OrbitPath {
         self.playing_s = None;
     }
 
-    /// Lets time pass: records the camera, or returns the one that is played. A path that was
-    /// recorded is played once, a model's own until it is ended.
+    /// Advances the time: records the camera, or returns the played one. A recorded path is played
+    /// once, a model's own path until it is stopped.
     pub fn advance(&mut self, seconds: f32, camera: &OrbitCamera) -> Option<OrbitCamera> {
         if let Some(since_s) = &mut self.recording_s {
             *since_s += seconds;
@@ -100,7 +100,7 @@ impl OrbitPath {
         self.recorded.len() > 1
     }
 
-    /// Returns the length of what is played, in seconds; 0 where there is nothing.
+    /// Returns the length of the played path, in seconds; 0 without a path.
     fn seconds(&self) -> f32 {
         if self.is_recorded() {
             return (self.recorded.len() - 1) as f32 * RECORD_INTERVAL_S;

@@ -1,4 +1,4 @@
-//! The context of interaction: a session as it is now.
+//! The context of interaction: the current state of a session.
 
 use antumbra::cull::{Aabb, CullView, FrameId};
 use antumbra::glam::Vec2;
@@ -16,14 +16,14 @@ pub struct InteractionContext<'a> {
     pub camera: OrbitCamera,
     /// The view of the next frame.
     pub view: CullView,
-    /// The box around all that is shown.
+    /// The box around everything that is shown.
     pub bounds: Aabb,
     /// The newest frame.
     pub frame: FrameId,
 }
 
 impl InteractionContext<'_> {
-    /// Returns the pixel of a place of the image; `None` beside it.
+    /// Returns the pixel at a place of the image; `None` outside of it.
     pub fn pixel_at(&self, place: Vec2) -> Option<Pixel> {
         let size = Vec2::from(self.view.size.map(|side| side as f32));
         let is_within = place.cmpge(Vec2::ZERO).all() && place.cmplt(size).all();

@@ -1,4 +1,4 @@
-//! Dragging: what a press holds, and where it is when the pointer has moved.
+//! Dragging: the object that a press holds, and its place when the pointer has moved.
 
 use antumbra::cull::{Aabb, CullView};
 use antumbra::glam::{Vec2, Vec3};
@@ -9,25 +9,26 @@ use super::tools::{AxisPlane, MM, Tools, handle_of};
 use crate::document::Lid;
 use crate::hinge::rotation;
 
-/// The angle on either side of the lid's in which it follows the pointer in one frame, in radians.
+/// The largest angle by which the lid follows the pointer in one frame, in either direction, in
+/// radians.
 const REACH_RAD: f32 = 0.7;
 
-/// The angles that are tried between its ends.
+/// The number of angles that are tried in this range.
 const STEPS: u16 = 24;
 
-/// The times that they are tried again, closer together.
+/// The number of times that the search is refined.
 const REFINEMENTS: u32 = 4;
 
-/// The least length of an axis in the image along which a plane is dragged, as a share of its
-/// length seen from the side: less is seen end on.
+/// The least length of a plane's axis in the image, relative to its length seen from the side. A
+/// shorter axis is seen end on.
 const LEAST_SHARE: f32 = 0.05;
 
-/// The thing that the pointer holds while a button is pressed.
+/// The object that the pointer holds while a button is pressed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Drag {
-    /// The model turns about the point that was pressed.
+    /// The model turns about the pressed point.
     Turn,
-    /// The model moves in the image's plane.
+    /// The model moves in the image plane.
     Move,
     /// The lid turns about its hinge.
     Lid(LidGrab),
@@ -36,13 +37,13 @@ pub enum Drag {
 }
 
 impl Drag {
-    /// Returns the drag that a press begins on what a frame showed there.
+    /// Returns the drag that a press begins, by the surface that a frame showed at its place.
     pub fn on(
         surface: &Option<PointedSurface>,
         tools: &Tools,
         seen: &InteractionContext<'_>,
     ) -> Self {
-        // Parts that are apart do not turn.
+        // The lid does not turn while parts are apart.
         let lid = seen.document.lid.filter(|_| tools.gap_mm == 0.0);
         let (Some(surface), Some(lid)) = (surface, lid) else { return Self::Turn };
         let objects = seen.document.parts.objects_of(lid.group);
@@ -53,22 +54,22 @@ impl Drag {
     }
 }
 
-/// A point of the lid that is held.
+/// A held point of the lid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LidGrab {
     lid: Lid,
-    /// The point, where its hinge has angle 0.
+    /// The point at the hinge's angle 0.
     point: Vec3,
 }
 
 impl LidGrab {
-    /// Holds a point of a lid that is turned by an angle.
+    /// Holds a point of a lid that is at an angle.
     pub fn new(lid: Lid, angle_rad: f32, point: Vec3) -> Self {
         Self { lid, point: rotation(&lid.hinge, angle_rad).inverse().transform_point3(point) }
     }
 
-    /// Returns the angle near `angle_rad` at which the point comes nearest to a place of the image,
-    /// in radians.
+    /// Returns the angle near `angle_rad` at which the point is nearest to a place of the image, in
+    /// radians.
     pub fn angle_at(&self, view: &CullView, angle_rad: f32, place: Vec2) -> f32 {
         let hinge = &self.lid.hinge;
         let apart = |angle_rad: f32| {
@@ -89,27 +90,27 @@ impl LidGrab {
         best
     }
 
-    /// Returns an angle of the hinge as degrees from closed.
+    /// Returns an angle of the hinge in degrees from closed.
     pub fn degrees(&self, angle_rad: f32) -> f32 {
         (angle_rad - self.lid.hinge.closed_rad).to_degrees()
     }
 }
 
-/// A section plane that is held.
+/// A held section plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaneGrab {
-    /// The number of its axis.
+    /// The index of its axis.
     pub axis: usize,
-    /// Its place when it was pressed, in millimetres.
+    /// The plane's position at the press, in millimetres.
     from_mm: f32,
-    /// The place of the image where it was pressed.
+    /// The place of the press in the image.
     pressed_at: Vec2,
-    /// The way of its handle in the image over a metre along the axis, in pixels.
+    /// The movement of its handle in the image per metre along the axis, in pixels.
     pixels_per_m: Vec2,
 }
 
 impl PlaneGrab {
-    /// Holds a plane; `None` where its axis is seen end on.
+    /// Holds a plane; `None` if its axis is seen end on.
     pub fn new(
         view: &CullView,
         bounds: &Aabb,
@@ -128,7 +129,8 @@ impl PlaneGrab {
         is_seen.then_some(Self { axis, from_mm: plane.place_mm, pressed_at, pixels_per_m })
     }
 
-    /// Returns its place for a place of the pointer, within the model, in millimetres.
+    /// Returns the position of the plane for a place of the pointer, within the model, in
+    /// millimetres.
     pub fn place_mm(&self, bounds: &Aabb, pointer: Vec2) -> f32 {
         let along = (pointer - self.pressed_at).dot(self.pixels_per_m);
         let moved_m = along / self.pixels_per_m.length_squared();
@@ -170,7 +172,7 @@ mod tests {
         };
         let lid = Lid { group: PartId(0), hinge };
         let held = Vec3::new(0.1, 0.0, 0.5);
-        // The point lies before the hinge and rises when the lid opens.
+        // The point is in front of the hinge, and rises when the lid opens.
         let grab = LidGrab::new(lid, 0.5, rotation(&hinge, 0.5).transform_point3(held));
         for name in ["right", "iso", "top-left"] {
             let view = view(name);

@@ -1,4 +1,4 @@
-//! Gestures that are not over yet.
+//! Gestures that have not ended.
 
 use antumbra::cull::FrameId;
 use antumbra::glam::Vec2;
@@ -9,31 +9,31 @@ use crate::orbit::{CubeView, OrbitCamera};
 use crate::script::Pixel;
 use crate::viewport::PointedPixel;
 
-/// The frames by which an answer may be older than the press or click that takes it: those that are
-/// on their way to the screen, whose image is what was clicked.
+/// The number of frames by which an answer may be older than the press or click. The image that was
+/// clicked is of such a frame, since frames take some time to reach the screen.
 const SHOWN_FRAMES: u64 = 3;
 
-/// A button that is pressed over the model.
+/// A button that is held over the model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Held {
     pub(super) button: MouseButton,
     pub(super) pressed_at: Vec2,
-    /// The place up to which the model followed.
+    /// The place of the pointer that the model has followed so far.
     pub(super) followed_to: Vec2,
     pub(super) is_dragging: bool,
-    /// `None` until it is known what is below the pointer.
+    /// `None` until the object below the pointer is known.
     pub(super) drag: Option<Drag>,
     pub(super) on_cube: Option<CubeView>,
-    /// The newest frame when it was pressed.
+    /// The newest frame at the time of the press.
     pub(super) frame: FrameId,
     pub(super) waited_s: f32,
 }
 
-/// A click whose answer is awaited.
+/// A click that waits for its answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Click {
     pub(super) pixel: Pixel,
-    /// The newest frame when it was released.
+    /// The newest frame at the time of the release.
     pub(super) frame: FrameId,
     pub(super) waited_s: f32,
 }
@@ -46,8 +46,8 @@ pub(super) struct CubeTurn {
     pub(super) seconds: f32,
 }
 
-/// Returns true if an answer is about an image that was on the screen, or on its way there, when
-/// this frame was the newest.
+/// Returns true if an answer is about an image that was on the screen or about to be shown when
+/// `newest` was the newest frame.
 pub(super) fn is_shown_at(pointed: &PointedPixel, newest: FrameId) -> bool {
     pointed.frame.0 + SHOWN_FRAMES > newest.0
 }

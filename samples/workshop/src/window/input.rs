@@ -17,18 +17,18 @@ pub enum InputEvent {
     Released(MouseButton),
     /// The wheel turned away from the user, in notches.
     Wheel(f32),
-    /// A key was struck.
+    /// A key was pressed.
     Key(KeyCode),
-    /// Other modifier keys are held than before.
+    /// The held modifier keys have changed.
     Modifiers(ModifiersState),
 }
 
-/// A key of the page of keys.
+/// A row of the page of keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KeyLine {
     /// The name of the key.
     pub key: &'static str,
-    /// Its effect.
+    /// The effect.
     pub what: &'static str,
 }
 

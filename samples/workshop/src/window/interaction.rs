@@ -1,4 +1,4 @@
-//! The interaction with the viewer: events and late results go in, commands come out. A pure value.
+//! The interaction with the viewer: turns events and late results into commands. A pure value.
 
 use std::f32::consts::PI;
 
@@ -22,16 +22,16 @@ use crate::report::CommandOutcome;
 use crate::script::{Command, Pixel};
 use crate::viewport::PointedPixel;
 
-/// The distance from which a press is a drag, in pixels.
+/// The movement from which on a press is a drag, in pixels.
 const DRAG_PIXELS: f32 = 4.0;
 
 /// The radius of a plane's handle, in half edges of the cube.
 pub const HANDLE_SHARE: f32 = 0.33;
 
-/// The time after which a press or click goes on without an answer, in seconds.
+/// The time after which a press or click continues without an answer, in seconds.
 const LONGEST_WAIT_S: f32 = 0.5;
 
-/// The time that a turn to a view takes, and a change of the projection, in seconds.
+/// The duration of a turn to a view, and of a change of the projection, in seconds.
 const TURN_S: f32 = 0.4;
 
 /// The factor of the image's height per notch of the wheel.
@@ -89,7 +89,7 @@ impl Interaction {
         &self.path
     }
 
-    /// Returns what is below the pointer, as a frame showed it.
+    /// Returns the surface below the pointer, as a frame showed it.
     pub fn hovered(&self) -> Option<&PointedSurface> {
         self.hovered.as_ref().filter(|_| self.held.is_none())
     }
@@ -99,7 +99,7 @@ impl Interaction {
         self.cursor
     }
 
-    /// Returns what was measured last.
+    /// Returns the newest measurement.
     pub fn measured(&self) -> Option<&MeasuredLine> {
         self.measured.as_ref()
     }
@@ -119,14 +119,14 @@ impl Interaction {
         self.cube = ViewCube::in_corner(size, pixels_per_point);
     }
 
-    /// Returns true while frames change without an event.
+    /// Returns true while frames change without events.
     pub fn is_moving(&self, camera: &OrbitCamera) -> bool {
         let is_awaiting = self.click.is_some() || self.held.is_some_and(|held| held.is_dragging);
         let is_on_path = self.path.is_playing() || self.path.is_recording();
         self.turn.is_some() || is_on_path || is_awaiting || camera.flatness != self.tools.flatness()
     }
 
-    /// Returns the pixel that frames are asked about.
+    /// Returns the pixel for which frames must answer.
     pub fn pointer(&self, seen: &InteractionContext<'_>) -> Option<Pixel> {
         if let Some(click) = &self.click {
             return Some(click.pixel);
@@ -138,12 +138,12 @@ impl Interaction {
         cursor.and_then(|cursor| seen.pixel_at(cursor))
     }
 
-    /// Returns true if a place belongs to the cube or a handle, and not to the model.
+    /// Returns true if a place is on the cube or a handle.
     fn is_on_sign(&self, place: Vec2, seen: &InteractionContext<'_>) -> bool {
         self.cube.view_at(&seen.camera, place).is_some() || self.handle_at(place, seen).is_some()
     }
 
-    /// Returns the number of the section plane whose handle is at a place.
+    /// Returns the index of the section plane whose handle is at a place.
     pub fn handle_at(&self, place: Vec2, seen: &InteractionContext<'_>) -> Option<usize> {
         let radius = self.cube.half_edge * HANDLE_SHARE;
         self.tools.planes.iter().enumerate().position(|(axis, plane)| {
@@ -152,7 +152,7 @@ impl Interaction {
         })
     }
 
-    /// Takes an event.
+    /// Handles an event.
     pub fn handle(&mut self, input: InputEvent, seen: &InteractionContext<'_>) -> Vec<Command> {
         match input {
             InputEvent::Moved(place) => {
@@ -227,7 +227,7 @@ impl Interaction {
         commands
     }
 
-    /// Ends what moves the camera by itself.
+    /// Ends automatic movements of the camera.
     fn end_motion(&mut self) {
         self.turn = None;
         self.path.stop_playing();
@@ -248,13 +248,13 @@ impl Interaction {
         vec![Command::Camera(camera.zoomed(factor, offset.x, offset.y))]
     }
 
-    /// Returns the camera whose target is as far away as what is below the pointer.
+    /// Returns the camera with its target at the depth of the surface below the pointer.
     fn at_hovered(&self, camera: &OrbitCamera) -> OrbitCamera {
         let point = self.hovered.map(|hovered| hovered.point.as_vec3());
         point.map_or(*camera, |point| camera.at_depth_of(point))
     }
 
-    /// Takes what a frame showed at the pixel that was asked for.
+    /// Handles the answer of a frame for the requested pixel.
     pub fn learn_pointed(
         &mut self,
         pointed: &PointedPixel,
@@ -283,7 +283,7 @@ impl Interaction {
         Vec::new()
     }
 
-    /// Selects or measures what was clicked.
+    /// Selects or measures at the click.
     fn clicked(
         &mut self,
         surface: &Option<PointedSurface>,
@@ -319,12 +319,12 @@ impl Interaction {
         }
     }
 
-    /// Takes the outcome of a command, and shows it.
+    /// Handles the outcome of a command, and shows it.
     pub fn learn_outcome(&mut self, command: &Command, outcome: &CommandOutcome) {
         let tools = &mut self.tools;
         match (outcome, command) {
             (CommandOutcome::Lid(turn), _) => tools.lid_degrees = turn.degrees,
-            // A refused setting is not set.
+            // A refused setting is reverted.
             (CommandOutcome::Refused(_), Command::Lid { .. }) => {
                 tools.lid_degrees = self.before.lid_degrees;
             }
@@ -341,7 +341,7 @@ impl Interaction {
             self.end_motion();
         }
         if command.changes_surfaces() && !matches!(outcome, CommandOutcome::Refused(_)) {
-            // What was measured may be elsewhere.
+            // The measured points may have moved.
             self.measured = None;
         }
         if !matches!(command, Command::Camera(_)) {
@@ -349,7 +349,7 @@ impl Interaction {
         }
     }
 
-    /// Takes other settings of the tools.
+    /// Changes the settings of the tools.
     pub fn use_tools(&mut self, tools: Tools) -> Vec<Command> {
         if tools.measuring != self.tools.measuring {
             self.measured = None;
@@ -364,7 +364,7 @@ impl Interaction {
         commands
     }
 
-    /// Lets time pass before the next frame: animations go on, and what is dragged follows.
+    /// Advances the time before the next frame: animations continue, and dragged objects follow.
     pub fn advance(&mut self, seconds: f32, seen: &InteractionContext<'_>) -> Vec<Command> {
         let mut commands = self.follow(seen);
         let before = match commands[..] {
@@ -392,7 +392,7 @@ impl Interaction {
         commands
     }
 
-    /// Gives up answers that do not come, as on devices that cannot tell.
+    /// Stops waiting for late answers; some devices never give any.
     fn wait(&mut self, seconds: f32) {
         if let Some(held) = &mut self.held
             && held.drag.is_none()
@@ -408,7 +408,7 @@ impl Interaction {
         });
     }
 
-    /// Lets what is dragged follow the pointer.
+    /// Makes dragged objects follow the pointer.
     fn follow(&mut self, seen: &InteractionContext<'_>) -> Vec<Command> {
         let hovered = self.hovered;
         let (Some(held), Some(cursor)) = (&mut self.held, self.cursor) else { return Vec::new() };
@@ -442,14 +442,14 @@ impl Interaction {
         }
     }
 
-    /// Returns true if keys mean what the page of keys says: with other modifiers than Shift they
-    /// are the shortcuts of other programs.
+    /// Returns true if keys have the effects on the page of keys: with modifiers other than Shift
+    /// they are shortcuts of other programs.
     pub fn takes_keys(&self) -> bool {
         let others = ModifiersState::CONTROL | ModifiersState::ALT | ModifiersState::SUPER;
         !self.modifiers.intersects(others)
     }
 
-    /// Carries out a key.
+    /// Handles a key.
     fn key(&mut self, key: KeyCode, seen: &InteractionContext<'_>) -> Vec<Command> {
         if !self.takes_keys() {
             return Vec::new();
@@ -475,7 +475,8 @@ impl Interaction {
         Vec::new()
     }
 
-    /// Closes the page of keys, else ends measuring, else the path, else clears the selection.
+    /// Closes the page of keys, or else ends measuring, or else the path, or else clears the
+    /// selection.
     fn escape(&mut self) -> Vec<Command> {
         self.message = None;
         if self.tools.has_help {

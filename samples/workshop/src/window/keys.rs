@@ -10,10 +10,10 @@ use super::tools::{Measuring, Tools};
 use crate::orbit::{CubeView, OrbitCamera};
 use crate::script::Command;
 
-/// The angle of an arrow key, in radians.
+/// The angle per press of an arrow key, in radians.
 const ARROW_RAD: f32 = PI / 12.0;
 
-/// The factor of the image's height of the keys that zoom.
+/// The factor of the image's height per press of a zoom key.
 const ZOOM: f32 = 0.8;
 
 /// The effect of a key.
@@ -21,17 +21,17 @@ const ZOOM: f32 = 0.8;
 pub enum KeyEffect {
     /// None.
     Nothing,
-    /// Whatever is open ends.
+    /// Closes or ends what is open.
     Escape,
-    /// A command.
+    /// Carries out a command.
     Command(Command),
-    /// Other settings of the tools.
+    /// Changes the settings of the tools.
     Tools(Tools),
-    /// A turn to a view of the cube.
+    /// Turns to a view of the cube.
     CullView(CubeView),
-    /// The path begins to be recorded, or ends.
+    /// Begins or ends recording the path.
     Record,
-    /// The path begins to be played, or ends.
+    /// Begins or ends playing the path.
     Play,
 }
 
@@ -87,7 +87,7 @@ fn tools_of(key: KeyCode, mut tools: Tools, seen: &InteractionContext<'_>) -> Op
     Some(tools)
 }
 
-/// Returns the view that a key shows.
+/// Returns the view of a key.
 fn view_of(key: KeyCode) -> Option<CubeView> {
     CubeView::named(match key {
         KeyCode::Digit1 => "front",
@@ -101,7 +101,7 @@ fn view_of(key: KeyCode) -> Option<CubeView> {
     })
 }
 
-/// Returns the camera that a key moves.
+/// Returns the camera after a key moves it.
 fn camera_of(key: KeyCode, camera: &OrbitCamera) -> Option<OrbitCamera> {
     Some(match key {
         KeyCode::ArrowLeft => camera.turned_by(-ARROW_RAD, 0.0),

@@ -1,11 +1,10 @@
 //! The viewer in a window.
 //!
-//! An [`interaction`] is the pure heart of it: input events ([`input`]) and late results of
-//! frames go in, commands of a [session](crate::session) come out. It moves the camera, drags
-//! ([`drag`]) the lid and [section planes](tools), turns with the [cube](view_cube), and records
-//! a [path](camera_path). An open window shows the [`panel`] of tools with its
-//! [tree of parts](part_rows) and the [`signs`] over the image, and draws frames while something
-//! changes.
+//! An [`interaction`] is pure: it turns input events ([`input`]) and late results of frames into
+//! commands of a [session](crate::session). It moves the camera, drags ([`drag`]) the lid and
+//! [section planes](tools), turns with the [cube](view_cube), and records a [path](camera_path). An
+//! open window shows the [`panel`] of tools with its [tree of parts](part_rows), and the [`signs`]
+//! over the image. It draws frames while something changes.
 
 pub mod app;
 pub mod camera_path;

@@ -37,28 +37,28 @@ use crate::run::{Model, begin_report};
 use crate::script::Command;
 use crate::session::{FrameQuestions, LateResults, WorkshopSession};
 
-/// The frames in flight.
+/// The number of frames in flight.
 const FRAMES_IN_FLIGHT: u32 = 2;
 
-/// The frames that are drawn after the last change, in which late results come.
+/// The number of frames that are drawn after the last change, until late results arrive.
 const SETTLING_FRAMES: u32 = 8;
 
 /// The longest time that an animation advances in one frame, in seconds.
 const LONGEST_STEP_S: f32 = 0.1;
 
-/// The interval of looks at a window that shows nothing new.
+/// The interval at which a window without changes is checked.
 const IDLE_INTERVAL: Duration = Duration::from_millis(250);
 
-/// The delay from which a wish of the panel to be drawn again means never.
+/// The delay of a requested repaint of the panel from which on it is ignored.
 const LONGEST_DELAY: Duration = Duration::from_secs(5);
 
-/// The distance of a wheel without notches that counts as one notch, in pixels.
+/// The distance of a wheel without notches that equals one notch, in pixels.
 const PIXELS_A_NOTCH: f32 = 40.0;
 
-/// The side of windows below which the panel is closed at first, in points.
+/// The side length of windows below which the panel is closed at first, in points.
 const ROOMY_POINTS: f32 = 600.0;
 
-/// The window and the objects that draw in it. Later ones are dropped first by [`Opened::close`].
+/// The window and the objects that draw in it. [`Opened::close`] drops later fields first.
 pub(super) struct Opened {
     session: WorkshopSession,
     interaction: Interaction,
@@ -66,7 +66,7 @@ pub(super) struct Opened {
     late: LateResults,
     /// The box around the whole model at rest.
     rest: Aabb,
-    /// The part of the image that no panel covers, in points.
+    /// The part of the image that the panel does not cover, in points.
     room: Rect,
     cursor: Vec2,
     context: Context,
@@ -161,7 +161,7 @@ impl Opened {
         })
     }
 
-    /// Takes an event of the window.
+    /// Handles an event of the window.
     pub(super) fn take(&mut self, event: &WindowEvent) -> Result<(), RunError> {
         let response = self.egui.on_window_event(&self.window, event);
         if response.repaint || !matches!(event, WindowEvent::RedrawRequested) {
@@ -172,7 +172,7 @@ impl Opened {
             WindowEvent::Resized(size) => self.size = (*size).into(),
             WindowEvent::Occluded(is_occluded) => self.is_occluded = *is_occluded,
             WindowEvent::RedrawRequested => self.frames_due = self.frames_due.max(1),
-            // A list that is open has all keys: Esc closes it, and nothing else.
+            // An open list receives all keys: Esc only closes the list.
             WindowEvent::KeyboardInput { .. }
                 if response.consumed || Popup::is_any_open(&self.context) => {}
             _ => {
@@ -185,7 +185,7 @@ impl Opened {
         Ok(())
     }
 
-    /// Returns an event for the interaction, unless it is meant for the panel.
+    /// Returns an event for the interaction, unless the panel consumes it.
     fn input_of(&mut self, event: &WindowEvent) -> Option<InputEvent> {
         match event {
             WindowEvent::CursorMoved { position, .. } => {
@@ -229,7 +229,7 @@ impl Opened {
         }
     }
 
-    /// Returns true if the pointer is on the panel, or drags something of it.
+    /// Returns true if the pointer is on the panel, or drags an element of it.
     fn is_on_panel(&self) -> bool {
         let scale = self.context.pixels_per_point();
         let at = egui::pos2(self.cursor.x / scale, self.cursor.y / scale);
@@ -238,8 +238,8 @@ impl Opened {
         is_on_window || !self.room.contains(at) || self.context.egui_is_using_pointer()
     }
 
-    /// Carries out commands. One that fails is said, as one that is refused: where the device is
-    /// lost, the next frame fails.
+    /// Carries out commands. Failures and refusals are shown as messages. If the device is lost,
+    /// the next frame returns the error.
     fn act(&mut self, commands: Vec<Command>) -> Result<(), RunError> {
         for command in commands {
             let outcome = self
@@ -262,7 +262,7 @@ impl Opened {
             }
             tracing::info!("{}: {outcome:?}", command.verb());
             let step = ScriptStep { command: command.verb().to_owned(), outcome };
-            // What is dragged is one command.
+            // A drag is recorded as one command.
             let is_dragged = matches!(command, Command::Section(_) | Command::Lid { .. });
             let newest = self.report.steps.last_mut().filter(|_| is_dragged);
             match newest.filter(|newest| newest.command == step.command) {
@@ -273,13 +273,13 @@ impl Opened {
         Ok(())
     }
 
-    /// Refuses to write over files of the model.
+    /// Refuses to overwrite files of the model.
     fn keep_model(&self, command: &Command) -> Result<(), RunError> {
         let output = OutputFile::of(command.verb(), command.written_file());
         Ok(keep_inputs(output.as_slice(), &self.inputs)?)
     }
 
-    /// Runs one turn of the loop, and returns its next step.
+    /// Runs one iteration of the loop, and returns its next step.
     pub(super) fn turn(&mut self) -> Result<Next, RunError> {
         if self.is_gone || self.display.is_lost() {
             return Ok(Next::End);
@@ -341,7 +341,7 @@ impl Opened {
         }
     }
 
-    /// Lays the panel and the signs out, and carries out what was done in the panel.
+    /// Lays out the panel and the signs, and applies input in the panel.
     fn lay_out(&mut self, now: Time) -> Result<(), RunError> {
         let window_scale = self.window.scale_factor() as f32;
         let scale = Measures::of(self.size, window_scale).scale;
@@ -380,11 +380,11 @@ impl Opened {
         Ok(())
     }
 
-    /// Destroys the window and its objects. Returns the report, and what the validation layer
-    /// found.
+    /// Destroys the window and its objects. Returns the report, and the result of the validation
+    /// layer.
     pub(super) fn close(self) -> (ScriptReport, Result<(), RunError>) {
         let Self { session, overlay, screen, window, instance, egui, mut report, .. } = self;
-        // As it is in the end: another size may have changed it.
+        // The final value: a change of the size may have changed it.
         report.transparency = session.transparency();
         drop(session);
         drop(overlay);
@@ -409,7 +409,7 @@ fn context_of(session: &WorkshopSession) -> InteractionContext<'_> {
     }
 }
 
-/// Returns the size of the images of a window, which have a pixel at least.
+/// Returns the size of a window's images, at least one pixel.
 fn frame_size(size: [u32; 2]) -> FrameSize {
     let [width, height] = size.map(|side| side.max(1));
     FrameSize { width, height }

@@ -1,5 +1,4 @@
-//! The panel of tools: the tree of parts, sections, edges, and what else the user sets without a
-//! key.
+//! The panel of tools: the tree of parts, sections, edges, and other settings without keys.
 
 use std::ops::RangeInclusive;
 
@@ -19,41 +18,41 @@ use crate::document::{Display, Document};
 use crate::script::Command;
 use crate::viewport::SeenObject;
 
-/// The background of the panel, which white paper does not shine through.
+/// The background of the panel, opaque even over a white image.
 const GROUND: Color32 = Color32::from_rgb(26, 31, 39);
 
 /// The width of the panel, in points.
 const WIDTH: f32 = 236.0;
 
-/// The largest share of the image that it takes.
+/// The largest share of the image that the panel covers.
 const MOST_SHARE: f32 = 0.6;
 
-/// The share of its height that the tree takes.
+/// The share of the panel's height for the tree.
 const TREE_SHARE: f32 = 0.42;
 
 /// The height of a row of the tree, in points.
 const ROW_HEIGHT: f32 = 17.0;
 
-/// The indentation of a row for each group that it is in, in points.
+/// The indentation of a row per enclosing group, in points.
 const INDENT: f32 = 10.0;
 
 /// The largest gap of the slider of exploded views, in millimetres.
 const MOST_GAP_MM: f32 = 100.0;
 
-/// The most parts that move apart in a window: all pairs are compared.
+/// The most parts that can be moved apart in a window: all pairs are compared.
 const MOST_EXPLODED: u32 = 3000;
 
 /// The contents of the panel.
 pub struct PanelPage<'a> {
     /// The document.
     pub document: &'a Document,
-    /// The box around the whole model at rest, which planes are moved in.
+    /// The box around the whole model at rest, which limits the planes.
     pub rest: Aabb,
     /// The settings of the tools.
     pub tools: Tools,
-    /// The visibility of the parts in the tree, as far as it is known.
+    /// The known visibility of the parts in the tree.
     pub seen: &'a [SeenObject],
-    /// The number of objects that were drawn, if it is known.
+    /// The number of drawn objects, if it is known.
     pub drawn: Option<u64>,
 }
 
@@ -62,7 +61,7 @@ pub struct PanelPage<'a> {
 pub struct PanelAnswer {
     /// The settings of the tools.
     pub tools: Tools,
-    /// The commands.
+    /// The resulting commands.
     pub commands: Vec<Command>,
 }
 
@@ -72,7 +71,7 @@ pub struct ToolPanel {
     pub rows: PartRows,
     /// The row to scroll to.
     scroll_to: Option<usize>,
-    /// The objects whose rows are shown.
+    /// The objects in visible rows.
     listed: Vec<ObjectId>,
 }
 
@@ -82,12 +81,12 @@ impl ToolPanel {
         Self { rows: PartRows::new(document), scroll_to: None, listed: Vec::new() }
     }
 
-    /// Returns the objects whose rows are shown.
+    /// Returns the objects in visible rows.
     pub fn listed(&self) -> &[ObjectId] {
         &self.listed
     }
 
-    /// Opens the tree where an object is, and scrolls to it.
+    /// Opens the groups of an object in the tree, and scrolls to it.
     pub fn reveal(&mut self, document: &Document, object: ObjectId) {
         self.scroll_to = self.rows.reveal(&document.parts, object);
     }
@@ -148,7 +147,7 @@ impl ToolPanel {
     }
 }
 
-/// Shows a row of the tree. Returns true if its group is to be opened or closed.
+/// Shows a row of the tree. Returns true if its group must be opened or closed.
 fn show_row(
     ui: &mut Ui,
     page: &PanelPage<'_>,
@@ -280,7 +279,7 @@ fn section(ui: &mut Ui, page: &PanelPage<'_>, tools: &mut Tools) {
     }
 }
 
-/// Shows a slider. It changes a value where the user does, and does not round or clamp by itself.
+/// Shows a slider. Only the user changes the value: the slider does not round or clamp it.
 fn slider(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>, suffix: &str) {
     let mut shown = *value;
     let slider = Slider::new(&mut shown, range).clamping(SliderClamping::Edits);
@@ -340,7 +339,7 @@ mod tests {
         let mut document = Document::new(made.scene, made.parts, None);
         let rest = document.shown_bounds();
         let mut tools = Tools::at_rest(&rest);
-        // A plane beside the box, and places that no slider shows to their last decimal.
+        // A plane outside of the box, and positions that sliders round.
         tools.planes[0].place_mm = rest.max.x * MM + 77.123;
         tools.planes[1].place_mm = rest.min.y * MM + 1.234_5;
         tools.planes[0].is_on = true;

@@ -1,4 +1,4 @@
-//! The rows of the tree of parts: those of open groups, and what is shown of each.
+//! The rows of the tree of parts: the rows of open groups, with the number of shown parts.
 
 use antumbra::ObjectId;
 use scenes::{PartId, PartTree};
@@ -10,23 +10,23 @@ use crate::document::{Display, Document};
 pub struct PartRow {
     /// The part or group.
     pub part: PartId,
-    /// The number of groups that it is in.
+    /// The number of enclosing groups.
     pub depth: u32,
 }
 
-/// The parts in a part or group: itself, if it is a part.
+/// The numbers of parts in a part or group; a part contains itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PartCount {
-    /// All of them.
+    /// The number of all parts.
     pub all: u32,
-    /// Those that are not hidden.
+    /// The number of parts that are not hidden.
     pub shown: u32,
 }
 
 /// The rows of a tree.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PartRows {
-    /// The first child of each node, and the next child of its parent.
+    /// The first child of each node.
     first_child: Vec<Option<PartId>>,
     next: Vec<Option<PartId>>,
     is_open: Vec<bool>,
@@ -40,7 +40,7 @@ impl PartRows {
         let nodes = &document.parts.nodes;
         let mut first_child = vec![None; nodes.len()];
         let mut next = vec![None; nodes.len()];
-        // From the last one on, so that each child is put before its siblings.
+        // From the last node on, so that each child is inserted before its siblings.
         for (place, node) in nodes.iter().enumerate().rev() {
             let parent = node.parent.and_then(|parent| first_child.get_mut(parent.0 as usize));
             if let Some(first) = parent {
@@ -85,7 +85,7 @@ impl PartRows {
         }
     }
 
-    /// Opens all groups around an object's part, and returns the number of its row.
+    /// Opens all groups around an object's part. Returns the index of its row.
     pub fn reveal(&mut self, tree: &PartTree, object: ObjectId) -> Option<usize> {
         let place = tree.nodes.iter().position(|node| node.object == Some(object))?;
         let mut around = tree.nodes[place].parent;
@@ -97,11 +97,11 @@ impl PartRows {
         self.rows.iter().position(|row| row.part.0 as usize == place)
     }
 
-    /// Counts what is shown again, after a change of the document.
+    /// Counts the shown parts again, after a change of the document.
     pub fn count(&mut self, document: &Document) {
         let nodes = &document.parts.nodes;
         self.counts = vec![PartCount::default(); nodes.len()];
-        // Parents come before what they hold.
+        // Parents precede their children.
         for (place, node) in nodes.iter().enumerate().rev() {
             if let Some(object) = node.object {
                 self.counts[place].all += 1;

@@ -1,4 +1,4 @@
-//! The signs over the model: the cube, handles of planes, measured lines, names, messages.
+//! The signs over the model: the cube, handles of planes, measured lines, names, and messages.
 
 use antumbra::glam::Vec2;
 use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Stroke, pos2, vec2};
@@ -19,12 +19,12 @@ const AXIS_COLOURS: [Color32; 3] = [
 /// The height of text, in points.
 const TEXT: f32 = 12.0;
 
-/// The least cosine under which the name of a face is written on it.
+/// The least cosine of the angle at which the name of a face is written on it.
 const LEAST_FACING: f32 = 0.42;
 
-/// Paints all signs in the part of the image that no panel covers.
+/// Paints all signs in the part of the image that the panel does not cover.
 ///
-/// A notice is about the image as it is now.
+/// A notice is about the current image.
 pub fn paint(
     painter: &Painter,
     room: Rect,
@@ -67,7 +67,7 @@ fn cube(painter: &Painter, interaction: &Interaction, seen: &InteractionContext<
             Some(view) if view == cell.view => MARK,
             _ => Color32::from_rgb(light, light + 8, light + 18),
         };
-        // A polygon's soft border has spikes where a face is seen from its edge.
+        // A polygon's soft border would have spikes on a face that is seen from its edge.
         let mut face = Mesh::default();
         corners.iter().for_each(|corner| face.colored_vertex(*corner, fill));
         face.add_triangle(0, 1, 2);
@@ -131,7 +131,7 @@ fn measured(
     }
 }
 
-/// Writes the name of what is below the pointer beside it.
+/// Writes the name of the object below the pointer beside it.
 fn hovered(
     painter: &Painter,
     room: Rect,
@@ -149,7 +149,7 @@ fn hovered(
     }
 }
 
-/// Writes a text on a ground, as far as it fits within a room.
+/// Writes a text on a background, moved so that it fits into `room`.
 fn text(painter: &Painter, room: Rect, at: Pos2, align: Align2, text: &str) {
     let font = FontId::proportional(TEXT);
     let width = (room.width() - 4.0 * MARGIN).max(1.0);

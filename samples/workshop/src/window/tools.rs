@@ -1,4 +1,4 @@
-//! The settings of the tools, and the commands that change one setting into another.
+//! The settings of the tools, and the commands that change one state of them into another.
 
 use antumbra::cull::{Aabb, SectionMode, SectionPlane, SectionPlanes};
 use antumbra::glam::{DVec3, Vec3};
@@ -6,10 +6,10 @@ use antumbra::render::EdgeMode;
 
 use crate::script::Command;
 
-/// Millimetres in a metre.
+/// Millimetres per metre.
 pub const MM: f32 = 1000.0;
 
-/// The ways to draw edges, in the order of their key.
+/// The modes of edges, in the order of their key.
 pub const EDGE_MODES: [EdgeMode; 5] = [
     EdgeMode::Off,
     EdgeMode::Shaded,
@@ -18,21 +18,21 @@ pub const EDGE_MODES: [EdgeMode; 5] = [
     EdgeMode::HiddenDashed,
 ];
 
-/// A section plane across an axis.
+/// A section plane perpendicular to an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AxisPlane {
     /// True if it cuts.
     pub is_on: bool,
     /// True if it keeps the side of larger coordinates.
     pub is_flipped: bool,
-    /// Its place along the axis, in millimetres.
+    /// The position along the axis, in millimetres.
     pub place_mm: f32,
 }
 
-/// The measure that a click takes.
+/// The measurement that a click makes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Measuring {
-    /// Nothing: it selects.
+    /// Nothing: a click selects.
     #[default]
     Off,
     /// The distance from one click to the next.
@@ -46,24 +46,24 @@ pub enum Measuring {
 pub struct MeasuredLine {
     /// One point.
     pub from: DVec3,
-    /// The other; `None` until it is chosen.
+    /// The other point; `None` until it is chosen.
     pub to: Option<DVec3>,
 }
 
 /// The settings of the tools.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tools {
-    /// The section planes across x, y and z.
+    /// The section planes perpendicular to x, y and z.
     pub planes: [AxisPlane; 3],
-    /// The edges.
+    /// The mode of edges.
     pub edges: EdgeMode,
-    /// The gap between parts that are apart, in millimetres; 0 where they are in their places.
+    /// The gap between parts, in millimetres; 0 if they are in their places.
     pub gap_mm: f32,
     /// The angle of the lid, in degrees; 0 is closed.
     pub lid_degrees: f32,
-    /// True if the projection is orthographic, or becomes so.
+    /// True if the projection is orthographic, or changes to it.
     pub is_orthographic: bool,
-    /// The measure that a click takes.
+    /// The measurement that a click makes.
     pub measuring: Measuring,
     /// True if the panel is shown.
     pub has_panel: bool,
@@ -72,7 +72,7 @@ pub struct Tools {
 }
 
 impl Tools {
-    /// Returns the settings at the start: planes in the middle of the model, none of them on.
+    /// Returns the initial settings: all planes are off and in the middle of the model.
     pub fn at_rest(bounds: &Aabb) -> Self {
         let middle = (bounds.min + bounds.max) * 0.5 * MM;
         let plane = |place_mm: f32| AxisPlane { place_mm, ..AxisPlane::default() };
@@ -88,7 +88,7 @@ impl Tools {
         }
     }
 
-    /// Returns the share of the way from perspective to orthographic that is wanted.
+    /// Returns the wanted projection: 0 for perspective, 1 for orthographic.
     pub fn flatness(&self) -> f32 {
         if self.is_orthographic { 1.0 } else { 0.0 }
     }
@@ -100,13 +100,13 @@ impl Tools {
             let sign = if plane.is_flipped { 1.0 } else { -1.0 };
             let offset_m = -sign * f64::from(plane.place_mm / MM);
             let axis = axis.as_dvec3() * sign;
-            // An axis is a normal, and a slider has finite places.
+            // The axis is a valid normal, and sliders have finite values.
             planes.extend(plane.is_on.then(|| SectionPlane::new(axis, offset_m).ok()).flatten());
         }
         SectionPlanes::new(&planes, SectionMode::Intersection).unwrap_or_default()
     }
 
-    /// Returns the commands that lead from these settings to others.
+    /// Returns the commands that change these settings to others.
     pub fn commands_to(&self, other: &Self) -> Vec<Command> {
         let mut commands = Vec::new();
         if self.section() != other.section() {
@@ -127,7 +127,7 @@ impl Tools {
         commands
     }
 
-    /// Returns the settings with the next way to draw edges.
+    /// Returns the settings with the next mode of edges.
     #[must_use]
     pub fn with_next_edges(self) -> Self {
         let place = EDGE_MODES.iter().position(|mode| *mode == self.edges).unwrap_or(0);
@@ -135,8 +135,8 @@ impl Tools {
     }
 }
 
-/// Returns the place of a plane's handle in the world: in the middle of the model's box, as far as
-/// the plane allows, in metres.
+/// Returns the position of a plane's handle in the world, in metres: on the plane, in the middle of
+/// the model's box.
 pub fn handle_of(bounds: &Aabb, axis: usize, plane: &AxisPlane) -> Vec3 {
     let mut at = (bounds.min + bounds.max) * 0.5;
     at[axis] = plane.place_mm / MM;

@@ -1,5 +1,5 @@
-//! The cube in a corner of the image that shows where the eye is, and turns it: a click on a face,
-//! an edge or a corner shows the model from there.
+//! The cube in a corner of the image that shows the direction of the eye and turns the view: a
+//! click on a face, an edge or a corner shows the model from this side.
 
 use antumbra::glam::{Vec2, Vec3};
 
@@ -8,7 +8,7 @@ use crate::orbit::{CubeView, OrbitCamera};
 /// Half an edge of the cube's image, in points, seen straight on.
 const HALF_EDGE_POINTS: f32 = 27.0;
 
-/// The largest share of the image's shorter side that this takes.
+/// The largest share of the image's shorter side for half an edge.
 const MOST_SHARE: f32 = 0.11;
 
 /// The distance of the cube's middle from the corner, in half edges.
@@ -17,10 +17,10 @@ const INSET: f32 = 2.0;
 /// The limits of the cells of a face, in half edges from its middle.
 const LIMITS: [f32; 4] = [-1.0, -CubeView::EDGE, CubeView::EDGE, 1.0];
 
-/// The least cosine of the angle under which a face is drawn.
+/// The least cosine of the angle at which a face is drawn.
 const LEAST_FACING: f32 = 0.02;
 
-/// The cube in its place, in pixels from the upper left.
+/// The cube at its place, in pixels from the upper left.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ViewCube {
     /// The middle.
@@ -29,21 +29,21 @@ pub struct ViewCube {
     pub half_edge: f32,
 }
 
-/// A cell of a face that looks to the eye.
+/// A cell of a face that faces the eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CubeCell {
-    /// Its corners in the image, in their order around it.
+    /// The corners in the image, in order.
     pub corners: [Vec2; 4],
-    /// The view that a click on it means.
+    /// The view that a click on the cell selects.
     pub view: CubeView,
     /// The cosine of the angle between the face and the eye's plane.
     pub facing: f32,
 }
 
-/// The name of a face that looks to the eye.
+/// The name of a face that faces the eye.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CubeLabel {
-    /// The place of its middle.
+    /// The place of the face's middle.
     pub at: Vec2,
     /// The name.
     pub name: &'static str,
@@ -51,7 +51,7 @@ pub struct CubeLabel {
     pub facing: f32,
 }
 
-/// A face that looks to the eye: the outward axis, and two axes within it.
+/// A face that faces the eye: the outward axis, and two axes within the face.
 struct Face {
     outward: Vec3,
     along: Vec3,
@@ -67,10 +67,10 @@ impl ViewCube {
         Self { middle: Vec2::new(size.x - INSET * half_edge, INSET * half_edge), half_edge }
     }
 
-    /// Returns the view that is meant by a place of the image; `None` beside the cube.
+    /// Returns the view at a place of the image; `None` outside of the cube.
     pub fn view_at(&self, camera: &OrbitCamera, place: Vec2) -> Option<CubeView> {
         let offset = (place - self.middle) / self.half_edge;
-        // The corners are the farthest.
+        // The corners are farthest from the middle.
         if offset.is_nan() || offset.length() > 3.0_f32.sqrt() {
             return None;
         }
@@ -79,7 +79,7 @@ impl ViewCube {
         CubeView::under(in_plane - forward * 9.0, forward)
     }
 
-    /// Returns the cells that look to the eye.
+    /// Returns the cells that face the eye.
     pub fn cells(&self, camera: &OrbitCamera) -> Vec<CubeCell> {
         let mut cells = Vec::with_capacity(27);
         for face in faces(camera) {
@@ -110,7 +110,7 @@ impl ViewCube {
         cells
     }
 
-    /// Returns the names of the faces that look to the eye.
+    /// Returns the names of the faces that face the eye.
     pub fn labels(&self, camera: &OrbitCamera) -> Vec<CubeLabel> {
         let label = |face: Face| CubeLabel {
             at: self.place(camera, face.outward),
@@ -126,13 +126,13 @@ impl ViewCube {
     }
 }
 
-/// Returns the faces that look to the eye.
+/// Returns the faces that face the eye.
 fn faces(camera: &OrbitCamera) -> impl Iterator<Item = Face> {
     let forward = camera.forward();
     Vec3::AXES.into_iter().filter_map(move |axis| {
         let outward = if axis.dot(forward) > 0.0 { -axis } else { axis };
         let facing = -outward.dot(forward);
-        // The other two axes, in turn.
+        // The other two axes, in cyclic order.
         let along = Vec3::new(axis.z, axis.x, axis.y);
         let across = Vec3::new(axis.y, axis.z, axis.x);
         (facing >= LEAST_FACING).then_some(Face { outward, along, across, facing })

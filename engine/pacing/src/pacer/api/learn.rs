@@ -1,4 +1,4 @@
-//! The feedback of frames, from which the pacer learns. Nonsense teaches nothing.
+//! The feedback of frames, from which the pacer learns. Implausible feedback is ignored.
 
 use std::time::Duration;
 
@@ -8,18 +8,19 @@ use crate::margin::Margin;
 use crate::options::{PresentReports, PresentationMode};
 use crate::time::{MICROSECOND_NS, SECOND_NS, Time, ns};
 
-/// The distance beyond which reports from the future are of another clock.
+/// The distance beyond which a time in the future must come from another clock.
 const FUTURE_NS: f64 = 10.0 * SECOND_NS;
-/// The duration beyond which an acquire waited for a refresh: absolute, and in periods.
+/// The duration above which an acquire is taken to have waited for a refresh: absolute, and in
+/// periods.
 const WAITED_NS: f64 = 250.0 * MICROSECOND_NS;
 const WAITED_PERIODS: f64 = 0.02;
 
-/// The share of the estimated GPU time that is tried.
+/// The share of the estimated GPU time that is tried next.
 const HOPE: f64 = 0.9;
 
-/// The number of late frames in a row after which the learnt refreshes are doubted.
+/// The number of consecutive late frames after which the learnt refreshes are doubted.
 const DOUBTFUL: u32 = 8;
-/// The rate per frame at which the lesson of a miss fades.
+/// The rate per frame at which the effect of a miss fades.
 const FORGET: f64 = 1e-4;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,8 +30,8 @@ enum Exactness {
 }
 
 impl Pacer {
-    /// Takes a fact about a frame. Frames that are unknown or long gone are ignored, as are times
-    /// before the frame's start.
+    /// Accepts a fact about a frame. Facts about unknown or old frames are ignored, and so are
+    /// times before the frame's start.
     pub fn feedback(&mut self, frame: PacedFrameId, feedback: Feedback) {
         let Some(start) = self.frames.record(frame.0).map(|record| record.start) else { return };
         let sane = |time: Time| {
@@ -69,9 +70,9 @@ impl Pacer {
         }
     }
 
-    /// Notes the return of an acquire. With n images, it returns the image that a frame n - 1
-    /// presents ago has replaced: that frame is shown. If the acquire had to wait, it is shown
-    /// since just now.
+    /// Notes the return of an acquire. With n images, an acquire returns the image of the frame n
+    /// presents ago, which the next frame has replaced on the screen: that next frame is shown. If
+    /// the acquire had to wait, the frame has just been shown.
     fn acquired(&mut self, frame: u64, to: f64, waited: f64) {
         if let Some(record) = self.frames.record_mut(frame).filter(|record| record.open()) {
             record.waited = waited;
@@ -100,7 +101,7 @@ impl Pacer {
         }
     }
 
-    /// Returns the latest time at which a frame known to be shown by `by` can have been shown.
+    /// Returns the latest possible present time of a frame that is known to be shown at `by`.
     fn last_refresh(&self, by: f64) -> f64 {
         let period = self.clock.period().filter(|_| self.presentation.has_grid());
         period.and_then(|period| self.clock.at_or_after(by - period)).unwrap_or(by).min(by)
@@ -111,7 +112,7 @@ impl Pacer {
         let Some(record) = self.frames.record_mut(frame).filter(|record| record.open()) else {
             return;
         };
-        // Without a usable time it is still queued.
+        // Without a usable time, the frame still counts as queued.
         let queued = at.unwrap_or(record.start);
         record.queued = Some(queued);
         record.ordinal = Some(ordinal);
@@ -124,7 +125,7 @@ impl Pacer {
     }
 
     fn finished(&mut self, frame: u64, at: f64, exactness: Exactness) {
-        // Unless the frame before is known to be finished, this one's beginning is unknown.
+        // Unless the previous frame is known to be finished, the beginning of this one is unknown.
         let older = frame.checked_sub(1).and_then(|older| self.frames.record(older));
         let before =
             older.map_or(Some(0.0), |older| older.finished.or(older.dropped.then_some(0.0)));
@@ -133,7 +134,7 @@ impl Pacer {
             return;
         }
         record.seen_finished = Some(at);
-        // A shown frame is finished, whatever the looks found.
+        // A shown frame is finished, whatever polls found.
         let at = record.shown.map_or(at, |shown| at.min(shown));
         let timed = record.gpu_timed;
         let begin = record.queued.zip(before).map(|(queued, before)| queued.max(before));
@@ -152,7 +153,7 @@ impl Pacer {
             }
             return;
         }
-        // Somewhere between two looks.
+        // The end is somewhere between two polls.
         let at_least = (at_least - begin).clamp(0.0, took);
         record.finished = Some((begin + self.gpu.expected().clamp(at_least, took)).min(at));
         if !timed {
@@ -160,18 +161,19 @@ impl Pacer {
         }
     }
 
-    /// Notes a GPU time between two bounds.
+    /// Notes a GPU time that lies between two bounds.
     fn gpu_took(&mut self, at_least: f64, at_most: f64) {
-        // Seen at work for longer: otherwise, more than one such sample would be an outlier.
+        // The GPU was seen at work for longer. Without the limit, several such samples would be
+        // outliers.
         self.gpu.raise_to(at_least.min(1.25 * self.gpu.expected()));
         self.gpu.lower_to(at_most);
         let expected = self.gpu.expected();
-        // It was seen to take that long: the assumption ends there, above all where misses are not
-        // reported.
+        // The work was seen to take that long, so later guesses are not lower. This matters most if
+        // misses are not reported.
         self.gpu_floor = self.gpu_floor.max(at_least.min(1.03 * expected));
         if (at_least..at_most).contains(&expected) {
-            // Where the estimate is possible, assume a little less: a later start leaves time for
-            // better looks.
+            // If the estimate is possible, assume a little less: a later start leaves time for
+            // better polls.
             self.gpu.drift_to((HOPE * expected).max(expected.min(self.gpu_floor)).max(at_least));
         } else {
             self.gpu.observe(expected.clamp(at_least, at_most));
@@ -212,7 +214,8 @@ impl Pacer {
             self.clock.doubt();
         }
         let replaced = frame.checked_sub(1).filter(|_| newest_wins).filter(|before| {
-            // It came too late for its refresh, and this one replaced it: that is not reported.
+            // The previous frame came too late for its refresh, and this frame replaced it.
+            // Replacements are not reported.
             self.frames.record(*before).is_some_and(|before| {
                 let passed = before.target.zip(self.clock.period());
                 before.shown.is_none()
@@ -222,7 +225,7 @@ impl Pacer {
             })
         });
         if self.clock.generation() != generation {
-            // The misses were learnt on a wrong grid.
+            // The margin was learnt on a wrong grid.
             self.margin = Margin::new(self.presentation.reports);
             self.gpu_floor = 0.0;
             self.rate_search = RateSearch::new();
@@ -248,7 +251,7 @@ impl Pacer {
         }
         let before = frame.checked_sub(1).and_then(|before| self.frames.record(before));
         let pushed = before.and_then(|before| before.shown).is_some_and(|shown| {
-            // The one before took its refresh: one miss, not two.
+            // The previous frame took this frame's refresh: that is one miss, not two.
             shown > target - 0.5 * self.some_period_ns()
         });
         if record.compromised || pushed || record.margin != self.margin.version() {
@@ -256,7 +259,7 @@ impl Pacer {
         }
         self.margin.missed();
         if record.found {
-            // Its end was not seen: assuming less would be too much.
+            // The end of its GPU work was not seen, so assuming less would be wrong.
             self.gpu_floor = self.gpu_floor.max(1.03 * self.gpu.expected());
         }
     }

@@ -1,4 +1,4 @@
-//! The fill of the queue, and the reactions when it does not empty.
+//! The queue of frames, and the reactions when it does not empty.
 
 use super::super::Pacer;
 use crate::frame::{PacedFrameId, WaitReason};
@@ -6,18 +6,18 @@ use crate::frames::Record;
 use crate::options::PresentReports;
 use crate::time::{MILLISECOND_NS, SECOND_NS, ns};
 
-/// The number of refreshes without a frame leaving the full queue after which the window counts as
-/// hidden.
+/// The number of refreshes after which the window counts as hidden if no frame leaves the full
+/// queue.
 const PATIENCE_REFRESHES: f64 = 8.0;
 const PATIENCE_NS: f64 = 100.0 * MILLISECOND_NS;
-/// The interval of checks of a hidden window, so that frames continue soon after it is visible
-/// again.
+/// The interval at which a hidden window is checked, so that frames resume soon after it is
+/// visible.
 const HIDDEN_POLL_NS: f64 = 50.0 * MILLISECOND_NS;
-/// The time after which unfinished work is no longer waited for.
+/// The time after which the pacer no longer waits for unfinished work.
 const GPU_PATIENCE_NS: f64 = 5.0 * SECOND_NS;
-/// The shortest pause between two looks at a full queue.
+/// The shortest pause between two polls with a full queue.
 const SHORTEST_PAUSE_NS: f64 = 0.1 * MILLISECOND_NS;
-/// The first pause after frames in a row that could not be presented.
+/// The first pause after consecutive frames that could not be presented.
 const DROP_PAUSE_NS: f64 = 4.0 * MILLISECOND_NS;
 
 impl Pacer {
@@ -37,14 +37,14 @@ impl Pacer {
             && self.presentation.has_grid()
     }
 
-    /// Returns the ordinal of the frame that must replace another on the screen before an image is
-    /// free, once every image was presented.
+    /// Returns the ordinal of the frame that must replace another frame on the screen before an
+    /// image is free, once every image has been presented.
     pub(in crate::pacer) fn ordinal_in_the_way(&self) -> Option<u64> {
         let images = u64::from(self.presentation.images);
         self.presented.checked_sub(images).map(|replaced| replaced + 1)
     }
 
-    /// Removes frames from the queue without reports, once by all knowledge they must have left.
+    /// Removes frames from the queue that must have left it, if there are no reports.
     pub(in crate::pacer) fn settle(&mut self, now: f64) {
         if self.presentation.reports == PresentReports::Times {
             return;
@@ -58,7 +58,7 @@ impl Pacer {
             let done = record.finished.is_some() || !self.sees_finishes;
             let certain = if self.learns_from_acquires() {
                 let doubt = self.clock.uncertainty(now).map(|deviation| 2.0 * deviation);
-                // Without a phase only acquires show it, if they are reported.
+                // Without a phase only acquires reveal that a frame has left, if they are reported.
                 doubt.or((!self.sees_acquires).then_some(0.0))
             } else {
                 Some(0.0)
@@ -73,12 +73,12 @@ impl Pacer {
         }
     }
 
-    /// Returns the time until which no frame may start at all, and the reason.
+    /// Returns the time until which no frame may start, and the reason.
     pub(in crate::pacer) fn held_back(&mut self, now: f64) -> Option<(f64, WaitReason)> {
         let last_start = self.last_start.unwrap_or(f64::NEG_INFINITY);
         if self.dropped_in_a_row > 1 {
-            // Doubling: a window being resized continues, one that is gone does not make the loop
-            // spin.
+            // The pause doubles: frames continue while a window is resized, and the loop does not
+            // spin when the window is gone.
             let pause = DROP_PAUSE_NS * f64::from(1_u32 << (self.dropped_in_a_row - 2).min(12));
             let until = last_start + pause.min(ns(self.options.hidden_interval));
             if now < until {
@@ -92,7 +92,7 @@ impl Pacer {
         }
         let (oldest, record) = self.frames.oldest_queued()?;
         let period = self.some_period_ns();
-        // A GPU that still works is no hidden window.
+        // A GPU that is still working does not mean a hidden window.
         let works = record.queued.is_some_and(|queued| now - queued < GPU_PATIENCE_NS);
         if self.sees_finishes && record.finished.is_none() && works {
             self.silence.since = now;
@@ -106,7 +106,7 @@ impl Pacer {
             if now < due {
                 return Some((due.min(now + HIDDEN_POLL_NS), WaitReason::Hidden));
             }
-            // Given up, so that a lost report cannot block the loop for ever.
+            // Given up, so that a lost report cannot block the loop forever.
             self.frames.leave(oldest);
             return None;
         }
@@ -117,7 +117,7 @@ impl Pacer {
         Some((until, WaitReason::QueueFull(PacedFrameId(oldest))))
     }
 
-    /// Returns a wait for the GPU where the queue may be filled beyond its limit: the extra frames
+    /// Returns a wait for the GPU while the queue may be filled beyond its limit: the extra frames
     /// may wait for the display, but not for the GPU.
     fn gpu_backlog(&self, now: f64) -> Option<(f64, WaitReason)> {
         if !self.sees_finishes {
@@ -147,14 +147,14 @@ impl Pacer {
         Some((until, WaitReason::QueueFull(PacedFrameId(frame))))
     }
 
-    /// Notes the best known time of showing the newest frame that left.
+    /// Notes the best known present time of the newest frame that has left the queue.
     pub(in crate::pacer) fn shown_at(&mut self, frame: u64, at: f64) {
         if frame >= self.last_left.0 {
             self.last_left = (frame, at);
         }
     }
 
-    /// Notes a sign that frames are seen.
+    /// Notes a sign that the window is visible.
     pub(in crate::pacer) fn heard(&mut self) {
         self.silence.hidden = false;
         if let Some(now) = self.now {

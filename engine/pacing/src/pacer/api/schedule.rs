@@ -8,27 +8,27 @@ use crate::time::{MICROSECOND_NS, SECOND_NS};
 
 /// The number of standard deviations that are kept free before a refresh.
 const SAFE: f64 = 4.0;
-/// The share of a period beyond which the work of one unit cannot reach every refresh, so that the
+/// The share of a period above which the work of one processor cannot reach every refresh. Then the
 /// GPU must not wait for the CPU.
 const OVERLOAD: f64 = 0.95;
-/// The uncertainty of the phase, as a share of a period, beyond which it is searched for again.
+/// The uncertainty of the phase, as a share of a period, above which the phase is searched again.
 const WORST_PHASE: f64 = 1.0 / 24.0;
-/// The number of refreshes that a phase search looks ahead; then the longest search and the rest
-/// between searches.
+/// The number of refreshes that a phase search looks ahead, the length of the longest search, and
+/// the pause between searches, in frames.
 const SEARCH_AHEAD: f64 = 512.0;
 const LONGEST_SEARCH: u32 = 64;
 const SEARCH_REST: u32 = 512;
-/// The longest search while acquires are on trial.
+/// The longest search while acquires are on trial, in frames.
 const LONGEST_TRIAL: u32 = 112;
 
-/// The schedule of the next frame by current knowledge, with times in nanoseconds.
+/// The schedule of the next frame from current knowledge, with times in nanoseconds.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::pacer) struct Schedule {
     /// The start, not before now.
     pub(in crate::pacer) start: f64,
-    /// The ideal start, which may be past.
+    /// The ideal start, which may be in the past.
     pub(in crate::pacer) wanted: f64,
-    /// The time at which it should be shown.
+    /// The time at which the frame should be shown.
     pub(in crate::pacer) target: Option<f64>,
     pub(in crate::pacer) reason: WaitReason,
 }
@@ -40,7 +40,7 @@ impl Pacer {
         let earliest = now.max(self.limit_due);
         let cpu = self.cpu.expected();
         let gpu = self.gpu.expected();
-        // Earlier it would only wait for the GPU.
+        // A frame that started earlier would only wait for the GPU.
         let gpu_ready = forecast.gpu_free - cpu - SAFE * self.cpu.spread();
         let mut target = None;
         let wanted = if self.searches_phase() {
@@ -49,7 +49,7 @@ impl Pacer {
             let ready = self.ready(earliest, &forecast);
             let shown = ready.max(forecast.last_shown + min_period);
             target = Some(shown);
-            // A late frame costs only its lateness: no margin.
+            // A late frame costs only its lateness, so it needs no margin.
             (shown - gpu - cpu).max(gpu_ready)
         } else if let Some((shown, period)) = self.reachable_refresh(earliest, &forecast) {
             target = Some(shown);
@@ -66,15 +66,15 @@ impl Pacer {
         Schedule { start, wanted, target, reason }
     }
 
-    /// Returns the expected time of the GPU's end of a frame that starts at `start`.
+    /// Returns the time at which the GPU is expected to finish a frame that starts at `start`.
     fn ready(&self, start: f64, forecast: &Forecast) -> f64 {
         let submitted = (start + self.cpu.expected()).max(forecast.image_free);
         submitted.max(forecast.gpu_free) + self.gpu.expected()
     }
 
-    /// Returns the first refresh that a frame started at `start` would reach, and the period. A
-    /// refresh is aimed at if it is more likely reached than not: margins start frames earlier,
-    /// they do not give refreshes up.
+    /// Returns the first refresh that a frame started at `start` can reach, and the period. A
+    /// refresh is chosen if the frame is more likely to reach it than not: margins make frames
+    /// start earlier, but do not skip refreshes.
     fn reachable_refresh(&self, start: f64, forecast: &Forecast) -> Option<(f64, f64)> {
         if !self.presentation.has_grid() {
             return None;
@@ -95,7 +95,7 @@ impl Pacer {
         expected + SAFE * (variance.sqrt() + phase) + self.margin_ns()
     }
 
-    /// Returns the time to poll the GPU for the newest frame, if a poll is informative.
+    /// Returns the time at which to poll the GPU for the newest frame, if a poll is informative.
     pub(in crate::pacer) fn poll_due(&self, now: f64) -> Option<(f64, PacedFrameId)> {
         if !self.sees_finishes {
             return None;
@@ -110,16 +110,18 @@ impl Pacer {
         }
         let before = self.frames.newest_first().skip(1).find_map(|(_, record)| record.finished);
         let begin = record.queued.unwrap_or(now).max(before.unwrap_or(0.0));
-        // A little early, or a faster GPU would never be noticed.
+        // Poll a little early; otherwise a faster GPU would never be noticed.
         let hoped = begin + 0.95 * self.gpu.expected();
-        // More rarely the longer it has been at work: a GPU that hangs must not make the loop spin.
+        // The longer the GPU has been at work, the rarer the polls: a GPU that hangs must not make
+        // the loop spin.
         let again =
             (self.some_period_ns() / 32.0).max(100.0 * MICROSECOND_NS).max(0.25 * (now - hoped));
         Some((hoped.max(now + again), PacedFrameId(frame)))
     }
 
-    /// Accounts a start to the frame limit, which holds on average: a frame may be early by the
-    /// lateness of those before it, up to an interval, as frames are that wait for refreshes.
+    /// Accounts a start to the frame limit, which holds on average. A frame may be early by the
+    /// lateness of the previous frames, up to an interval, as happens to frames that wait for
+    /// refreshes.
     pub(in crate::pacer) fn account_limit(&mut self, start: f64) {
         let Some(hz) = self.options.frame_limit_hz else { return };
         let interval = SECOND_NS / hz;
@@ -130,7 +132,7 @@ impl Pacer {
         self.learns_from_acquires() && self.phase_search.active
     }
 
-    /// Begins and ends the search for the phase where only acquires reveal it.
+    /// Begins and ends the phase search, if only acquires reveal the phase.
     pub(in crate::pacer) fn search(&mut self, now: f64) {
         if !self.learns_from_acquires() || self.options.queue_limit == 0 {
             return;
@@ -154,7 +156,7 @@ impl Pacer {
         }
     }
 
-    /// Advances the count of frames to the next search for a higher rate, and through it.
+    /// Counts a frame towards the next search for a higher rate, or within the search.
     pub(in crate::pacer) fn advance_rate_search(&mut self) {
         let Some(period) = self.clock.period() else { return };
         if !self.presentation.has_grid() || self.clock.agrees_with_hint() {

@@ -1,20 +1,20 @@
-//! The trial of acquires: the cause of their waits, tested on the frames of a pacer.
+//! The trial of acquires: finds the cause of their waits from the frames of a pacer.
 
 use super::super::Pacer;
 use super::super::trial::Shaking;
 use crate::frames::Record;
 use crate::time::SECOND_NS;
 
-/// The fewest images with which frames queue behind a finished one.
+/// The fewest images with which frames can queue after a finished frame.
 const QUEUEING_IMAGES: u32 = 3;
 /// The number of standard deviations that the GPU is given to finish.
 const SAFE: f64 = 3.0;
-/// The time after which unfinished work is not waited for.
+/// The time after which the pacer no longer waits for unfinished work.
 const PATIENCE_NS: f64 = SECOND_NS;
 
 impl Pacer {
-    /// Returns true if an acquire that had to wait and returned at `to` reveals a refresh. The last
-    /// acquire before it returned at `before`; `shown` had to be shown for it.
+    /// Returns true if an acquire that had to wait and returned at `to` reveals a refresh. The
+    /// previous acquire returned at `before`; frame `shown` had to be shown first.
     pub(in crate::pacer) fn tells_of_refresh(
         &mut self,
         shown: u64,
@@ -43,7 +43,7 @@ impl Pacer {
         self.searches_phase() && !self.trial.is_won && self.sees_finishes
     }
 
-    /// Returns the earliest start of the next frame while the phase is searched for.
+    /// Returns the earliest start of the next frame during a phase search.
     pub(in crate::pacer) fn start_in_search(&self, now: f64) -> f64 {
         let is_shaken = self.trial.shaking == Shaking::Due;
         if !self.is_tried() || !(is_shaken || self.has_few_images()) {

@@ -8,13 +8,13 @@ use crate::frames::REMEMBERED;
 use crate::options::PresentReports;
 use crate::time::SECOND_NS;
 
-/// The number of frames after which no more feedback is expected of one.
+/// The number of later frames after which no more feedback about a frame is expected.
 const PATIENCE_FRAMES: u64 = 3 * REMEMBERED as u64 / 4;
 
 impl Pacer {
-    /// Returns the next frame with complete timing, each once and in order; dropped ones are left
-    /// out. Call it until there is none, after delivering feedback: frames more than about sixty
-    /// back are forgotten.
+    /// Returns the next frame with complete timing, each frame once and in order; dropped frames
+    /// are left out. Call it after delivering feedback until it returns `None`: only about the last
+    /// sixty frames are remembered.
     pub fn completed(&mut self) -> Option<(PacedFrameId, FrameTiming)> {
         self.timing_cursor.next = self.timing_cursor.next.max(self.frames.oldest());
         loop {
@@ -37,7 +37,7 @@ impl Pacer {
             return true;
         }
         match self.presentation.reports {
-            // A later frame was shown: no report of this one will come, or it was replaced.
+            // A later frame was shown, so no report of this frame will come, or it was replaced.
             PresentReports::Times => {
                 let later = self.frames.newest_first().take_while(|(id, _)| *id > frame);
                 record.left && later.into_iter().any(|(_, record)| record.shown.is_some())
@@ -67,8 +67,8 @@ impl Pacer {
             missed: refreshes.map(|refreshes| refreshes.saturating_sub(intended)),
         };
         self.timing_cursor.last_start = Some(start);
-        // A frame that was replaced before it showed leaves the image as it was; for an unknown
-        // one the duration of its showing is unknown.
+        // A frame that was replaced before it was shown does not change the displayed image. For an
+        // unknown frame, the duration of its display is unknown.
         if shown.is_some() || self.presentation.in_order() {
             self.timing_cursor.last_shown = shown;
         }

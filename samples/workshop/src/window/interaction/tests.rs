@@ -1,4 +1,4 @@
-//! Interaction with a session that has no GPU.
+//! Tests of the interaction with a session without a GPU.
 
 use antumbra::cull::FrameId;
 use antumbra::glam::{DVec3, Vec2};
@@ -10,7 +10,7 @@ use crate::report::LidTurn;
 
 const SIZE: [u32; 2] = [800, 600];
 
-/// A session without a GPU: the camera follows, and the test answers for the frames.
+/// A session without a GPU: the camera is updated, and the test provides the answers of frames.
 struct Bench {
     document: Document,
     camera: OrbitCamera,
@@ -30,8 +30,7 @@ impl Bench {
         Self { document, camera, frame: 10, interaction }
     }
 
-    /// Passes something to the interaction, and carries its commands out as far as they are the
-    /// camera's.
+    /// Calls the interaction, and carries out its commands that affect the camera.
     fn with(
         &mut self,
         give: impl FnOnce(&mut Interaction, &InteractionContext<'_>) -> Vec<Command>,
@@ -62,7 +61,7 @@ impl Bench {
         self.with(|interaction, seen| interaction.advance(seconds, seen))
     }
 
-    /// Answers for the frame of the pixel that is asked for.
+    /// Gives the answer of a frame for the requested pixel.
     fn answer(&mut self, surface: Option<PointedSurface>) -> Vec<Command> {
         let frame = FrameId(self.frame);
         self.with(|interaction, seen| {
@@ -77,7 +76,7 @@ impl Bench {
         assert_eq!(self.input(InputEvent::Released(MouseButton::Left)), []);
     }
 
-    /// Returns the middle of a part, as a frame would have seen it.
+    /// Returns the middle of a part, as a frame would show it.
     fn part(&self, name: &str) -> PointedSurface {
         let object = self.document.find(name).unwrap()[0];
         let bounds = self.document.bounds(object);
@@ -91,7 +90,7 @@ fn a_click_selects_what_its_own_pixel_showed() {
     let mut bench = Bench::new();
     let body = bench.part("body");
     bench.click_at(300.0, 300.0);
-    // An answer of another pixel, and one of long ago, are not taken.
+    // An answer for another pixel and an old answer are ignored.
     let old = |frame, x| PointedPixel {
         frame: FrameId(frame),
         pixel: Pixel { x, y: 300 },
@@ -99,12 +98,12 @@ fn a_click_selects_what_its_own_pixel_showed() {
     };
     assert_eq!(bench.with(|interaction, seen| interaction.learn_pointed(&old(11, 299), seen)), []);
     assert_eq!(bench.with(|interaction, seen| interaction.learn_pointed(&old(2, 300), seen)), []);
-    // The pointer may be elsewhere by now: the click is still asked for.
+    // The pointer may have moved: the click still waits for its answer.
     bench.input(InputEvent::Moved(Vec2::new(10.0, 10.0)));
     assert_eq!(bench.advance(0.01), []);
     assert_eq!(bench.answer(Some(body)), [Command::SelectObjects(vec![body.object])]);
     assert_eq!(bench.answer(Some(body)), [], "once");
-    // A slow click, which was answered while the button was held.
+    // A slow click, which is answered while the button is held.
     bench.input(InputEvent::Pressed(MouseButton::Left));
     bench.answer(Some(body));
     bench.input(InputEvent::Released(MouseButton::Left));
@@ -145,13 +144,13 @@ fn a_drag_turns_the_model_and_selects_nothing() {
     let body = bench.part("body");
     bench.answer(Some(body));
     assert_eq!(bench.advance(0.01).len(), 1);
-    // The whole way counts, the wait included.
+    // The whole movement counts, including the wait.
     let turned_rad = before.yaw_rad - bench.camera.yaw_rad;
     assert!((turned_rad - 60.0 / 600.0 * PI).abs() < 1e-5, "{turned_rad}");
     assert_eq!(bench.advance(0.01), [], "a pointer that rests");
     assert_eq!(bench.input(InputEvent::Released(MouseButton::Left)), []);
     assert_eq!(bench.answer(Some(body)), []);
-    // The other button moves it in the image's plane, at once.
+    // The other button moves the model in the image plane, without waiting.
     let before = bench.camera;
     bench.input(InputEvent::Pressed(MouseButton::Right));
     bench.input(InputEvent::Moved(Vec2::new(360.0, 360.0)));
@@ -193,7 +192,7 @@ fn the_lid_is_dragged_where_it_is_held_and_stays_where_it_stopped() {
         Some("lid at 3.0\u{b0}: the lid shell touches the cable")
     );
     bench.input(InputEvent::Released(MouseButton::Left));
-    // Parts that are apart do not turn.
+    // The lid does not turn while parts are apart.
     let apart = Tools { gap_mm: 5.0, ..*bench.interaction.tools() };
     bench.interaction.use_tools(apart);
     bench.input(InputEvent::Pressed(MouseButton::Left));
@@ -234,7 +233,7 @@ fn the_cube_and_the_projection_change_smoothly() {
     let mut bench = Bench::new();
     let cube = *bench.interaction.cube();
     bench.click_at(cube.middle.x, cube.middle.y);
-    // The middle of the image of the cube is its nearest corner: turn away first.
+    // The middle of the cube's image is its nearest corner, so turn first.
     bench.input(InputEvent::Key(KeyCode::Digit1));
     let mut frames = 0;
     while bench.interaction.is_moving(&bench.camera) {
