@@ -11,7 +11,7 @@ use crate::plan::frame_plan::{PlanStats, QueryKind};
 use crate::plan::traverse::Walk;
 
 /// The pull-up queries that a frame may always have. Halved or doubled, it moves no count of a walk
-/// by more than 1 % (docs/cull_config.md).
+/// by more than 1 % (docs/lab/cull_config.md).
 const MIN_PULL_UPS: usize = 16;
 
 /// Makes the lists fit into `budget` queries.

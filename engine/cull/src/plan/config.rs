@@ -1,5 +1,5 @@
 //! The constants of the method that move its work, each with its reason. None is needed for
-//! exactness. docs/cull_config.md says what each moves when it is halved or doubled.
+//! exactness. docs/lab/cull_config.md says what each moves when it is halved or doubled.
 
 /// The constants by which the history is turned into guesses. Times are in frames.
 ///

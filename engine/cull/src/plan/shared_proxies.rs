@@ -39,7 +39,7 @@ struct Limits {
 }
 
 /// The bounds in use. Halved or doubled, none of them moves a count of a walk by more than 1 %
-/// (docs/cull_config.md).
+/// (docs/lab/cull_config.md).
 const LIMITS: Limits =
     Limits { front_area: 0.002, fronts: 48, leaves_behind: 4_096, leaves_behind_per_frame: 64 };
 

@@ -15,7 +15,7 @@ use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::{PlanStats, QueryKind};
 use crate::plan::strategy::Strategy;
 
-// Halved or doubled, these move no count of a walk by more than 1 % (docs/cull_config.md).
+// Halved or doubled, these move no count of a walk by more than 1 % (docs/lab/cull_config.md).
 
 /// The most leaves with which a node is tested as one after any time hidden: if it shows, each of
 /// them is tested in that frame, and recorded when the results are read back.
