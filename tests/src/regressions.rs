@@ -1,5 +1,5 @@
 //! Small scenes from public reports, in which other engines leave out objects that show
-//! (`docs/other_engines.md`), each with the cameras that provoke it.
+//! (`docs/lab/other_engines.md`), each with the cameras that provoke it.
 
 use cull::{Camera, Projection};
 use glam::{Affine3A, Quat, Vec2, Vec3, vec3};

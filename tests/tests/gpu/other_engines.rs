@@ -1,5 +1,5 @@
 //! Small scenes from public reports, in which other engines leave out objects that show
-//! (`docs/other_engines.md`): here every frame is that of plain frustum culling.
+//! (`docs/lab/other_engines.md`): here every frame is that of plain frustum culling.
 
 use std::path::Path;
 
@@ -171,7 +171,7 @@ fn the_scenes_look_as_in_the_page() {
             let mut view = renderer.new_view().unwrap();
             let camera = &walk[portrait..=portrait];
             let frames = frame_loop(&mut renderer, &mut view, Strategy::ANTUMBRA, camera);
-            let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/other_engines");
+            let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/lab/other_engines");
             let file = folder.join(kind.name()).with_extension("png");
             golden::check(&file, &frames.images[0].rgba8().unwrap());
         }

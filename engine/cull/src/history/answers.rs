@@ -14,7 +14,7 @@ use crate::plan::frame_plan::QueryKind;
 use crate::rng::SplitMix64;
 
 /// The time after a hidden own draw within which a visible proxy counts as too loose in this view.
-/// Halving or doubling it changes no count of a walk by more than 1 % (docs/cull_config.md).
+/// Halving or doubling it changes no count of a walk by more than 1 % (docs/lab/cull_config.md).
 const FLICKER_FRAMES: u32 = 16;
 
 /// The update of the history by an answer.

@@ -10,7 +10,7 @@ use crate::plan::config::CullConfig;
 use crate::rng::SplitMix64;
 
 /// The time after which a pull-up query may be repeated if its result does not arrive. Halving or
-/// doubling it changes no count of a walk by more than 1 % (docs/cull_config.md).
+/// doubling it changes no count of a walk by more than 1 % (docs/lab/cull_config.md).
 const PULL_UP_RETRY_FRAMES: u32 = 6;
 
 /// A record per node of one generation of the hierarchy.

@@ -11,7 +11,7 @@ use crate::plan::frame_plan::{PlanStats, QueryKind};
 use crate::plan::traverse::Walk;
 
 /// The number of pull-up queries that a frame may have even if it has few tests. Halving or
-/// doubling it changes no count of a walk by more than 1 % (docs/cull_config.md).
+/// doubling it changes no count of a walk by more than 1 % (docs/lab/cull_config.md).
 const MIN_PULL_UPS: usize = 16;
 
 /// Makes the lists fit into `budget` queries.

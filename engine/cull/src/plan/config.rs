@@ -1,5 +1,5 @@
 //! The constants of the method that affect its cost, each with its reason. Exactness depends on
-//! none of them. docs/cull_config.md lists the effect of halving and doubling each constant.
+//! none of them. docs/lab/cull_config.md lists the effect of halving and doubling each constant.
 
 /// The constants by which the culler turns history into predictions. Times are in frames.
 ///

@@ -40,7 +40,7 @@ struct Limits {
 }
 
 /// The limits in use. Halving or doubling any of them changes no count of a walk by more than 1 %
-/// (docs/cull_config.md).
+/// (docs/lab/cull_config.md).
 const LIMITS: Limits =
     Limits { front_area: 0.002, fronts: 48, leaves_behind: 4_096, leaves_behind_per_frame: 64 };
 

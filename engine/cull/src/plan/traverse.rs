@@ -15,7 +15,7 @@ use crate::plan::config::CullConfig;
 use crate::plan::frame_plan::{PlanStats, QueryKind};
 use crate::plan::strategy::Strategy;
 
-// Halving or doubling these changes no count of a walk by more than 1 % (docs/cull_config.md).
+// Halving or doubling these changes no count of a walk by more than 1 % (docs/lab/cull_config.md).
 
 /// The most leaves of a node that is tested as one, for any time hidden: if it shows, each leaf is
 /// tested in that frame and recorded when the results are read back.
