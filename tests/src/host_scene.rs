@@ -4,16 +4,16 @@
 use std::collections::BTreeMap;
 
 use ash::vk;
-use cull::{Aabb, Camera, CullConfig, CullView, DrawPhases, ObjectId, Strategy};
+use cull::{Aabb, Camera, CullView, DrawPhases, ObjectId, Strategy};
 use glam::Vec3;
 use gpu::{
     Attachments, Commands, Device, Frame, HostImage, HostImages, ImageState, IndirectDraw,
     NearDepth, PredicationMode, RenderTarget, SlotIndex, Target, Tick, Viewport,
 };
 use occlusion::{
-    BucketDraw, BucketId, BucketTableInfo, CulledScene, DeviceCosts, DrawList, DrawRequest,
-    DriverAssumption, DriverQuirks, Error, HostObject, ObjectRenderer, OcclusionPasses,
-    OcclusionState, ProxyBox, Rendering, ShaderSet,
+    BucketDraw, BucketId, CulledScene, CulledSceneOptions, DeviceCosts, DrawList, DrawRequest,
+    DriverAssumption, DriverQuirks, Error, HostObject, ObjectRenderer, OcclusionState, ProxyBox,
+    Rendering,
 };
 
 use crate::host_commands::Runs;
@@ -116,30 +116,27 @@ struct BoxImages {
 impl<'a> ComparedScene<'a> {
     /// Creates a scene without boxes.
     pub fn new(host: &'a Host, device: &Device, options: &BoxOptions<'_>) -> Self {
-        let shaders = ShaderSet::embedded().unwrap();
         let mut images = Vec::new();
         images.resize_with(options.views, || [(); 2].map(|()| images_of(host, device, options)));
         let target = &images[0][0].0;
         let passes = images[0][0].3.as_ref();
         let attachments = attachments_of(target, passes);
         let quirks = DriverQuirks::new(options.disabled);
-        let passes = OcclusionPasses::with_quirks(device, &shaders, attachments, quirks).unwrap();
-        let info = BucketTableInfo {
-            bucket_count: BUCKETS,
+        let scene_options = CulledSceneOptions {
+            object_capacity: options.room,
             draw_capacity: options.room as u32,
-            predication: options.predication,
+            bucket_count: BUCKETS,
             frames_in_flight: IN_FLIGHT,
+            predication: options.predication,
+            draw_phases: options.draw_phases,
+            quirks,
+            costs: options.costs,
+            ..Default::default()
         };
-        let scene = match options.costs {
-            None => CulledScene::new(device, passes, options.room, info),
-            Some(costs) => CulledScene::with_costs(device, passes, options.room, info, costs),
-        };
-        let scene = scene.unwrap();
+        let scene = CulledScene::new(device, attachments, &scene_options).unwrap();
         let view = |images: [_; 2]| {
             let [culled, all] = images.map(|image| BoxImages::new(device, &scene, image));
-            let target = &culled.target;
-            let config = CullConfig::default();
-            let state = scene.new_view(target, config, options.draw_phases);
+            let state = scene.new_view(&culled.target);
             let bytes = u64::from(SIZE[0] * SIZE[1] * 4);
             let copies = [(); IN_FLIGHT].map(|()| [(); 2].map(|()| OwnBuffer::new(host, bytes)));
             ComparedView { state: state.unwrap(), culled, all, copies }

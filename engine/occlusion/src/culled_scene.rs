@@ -4,15 +4,17 @@
 mod api;
 
 use cull::{
-    Aabb, DrawPhases, Hierarchy, HierarchyError, LeafRange, ObjectId, QueryShares, SkippedWork,
-    VisibilityTestSupport,
+    Aabb, CullConfig, DrawPhases, Hierarchy, HierarchyError, LeafRange, ObjectId, QueryShares,
+    SkippedWork, VisibilityTestSupport,
 };
-use gpu::{Device, Frame, PredicationMode, Target, Tick};
+use gpu::{Attachments, Device, Frame, PredicationMode, Target, Tick};
 
 use crate::costs::device_costs::{ChoiceRequest, CullingSetup, DeviceCosts};
 use crate::error::Error;
 use crate::leaf_table::{BucketDraw, BucketTableInfo, LeafTable, LeafTableInfo, MeshDrawId};
 use crate::passes::{ComputeTest, OcclusionPasses};
+use crate::quirks::DriverQuirks;
+use crate::shader_set::ShaderSet;
 
 /// An object of a host.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +23,55 @@ pub struct HostObject<'a> {
     pub bounds: Aabb,
     /// Its draws, in any order; they are recorded bucket after bucket.
     pub draws: &'a [BucketDraw],
+}
+
+/// The options of a [`CulledScene`].
+#[derive(Clone, Debug)]
+pub struct CulledSceneOptions<'a> {
+    /// The number of objects that there is room for at first.
+    pub object_capacity: usize,
+    /// The number of draws that there is room for at first.
+    pub draw_capacity: u32,
+    /// The number of buckets, which are the owner's pipelines: at most
+    /// [`MAX_BUCKETS`](crate::MAX_BUCKETS).
+    pub bucket_count: u32,
+    /// The number of frames that may be in flight at once.
+    pub frames_in_flight: usize,
+    /// The predication mode; `None` takes the mode that costs least, or without costs the device's
+    /// usual mode. A mode that `quirks` disable is replaced.
+    pub predication: Option<PredicationMode>,
+    /// [`DrawPhases::Two`] for a host that draws from [lists](crate::FrameScope::list).
+    pub draw_phases: DrawPhases,
+    /// The configuration of the cullers of all views.
+    pub cull_config: CullConfig,
+    /// The parts of the driver that are not used.
+    pub quirks: DriverQuirks,
+    /// The [measured](crate::measure) costs of the device. They decide about the predication mode
+    /// for the capacity, and in each frame about the boxes to test and the test of each. Without
+    /// costs everything that may be hidden is tested.
+    ///
+    /// A device that was adopted without a queue cannot be measured, since nothing submits there:
+    /// before its first frame, measure the same device adopted with a queue. Where a host draws
+    /// from lists, the costs of skipped draws are the costs of
+    /// [`PredicationMode::Compacted`](gpu::PredicationMode::Compacted).
+    pub costs: Option<&'a DeviceCosts>,
+}
+
+impl Default for CulledSceneOptions<'_> {
+    /// Returns the options of a small scene in one bucket, for two frames in flight.
+    fn default() -> Self {
+        Self {
+            object_capacity: 1024,
+            draw_capacity: 1024,
+            bucket_count: 1,
+            frames_in_flight: 2,
+            predication: None,
+            draw_phases: DrawPhases::PerRound,
+            cull_config: CullConfig::default(),
+            quirks: DriverQuirks::default(),
+            costs: None,
+        }
+    }
 }
 
 /// A scene as the culler and the GPU hold it. All its views share the hierarchy over the boxes,
@@ -36,6 +87,8 @@ pub struct CulledScene {
     pub(crate) leaves: LeafTable,
     frames_in_flight: usize,
     setup: CullingSetup,
+    pub(crate) cull_config: CullConfig,
+    pub(crate) draw_phases: DrawPhases,
     pub(crate) query_shares: QueryShares,
     /// The ranges of a change; kept to allocate nothing.
     reordered: Vec<LeafRange>,
@@ -53,69 +106,47 @@ pub struct ScenePartsMut<'a> {
 }
 
 impl CulledScene {
-    /// Creates a scene without objects, with room for `object_capacity` of them; the buffers grow
-    /// where more come. Without costs everything that may be hidden is tested, and hidden draws
-    /// are skipped by [`BucketTableInfo::predication`], or else by the device's usual mode. A mode
-    /// that the driver cannot be [trusted](OcclusionPasses::with_quirks) with is replaced.
+    /// Creates a scene without objects, whose views are drawn to these attachments, and compiles
+    /// the passes that test boxes. The buffers grow where more objects or draws come than there is
+    /// room for.
     ///
     /// # Errors
-    /// [`gpu::Error::Unsupported`] for a predication mode that the device lacks;
-    /// [`gpu::Error::TooLarge`] and [`Error::Hierarchy`] for more objects or draws than there can
-    /// be; no memory; a failed call.
+    /// [`gpu::Error::Unsupported`] for a predication mode that the device lacks, or several views
+    /// at once without multiview; [`gpu::Error::TooLarge`] and [`Error::Hierarchy`] for more
+    /// objects or draws than there can be; no memory; a failed call.
     pub fn new(
         device: &Device,
-        passes: OcclusionPasses,
-        object_capacity: usize,
-        draws: BucketTableInfo,
+        attachments: Attachments,
+        options: &CulledSceneOptions<'_>,
     ) -> Result<Self, Error> {
-        Self::by(device, passes, draws, object_capacity, None)
-    }
-
-    /// Creates a scene without objects like [`CulledScene::new`] that decides by the
-    /// [measured](crate::measure) costs of the device: once about the predication mode, for the
-    /// capacity, and in each frame of its [views](CulledScene::new_view) about the boxes to test
-    /// and the test of each.
-    ///
-    /// A device that was adopted without a queue cannot be measured, since nothing submits there.
-    /// Before its first frame, measure the same device adopted with a queue. Where a host draws
-    /// from lists, the costs of skipped draws are the costs of
-    /// [`PredicationMode::Compacted`](gpu::PredicationMode::Compacted).
-    ///
-    /// # Errors
-    /// The errors of [`CulledScene::new`].
-    pub fn with_costs(
-        device: &Device,
-        passes: OcclusionPasses,
-        object_capacity: usize,
-        draws: BucketTableInfo,
-        device_costs: &DeviceCosts,
-    ) -> Result<Self, Error> {
-        Self::by(device, passes, draws, object_capacity, Some(device_costs))
-    }
-
-    fn by(
-        device: &Device,
-        passes: OcclusionPasses,
-        draws: BucketTableInfo,
-        object_capacity: usize,
-        device_costs: Option<&DeviceCosts>,
-    ) -> Result<Self, Error> {
+        let CulledSceneOptions { bucket_count, object_capacity, draw_capacity, .. } = *options;
         check_memory(object_capacity)?;
+        let shaders = ShaderSet::embedded()?;
+        let passes =
+            OcclusionPasses::with_quirks(device, &shaders, attachments, options.quirks.clone())?;
         let hierarchy = Hierarchy::build(&vec![Aabb::EMPTY; object_capacity])?;
+        let draws = BucketTableInfo {
+            bucket_count,
+            draw_capacity,
+            predication: options.predication,
+            frames_in_flight: options.frames_in_flight,
+        };
         let cells_draws = u64::from(draws.cell_capacity());
         let executors =
             passes.quirks().usable_executors(device, draws.predication, cells_draws, 0)?;
-        let leaves = (object_capacity as u32).max(draws.draw_capacity);
-        let work = SkippedWork::of_leaves(leaves).in_buckets(draws.bucket_count);
+        let leaves = (object_capacity as u32).max(draw_capacity);
+        let work = SkippedWork::of_leaves(leaves).in_buckets(bucket_count);
         let request = ChoiceRequest { executors: &executors, work };
-        let setup = match device_costs {
-            Some(device_costs) => CullingSetup::of_costs(&request, device_costs),
+        let setup = match options.costs {
+            Some(costs) => CullingSetup::of_costs(&request, costs),
             None => CullingSetup::usual(&request, None),
         };
-        let frames_in_flight = draws.frames_in_flight;
         let draws = BucketTableInfo { predication: Some(setup.predication), ..draws };
         let leaves = LeafTable::bucketed(device, &hierarchy, draws)?;
-        Ok(Self::of_parts(device, hierarchy, leaves, passes, setup, frames_in_flight))
+        let frames_in_flight = options.frames_in_flight;
+        let scene = Self::of_parts(device, hierarchy, leaves, passes, setup, frames_in_flight);
+        let CulledSceneOptions { cull_config, draw_phases, .. } = *options;
+        Ok(Self { cull_config, draw_phases, ..scene })
     }
 
     /// Creates a scene with one mesh per object, of a hierarchy that its owner keeps
@@ -164,6 +195,8 @@ impl CulledScene {
             leaves,
             frames_in_flight,
             setup,
+            cull_config: CullConfig::default(),
+            draw_phases: DrawPhases::PerRound,
             query_shares: QueryShares::default(),
             reordered: Vec::new(),
         }

@@ -61,7 +61,7 @@ pub struct CannotCount {
 /// A plan with draws among its tests, and a host that draws before and after them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "the plan of this frame has draws among its tests, and the host takes them as lists: create the view with `DrawPhases::Two`"
+    "the plan of this frame has draws among its tests, and the host takes them as lists: create the scene with `DrawPhases::Two`"
 )]
 pub struct DrawsAmongTests;
 
@@ -94,7 +94,7 @@ pub enum BucketError {
     },
     /// A change of draws in a table with one draw per leaf.
     #[error(
-        "this `LeafTable` has one draw per leaf: mark leaves as dirty, or create it with `LeafTable::bucketed`"
+        "this `LeafTable` has one draw per leaf: mark leaves as dirty, or create the scene by `CulledScene::new`"
     )]
     OneDrawPerLeaf,
     /// A method that works with one draw per leaf, and a table with buckets.

@@ -274,9 +274,9 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
         Ok(ListedView { state: planned.state, tests })
     }
 
-    /// Gives the frame back, for a host that records other scenes into it. Once the frame has ended,
-    /// its tick goes to [`OcclusionState::submitted`] of each view that was drawn, and then to
-    /// [`CulledScene::submitted`].
+    /// Gives the frame back, for a host that records other scenes into it. Once the frame has
+    /// ended, its tick goes to [`OcclusionState::submitted`] of each view that was drawn, and then
+    /// to [`CulledScene::submitted`].
     pub fn into_frame(self) -> Frame<'ring> {
         self.frame
     }

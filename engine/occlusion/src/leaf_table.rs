@@ -20,7 +20,7 @@ use gpu::{
 
 use crate::error::{Error, NotUploaded};
 use crate::passes::{LeafLinks, ProxyBox, ScatterIo, ScatterPass};
-pub use api::bucketed::BucketTableInfo;
+pub(crate) use api::bucketed::BucketTableInfo;
 pub use bucket_cells::{BucketDraw, BucketId, MAX_BUCKETS};
 use changes::DrawChanges;
 pub use counts::LeafCount;

@@ -21,7 +21,7 @@
 //!
 //! ```no_run
 //! # use antumbra_occlusion as occlusion;
-//! use cull::{Camera, CullConfig, CullView, DrawPhases};
+//! use cull::{Camera, CullView};
 //! use occlusion::*;
 //!
 //! fn walk(
@@ -30,18 +30,15 @@
 //!     objects: &mut dyn ObjectRenderer,
 //!     cameras: &[Camera],
 //! ) -> Result<(), Box<dyn std::error::Error>> {
-//!     let shaders = ShaderSet::embedded()?;
-//!     let passes = OcclusionPasses::new(device, &shaders, objects.target().attachments())?;
-//!     let info = BucketTableInfo {
-//!         bucket_count: 1,
+//!     let options = CulledSceneOptions {
+//!         object_capacity: boxes.len(),
 //!         draw_capacity: boxes.len() as u32,
-//!         predication: None,
-//!         frames_in_flight: 2,
+//!         ..Default::default()
 //!     };
-//!     let mut scene = CulledScene::new(device, passes, boxes.len(), info)?;
+//!     let attachments = objects.target().attachments();
+//!     let mut scene = CulledScene::new(device, attachments, &options)?;
 //!     scene.add(boxes, &mut Vec::new())?;
-//!     let phases = DrawPhases::PerRound;
-//!     let mut state = scene.new_view(objects.target(), CullConfig::default(), phases)?;
+//!     let mut state = scene.new_view(objects.target())?;
 //!     let mut frames = gpu::FrameRing::new(device, 2)?;
 //!     for camera in cameras {
 //!         let bits = device.adapter().limits.sub_pixel_precision_bits;
@@ -85,7 +82,7 @@ pub use costs::device_costs::{
 };
 pub use costs::frame_times::FrameTimes;
 pub use costs::skipped_ranges::SkippedRanges;
-pub use culled_scene::{CulledScene, HostObject, ScenePartsMut};
+pub use culled_scene::{CulledScene, CulledSceneOptions, HostObject, ScenePartsMut};
 pub use draw_lists::DrawList;
 pub use error::{
     BucketError, CannotCount, DrawsAmongTests, Error, NotUploaded, TargetError, WrongAttachments,
@@ -93,8 +90,8 @@ pub use error::{
 pub use execution::execute;
 pub use frame_scope::{DrawRequest, FrameScope, ListedView, PerView, PlannedView};
 pub use leaf_table::{
-    BucketDraw, BucketId, BucketTableInfo, LeafCount, LeafElements, LeafTable, LeafTableInfo,
-    MAX_BUCKETS, MeshDraw, MeshDrawId,
+    BucketDraw, BucketId, LeafCount, LeafElements, LeafTable, LeafTableInfo, MAX_BUCKETS, MeshDraw,
+    MeshDrawId,
 };
 pub use method::{Method, MethodConstructor, MethodRequest, MethodStats, MethodSupport};
 pub use method_state::MethodState;

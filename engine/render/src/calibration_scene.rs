@@ -13,11 +13,11 @@ use occlusion::{
 use scene::{Mesh, MeshId, Object, Scene, Vertex, bounds_of_vertices, pack_normal, pack_unorm};
 
 use crate::error::Error;
-use crate::frame_passes::FramePasses;
 use crate::passes::OpaqueIo;
 use crate::renderer::{Renderer, RendererOptions};
 use crate::resources::geometry::Geometry;
 use crate::resources::object_bounds::object_bounds;
+use crate::scene_renderer::SceneRenderer;
 use crate::shading::surfaces::SurfaceOptions;
 
 /// The distance of the objects from the eye (metres).
@@ -28,11 +28,11 @@ const QUADS: u32 = 16;
 
 const _: () = assert!(2 * QUADS * QUADS == PATCH_TRIANGLES);
 
-/// Measures the costs of tests and draws on a device, and of the executors that it has and that
-/// can be trusted ([`RendererOptions::disabled`]; the usual one where none can, and one alone where
-/// [`RendererOptions::predication`] names it), for scenes of hosts that draw themselves
-/// (`occlusion::CulledScene::with_costs`). A [renderer](crate::Renderer) measures by itself. Size,
-/// samples and shaders are those of `options`. Takes as long as [`CostModel::Measured`] says, and
+/// Measures the costs of tests and draws on a device, for scenes of hosts
+/// (`occlusion::CulledSceneOptions::costs`); a [renderer](crate::Renderer) measures its own. Size,
+/// samples and shaders are taken from `options`. The predication modes are those that the device
+/// has and that are not [disabled](RendererOptions::disabled), or the
+/// [named](RendererOptions::predication) one. Takes as long as [`CostModel::Measured`] says, and
 /// waits for the device again and again: call it before the first frame.
 ///
 /// # Errors
@@ -54,7 +54,7 @@ pub fn measure_costs(device: &Device, options: &RendererOptions) -> Result<Devic
 /// # Errors
 /// No memory, a failed call, [`gpu::Error::Cancelled`].
 pub(crate) fn measure(
-    passes: &mut FramePasses,
+    passes: &mut SceneRenderer,
     occlusion_passes: &OcclusionPasses,
     executors: &[PredicationMode],
     shaders: &ShaderSet,
@@ -81,7 +81,7 @@ pub(crate) fn measure(
 
 /// The renderer of these objects, with the passes of a scene.
 struct CalibrationObjects<'a> {
-    passes: &'a mut FramePasses,
+    passes: &'a mut SceneRenderer,
     geometry: Geometry,
 }
 
@@ -101,7 +101,7 @@ impl ObjectRenderer for CalibrationObjects<'_> {
             indices: self.geometry.indices.whole(),
             instances: self.geometry.instances.whole(),
         };
-        self.passes.pipelines.opaque.bind(commands, &io, view, &self.passes.light);
+        self.passes.pipelines.opaque.bind(commands, &io, view, &self.passes.gpu_scene.light);
     }
 }
 

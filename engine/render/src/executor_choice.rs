@@ -6,14 +6,14 @@ use occlusion::{ChoiceRequest, CullingSetup, DeviceCosts, OcclusionPasses, Shade
 
 use crate::calibration_scene;
 use crate::error::Error;
-use crate::frame_passes::FramePasses;
 use crate::renderer::RendererOptions;
+use crate::scene_renderer::SceneRenderer;
 use crate::shadows::{can_skip, caster_executor};
 
 /// Decides for a scene of so many draws, one per leaf, those for spare objects too, by costs that
 /// are measured if that is asked for. Casters are skipped alike, each range by itself.
 pub(crate) fn decide(
-    passes: &mut FramePasses,
+    passes: &mut SceneRenderer,
     occlusion_passes: &OcclusionPasses,
     shaders: &ShaderSet,
     draws: u64,

@@ -4,7 +4,7 @@ use cull::CullView;
 use gpu::{Access, Commands, Load, MemoryBarrier};
 use occlusion::{BucketId, ObjectRenderer};
 
-use crate::frame_passes::FramePasses;
+use crate::scene_renderer::SceneRenderer;
 
 /// The depth that hides everything, and the one that hides nothing.
 pub(crate) const HIDES_ALL: Load<f32> = Load::Clear(1.0);
@@ -12,10 +12,10 @@ pub(crate) const HIDES_NOTHING: Load<f32> = Load::Clear(0.0);
 
 /// Records a rendering over a black image of this depth, or over what is there.
 pub(crate) fn rendering(
-    passes: &mut FramePasses,
+    passes: &mut SceneRenderer,
     commands: &Commands,
     depth: Load<f32>,
-    record: impl FnOnce(&FramePasses, &Commands),
+    record: impl FnOnce(&SceneRenderer, &Commands),
 ) {
     passes.target.prepare(commands);
     let mut target = passes.target.render_target(None);
@@ -26,7 +26,7 @@ pub(crate) fn rendering(
 }
 
 /// Binds the pass that rounds draw objects with.
-pub(crate) fn bind(passes: &FramePasses, commands: &Commands, view: &CullView) {
+pub(crate) fn bind(passes: &SceneRenderer, commands: &Commands, view: &CullView) {
     passes.bind(commands, view, BucketId(0));
 }
 

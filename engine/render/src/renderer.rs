@@ -21,15 +21,16 @@ use crate::debug::depth_complexity::LayerCounts;
 use crate::debug::visible_set::{SceneRevision, SeenLeaves};
 use crate::error::Error;
 use crate::executor_choice::decide;
-use crate::frame_passes::{FrameOptions, FramePasses};
+use crate::gpu_scene::{GpuScene, GpuSceneOptions};
 use crate::render_view::{RenderView, RendererId};
 use crate::resources::limits::{check_leaves, check_memory};
 use crate::resources::object_bounds::{check_hierarchy, object_bounds};
 use crate::resources::spare_capacity::SpareCapacity;
 use crate::resources::sprites::has_sprites;
+use crate::scene_renderer::SceneRenderer;
 use crate::shading::surfaces::{SurfaceOptions, TextureStorage};
 use crate::shading::transparency::{TransparencyOptions, usable_transparency};
-use crate::shadows::{can_skip, usable_shadows};
+use crate::shadows::{Shadows, can_skip, usable_shadows};
 use crate::update::UpdateScratch;
 use crate::views::view_in;
 
@@ -172,7 +173,7 @@ pub struct Renderer {
     pub(crate) device: Device,
     pub(crate) frames: FrameRing,
     pub(crate) scene: CulledScene,
-    pub(crate) passes: FramePasses,
+    pub(crate) passes: SceneRenderer,
     pub(crate) shaders: ShaderSet,
     /// The object whose box is outlined.
     pub(crate) outlined: Option<ObjectId>,
@@ -244,25 +245,27 @@ impl Renderer {
         check_hierarchy(scene, &hierarchy)?;
         let slots = options.frames_in_flight.max(1);
         let surfaces = SurfaceOptions { transparency, ..options.surfaces() };
-        let frame_options = FrameOptions {
+        let shadows = Shadows::new(device, shadows, &target, scene.surfaces.is_some(), slots)?;
+        let content = GpuSceneOptions {
             frames_in_flight: slots,
+            samples: attachments.samples,
             surfaces: &surfaces,
             upload_bytes_per_frame: options.upload_bytes_per_frame,
-            shadows,
+            shadows: shadows.options.method,
         };
-        let mut passes =
-            FramePasses::new(device, &shaders, scene, &hierarchy, target, &frame_options)?;
+        let gpu_scene = GpuScene::upload(device, scene, &hierarchy, &content)?;
+        let mut passes = SceneRenderer::new(device, &shaders, gpu_scene, target, shadows)?;
         options.cancellation.check()?;
         let draws = hierarchy.leaf_objects().len() as u64;
         let threshold_samples = options.threshold_samples;
 
         let setup = decide(&mut passes, &occlusion_passes, &shaders, draws, options)?;
         let meshes = LeafTableInfo {
-            mesh_draws: passes.geometry.mesh_draws().clone(),
+            mesh_draws: passes.gpu_scene.geometry.mesh_draws().clone(),
             predication: Some(setup.predication),
             frames_in_flight: slots,
         };
-        let draw_of = |object| passes.geometry.draw_of(object);
+        let draw_of = |object| passes.gpu_scene.geometry.draw_of(object);
         let scene = CulledScene::of_meshes(device, occlusion_passes, hierarchy, meshes, draw_of)?;
         let id = RendererId::new();
         let mut frames = FrameRing::new(device, slots)?;
@@ -460,7 +463,7 @@ impl Renderer {
         self.device.wait_idle()?;
         let completed = self.device.completed()?;
         state.collect(completed, &self.scene);
-        if let Some(fragments) = self.passes.fragments_mut() {
+        if let Some(fragments) = self.passes.gpu_scene.fragments_mut() {
             fragments.collect(completed);
         }
         Ok(())

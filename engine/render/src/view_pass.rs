@@ -5,12 +5,12 @@ use gpu::{Frame, RenderTarget};
 use occlusion::CulledScene;
 
 use crate::attachment_schedule::AttachmentSchedule;
-use crate::frame_passes::FramePasses;
+use crate::scene_renderer::SceneRenderer;
 
 /// One view of a frame that is being recorded: the owner of the objects, the frame, the scene as
 /// the frame draws it, and the view.
 pub(crate) struct ViewPass<'a, 'ring> {
-    pub(crate) passes: &'a mut FramePasses,
+    pub(crate) passes: &'a mut SceneRenderer,
     pub(crate) frame: &'a mut Frame<'ring>,
     pub(crate) scene: &'a CulledScene,
     pub(crate) view: &'a CullView,

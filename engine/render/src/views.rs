@@ -14,10 +14,10 @@ use occlusion::{FrameStats, OcclusionState, Rect};
 
 use crate::debug::visible_set::VisibleSet;
 use crate::error::Error;
-use crate::frame_passes::FramePasses;
 use crate::host_overlay::{HOST_OVERLAY, HostOverlay};
 use crate::render_view::RenderView;
 use crate::resources::skinned_meshes::Skinned;
+use crate::scene_renderer::SceneRenderer;
 use crate::shading::transparency::FragmentCounts;
 
 /// The place that a view is seen from, and its projection.
@@ -240,7 +240,7 @@ impl FrameReport {
 /// Records the copy of the image before anything is drawn over it, if that is wanted.
 pub(crate) fn finish_scene(
     frame: &mut Frame<'_>,
-    passes: &mut FramePasses,
+    passes: &mut SceneRenderer,
     image: Option<&Readback>,
 ) -> Result<(), Error> {
     image.map_or(Ok(()), |image| finish_image(frame, passes, None, Some(image)))
@@ -250,7 +250,7 @@ pub(crate) fn finish_scene(
 /// samples, the overlay of a host, and the copy of the image if it is wanted.
 pub(crate) fn finish_image(
     frame: &mut Frame<'_>,
-    FramePasses { target, .. }: &mut FramePasses,
+    SceneRenderer { target, .. }: &mut SceneRenderer,
     overlay: Option<&dyn HostOverlay>,
     image: Option<&Readback>,
 ) -> Result<(), Error> {

@@ -1,7 +1,7 @@
 //! The executor with another owner of objects than the renderer: a host that draws boxes by a
 //! pipeline of its own, with neither meshes nor materials.
 
-use cull::{Aabb, Camera, CullConfig, CullView, DrawPhases, Projection, Strategy};
+use cull::{Aabb, Camera, CullView, Projection, Strategy};
 use glam::{Vec3, vec3};
 use gpu::{Commands, Device, FrameRing, Readback, RenderTarget, Target};
 use occlusion::{
@@ -54,12 +54,11 @@ impl Host {
         let attachments = target.attachments();
         let scene = scene_of_boxes(device, boxes, attachments, None);
         let boxes = NumberedBoxes::new(device, scene.leaves(), attachments);
-        let phases = DrawPhases::PerRound;
         Self {
             device: device.clone(),
             frames: FrameRing::new(device, 2).unwrap(),
             images: Vec::new(),
-            state: scene.new_view(&target, CullConfig::default(), phases).unwrap(),
+            state: scene.new_view(&target).unwrap(),
             scene,
             objects: Boxes { target, boxes },
         }

@@ -4,7 +4,7 @@
 //! On SwiftShader alone: Mesa 22.3's lavapipe draws most of the later views to the first layer,
 //! culled or not, so its multiview is not used.
 
-use cull::{Aabb, Camera, CullConfig, CullView, DrawPhases, MultiView, Projection, Strategy};
+use cull::{Aabb, Camera, CullView, DrawPhases, MultiView, Projection, Strategy};
 use glam::{Vec3, vec3};
 use gpu::{
     Attachments, Commands, Device, Features, FrameRing, HostDevice, OptionalFeature, Predicates,
@@ -59,13 +59,12 @@ impl Host {
         let attachments = target.attachments();
         let scene = scene_of_boxes(device, boxes, attachments, Some(predication));
         let boxes = NumberedBoxes::new(device, scene.leaves(), attachments);
-        let phases = DrawPhases::PerRound;
-        assert_eq!(scene.testers(&target, phases).compute, views == 1);
+        assert_eq!(scene.testers(&target, DrawPhases::PerRound).compute, views == 1);
         Self {
             device: device.clone(),
             frames: FrameRing::new(device, 2).unwrap(),
             images: Vec::new(),
-            state: scene.new_view(&target, CullConfig::default(), phases).unwrap(),
+            state: scene.new_view(&target).unwrap(),
             scene,
             objects: Boxes { target, boxes },
         }

@@ -2,7 +2,7 @@
 
 use std::ffi::c_void;
 
-use cull::{CullConfig, CullView, DrawPhases, Strategy};
+use cull::{CullView, DrawPhases, Strategy};
 use gpu::{Attachments, Commands, FrameNumbers, RenderTarget, Target, Tick, Viewport, vk};
 use occlusion::{BucketId, DrawRequest, ObjectRenderer, PerView, Rendering};
 
@@ -264,7 +264,7 @@ pub(crate) unsafe fn record(
         let target = unsafe { target.update(scene.device(), &request.target, attachments) }?;
         let state = match state {
             Some(state) => state,
-            None => state.insert(scene.new_view(target, CullConfig::default(), *draw_phases)?),
+            None => state.insert(scene.new_view(target)?),
         };
         states.push((state, request.request()));
         targets.push((request.view, target));

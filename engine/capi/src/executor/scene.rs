@@ -3,8 +3,8 @@
 use cull::{Aabb, DrawPhases, ObjectId};
 use gpu::{Attachments, Device, FrameRing, IndirectDraw, PredicationMode, Resubmission};
 use occlusion::{
-    BucketDraw, BucketId, BucketTableInfo, CulledScene, DeviceCosts, DriverQuirks, HostObject,
-    OcclusionPasses, OcclusionState, ShaderSet,
+    BucketDraw, BucketId, CulledScene, CulledSceneOptions, DeviceCosts, DriverQuirks, HostObject,
+    OcclusionState,
 };
 
 use super::device::AntumbraDevice;
@@ -268,21 +268,20 @@ impl HostedScene {
         let frames_in_flight = desc.frames_in_flight as usize;
         let mut frames = FrameRing::new(&device, frames_in_flight)?;
         frames.set_resubmission(resubmission);
-        let shaders = ShaderSet::embedded()?;
         let quirks = DriverQuirks::new(&assumptions(desc.disabled)?);
         quirks.texts().iter().for_each(|text| tracing::warn!("{text}"));
-        let passes = OcclusionPasses::with_quirks(&device, &shaders, attachments, quirks)?;
-        let info = BucketTableInfo {
-            bucket_count: desc.bucket_count,
+        let options = CulledSceneOptions {
+            object_capacity: desc.object_capacity as usize,
             draw_capacity: desc.draw_capacity,
-            predication,
+            bucket_count: desc.bucket_count,
             frames_in_flight,
+            predication,
+            draw_phases,
+            quirks,
+            costs,
+            ..Default::default()
         };
-        let capacity = desc.object_capacity as usize;
-        let scene = match costs {
-            Some(costs) => CulledScene::with_costs(&device, passes, capacity, info, costs)?,
-            None => CulledScene::new(&device, passes, capacity, info)?,
-        };
+        let scene = CulledScene::new(&device, attachments, &options)?;
         Ok(Self {
             scene,
             frames,

@@ -41,6 +41,33 @@ pub struct HostDevice {
     pub options: DeviceOptions,
 }
 
+impl HostDevice {
+    /// Describes a device of a Vulkan 1.3 instance without extensions, features and queue: set what
+    /// the device has beside.
+    pub fn new(
+        entry: ash::Entry,
+        instance: ash::Instance,
+        physical_device: vk::PhysicalDevice,
+        device: ash::Device,
+        queue_family: u32,
+    ) -> Self {
+        Self {
+            entry,
+            instance,
+            physical_device,
+            device,
+            queue_family,
+            api_version: vk::API_VERSION_1_3,
+            extensions: Vec::new(),
+            features: Features::default(),
+            allocation_callbacks: None,
+            pipeline_cache: None,
+            queue: None,
+            options: DeviceOptions::default(),
+        }
+    }
+}
+
 /// A queue that the host and the engine share.
 pub struct HostQueue {
     /// The queue, of the family [`HostDevice::queue_family`].

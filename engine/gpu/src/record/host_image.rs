@@ -75,3 +75,11 @@ pub struct HostImages<'a> {
     /// The size of the images in pixels.
     pub size: [u32; 2],
 }
+
+impl<'a> HostImages<'a> {
+    /// Describes images of one sample per pixel for one view whose depth is reversed.
+    pub fn new(depth: HostImage, colours: &'a [HostImage], size: [u32; 2]) -> Self {
+        let near_depth = crate::record::attachments::NearDepth::One;
+        Self { depth, colours, samples: vk::SampleCountFlags::TYPE_1, near_depth, views: 1, size }
+    }
+}

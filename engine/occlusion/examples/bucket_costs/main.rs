@@ -8,12 +8,12 @@ use std::error::Error;
 use std::time::{Duration, Instant};
 
 use antumbra_occlusion::{
-    BucketDraw, BucketId, BucketTableInfo, CulledScene, HostObject, LeafTable, ObjectRenderer,
-    OcclusionPasses, ShaderSet,
+    BucketDraw, BucketId, CulledScene, CulledSceneOptions, HostObject, LeafTable, ObjectRenderer,
+    ShaderSet,
 };
 use boxes::{Boxes, INDICES};
 use cap::Cap;
-use cull::{Aabb, Camera, CullConfig, CullView, DrawPhases, Projection};
+use cull::{Aabb, Camera, CullView, Projection};
 use glam::{Vec3, vec3};
 use gpu::{Device, FrameRing, IndirectDraw};
 
@@ -73,15 +73,14 @@ fn measure(
     frames: usize,
 ) -> Result<BucketCosts, Box<dyn Error>> {
     let shaders = ShaderSet::embedded()?;
-    let info = BucketTableInfo {
-        bucket_count,
+    let options = CulledSceneOptions {
+        object_capacity: objects,
         draw_capacity: objects as u32,
-        predication: None,
-        frames_in_flight: 2,
+        bucket_count,
+        ..Default::default()
     };
     let bounds = bounds(objects);
     let mut owner = Boxes::new(device, &shaders, &bounds)?;
-    let passes = OcclusionPasses::new(device, &shaders, owner.target().attachments())?;
     let draw = IndirectDraw { index_count: INDICES, instance_count: 1, ..Default::default() };
     let draws: Vec<BucketDraw> = (0..objects as u32)
         .map(|number| BucketDraw {
@@ -94,13 +93,11 @@ fn measure(
     let host_objects: Vec<HostObject<'_>> =
         host_objects.map(|(bounds, draws)| HostObject { bounds: *bounds, draws }).collect();
     let used = HEAP.allocated();
-    let mut scene = CulledScene::new(device, passes, objects, info)?;
+    let mut scene = CulledScene::new(device, owner.target().attachments(), &options)?;
     let begun = Instant::now();
     scene.add(&host_objects, &mut Vec::new())?;
     let added = begun.elapsed();
-    let config = CullConfig::default();
-    let phases = DrawPhases::PerRound;
-    let mut state = scene.new_view(owner.target(), config, phases)?;
+    let mut state = scene.new_view(owner.target())?;
     let mut ring = FrameRing::new(device, 2)?;
     let mut frame_times = Vec::with_capacity(frames);
     for step in 0..frames {

@@ -1,17 +1,15 @@
 //! Walks past a wall with a thousand boxes behind it, drawn by a pipeline of the example's own, and
 //! prints how many boxes the GPU drew.
 
-#[path = "../bucket_costs/boxes.rs"]
 mod boxes;
 
 use std::error::Error;
 
 use antumbra_occlusion::{
-    BucketDraw, BucketId, BucketTableInfo, CulledScene, HostObject, ObjectRenderer,
-    OcclusionPasses, ShaderSet,
+    BucketDraw, BucketId, CulledScene, CulledSceneOptions, HostObject, ObjectRenderer, ShaderSet,
 };
 use boxes::{Boxes, INDICES};
-use cull::{Aabb, Camera, CullConfig, CullView, DrawPhases, Projection};
+use cull::{Aabb, Camera, CullView, Projection};
 use glam::{Vec3, vec3};
 use gpu::{FrameRing, IndirectDraw};
 
@@ -43,20 +41,17 @@ fn main() -> Result<(), Box<dyn Error>> {
     let bounds = bounds();
     let mut objects = Boxes::new(&device, &shaders, &bounds)?;
     let size = objects.target().size();
-    let passes = OcclusionPasses::new(&device, &shaders, objects.target().attachments())?;
-    let info = BucketTableInfo {
-        bucket_count: 1,
+    let options = CulledSceneOptions {
+        object_capacity: bounds.len(),
         draw_capacity: bounds.len() as u32,
-        predication: None,
-        frames_in_flight: 2,
+        ..Default::default()
     };
-    let mut scene = CulledScene::new(&device, passes, bounds.len(), info)?;
+    let mut scene = CulledScene::new(&device, objects.target().attachments(), &options)?;
     for (number, bounds) in (0..).zip(&bounds) {
         let object = HostObject { bounds: *bounds, draws: &draw(number) };
         scene.add(&[object], &mut Vec::new())?;
     }
-    let phases = DrawPhases::PerRound;
-    let mut state = scene.new_view(objects.target(), CullConfig::default(), phases)?;
+    let mut state = scene.new_view(objects.target())?;
     let mut frames = FrameRing::new(&device, 2)?;
     for step in 0..40_u8 {
         let eye = vec3(f32::from(step) * 0.1, 0.0, 3.0);

@@ -106,7 +106,7 @@ impl Renderer {
     /// # Errors
     /// A shader that does not fit its pass, a failed call. Nothing has changed then.
     pub fn reload(&mut self, shaders: ShaderSet) -> Result<(), Error> {
-        let surfaces = self.passes.geometry.surfaces.as_ref();
+        let surfaces = self.passes.gpu_scene.geometry.surfaces.as_ref();
         let has_sprites = surfaces.is_some_and(SurfaceResources::has_sprites);
         let shaders = if has_sprites { shaders.with_sprites() } else { shaders };
         self.draw_with(shaders.with_section(self.shaders.section()))

@@ -66,8 +66,8 @@ impl Renderer {
         }
         let edges = EdgeMeshes::new(
             &self.device,
-            &passes.geometry,
-            passes.skinned_meshes.as_ref(),
+            &passes.gpu_scene.geometry,
+            passes.gpu_scene.skinned_meshes.as_ref(),
             self.scene.hierarchy(),
             options.rules(),
         )?;

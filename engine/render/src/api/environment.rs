@@ -15,7 +15,7 @@ impl Renderer {
     /// [`Error::NoSurfacesForEnvironment`]; no memory, a failed call. Nothing has changed then.
     pub fn set_environment(&mut self, environment: Option<&Environment>) -> Result<(), Error> {
         let texture = EnvironmentTexture::new(&self.device, environment)?;
-        let surfaces = self.passes.geometry.surfaces.as_mut();
+        let surfaces = self.passes.gpu_scene.geometry.surfaces.as_mut();
         let surfaces = surfaces.ok_or(Error::NoSurfacesForEnvironment)?;
         let before = std::mem::replace(&mut surfaces.environment, texture);
         if before.is_there() == environment.is_some() {
@@ -24,7 +24,7 @@ impl Renderer {
         match self.passes.recompiled(&self.shaders, &self.passes.shadows) {
             Ok(pipelines) => self.passes.pipelines = pipelines,
             Err(error) => {
-                if let Some(surfaces) = &mut self.passes.geometry.surfaces {
+                if let Some(surfaces) = &mut self.passes.gpu_scene.geometry.surfaces {
                     surfaces.environment = before;
                 }
                 return Err(error.into());
@@ -36,7 +36,7 @@ impl Renderer {
     /// Sets the factor of all light before tone mapping, from 0 on; a number that is not finite
     /// counts as 1. Nothing happens in scenes without surfaces.
     pub fn set_exposure(&mut self, exposure: f32) {
-        if let Some(surfaces) = &mut self.passes.geometry.surfaces {
+        if let Some(surfaces) = &mut self.passes.gpu_scene.geometry.surfaces {
             surfaces.exposure = if exposure.is_finite() { exposure.max(0.0) } else { 1.0 };
         }
     }

@@ -59,7 +59,7 @@ impl Renderer {
         let pipelines = &mut passes.pipelines;
         pipelines.flares.prepare(device, shaders)?;
         let can_transmittance = device.capabilities().has(OptionalFeature::FragmentStores);
-        let surfaces = passes.geometry.surfaces.as_ref();
+        let surfaces = passes.gpu_scene.geometry.surfaces.as_ref();
         let surfaces = surfaces.filter(|_| can_transmittance && pipelines.transparent.is_some());
         if let (Some(surfaces), None) = (surfaces, &pipelines.transmittance) {
             let pass = SurfacePass::new(

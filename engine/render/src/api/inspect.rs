@@ -11,7 +11,7 @@ impl Renderer {
     /// Returns the parts of the scene that are shown in a degraded form, with shadows as they are
     /// drawn now; for still parts it is known from the beginning.
     pub fn degradations(&self) -> SceneDegradations {
-        let geometry = &self.passes.geometry;
+        let geometry = &self.passes.gpu_scene.geometry;
         let Some(surfaces) = &geometry.surfaces else { return SceneDegradations::default() };
         let planes = self.section().planes().len();
         let (unshadowed_objects, planes_without_shadows) = match self.shadows().method {

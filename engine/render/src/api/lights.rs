@@ -10,7 +10,7 @@ impl Renderer {
     /// Replaces the sun of a scene without surfaces, the ambient light and the colour of the sky.
     /// The next frame shows it.
     pub fn set_scene_light(&mut self, light: Light) {
-        self.passes.light = light;
+        self.passes.gpu_scene.light = light;
     }
 
     /// Adds lights to a scene with surfaces, and returns their ids in the same order. The next
@@ -30,7 +30,7 @@ impl Renderer {
     /// room where the scene had some, or with any
     /// [`SpareCapacity::lights`](crate::SpareCapacity::lights): pipelines are compiled for them.
     pub fn add_lights(&mut self, lights: &[PunctualLight]) -> Result<Vec<LightId>, Error> {
-        let surfaces = self.passes.geometry.surfaces.as_mut();
+        let surfaces = self.passes.gpu_scene.geometry.surfaces.as_mut();
         let left = |kind| surfaces.as_ref().map_or(0, |surfaces| surfaces.light_room(kind));
         let (suns, spots, points) = count_kinds(lights);
         let spot = LightKind::Spot { inner_rad: 0.0, outer_rad: 0.0 };
@@ -67,7 +67,7 @@ impl Renderer {
     /// [`SceneDegradations::dark_suns`]: crate::SceneDegradations::dark_suns
     pub fn remove_lights(&mut self, lights: &[LightId]) -> Result<(), Error> {
         for light in lights {
-            lit_surfaces(&mut self.passes.geometry.surfaces, *light)?
+            lit_surfaces(&mut self.passes.gpu_scene.geometry.surfaces, *light)?
                 .remove_light(self.scene.hierarchy(), *light);
         }
         Ok(())
@@ -83,7 +83,7 @@ impl Renderer {
     /// a picture that is not there or that pipelines are not compiled for: they are where the scene
     /// that the renderer began with has a light with a picture.
     pub fn set_light(&mut self, light: LightId, to: PunctualLight) -> Result<(), Error> {
-        let surfaces = lit_surfaces(&mut self.passes.geometry.surfaces, light)?;
+        let surfaces = lit_surfaces(&mut self.passes.gpu_scene.geometry.surfaces, light)?;
         let before = surfaces.table.get(light).map(|before| before.kind);
         if !before.is_some_and(|before| is_same_kind(before, to.kind)) {
             return Err(Error::Light { light, reason: "it cannot become another kind of light" });

@@ -54,7 +54,7 @@ impl Renderer {
 
     fn choose_levels(&mut self, views: &[SeenView<'_>], policy: &DetailPolicy) -> u32 {
         let samples_per_pixel = self.samples.count();
-        let geometry = &mut self.passes.geometry;
+        let geometry = &mut self.passes.gpu_scene.geometry;
         if !geometry.lods.are_any() {
             return 0;
         }

@@ -18,7 +18,7 @@ impl Renderer {
     /// [`Error::Material`] for a scene without surfaces, a material that blends, has a number that
     /// is not finite or a texture that is not there; [`Error::CapacityExceeded`].
     pub fn add_materials(&mut self, materials: &[Material]) -> Result<Vec<MaterialId>, Error> {
-        let Some(surfaces) = &mut self.passes.geometry.surfaces else {
+        let Some(surfaces) = &mut self.passes.gpu_scene.geometry.surfaces else {
             return refused(materials.len(), "the scene has no surfaces");
         };
         for (index, material) in materials.iter().enumerate() {
@@ -48,7 +48,7 @@ impl Renderer {
     /// [`Error::CapacityExceeded`] for its texture transforms. Nothing has changed then.
     pub fn set_material(&mut self, material: MaterialId, to: &Material) -> Result<(), Error> {
         let refused = |reason| Error::Material { index: material.0 as usize, reason };
-        let surfaces = self.passes.geometry.surfaces.as_mut();
+        let surfaces = self.passes.gpu_scene.geometry.surfaces.as_mut();
         let surfaces = surfaces.ok_or(refused("the scene has no surfaces"))?;
         surfaces.check_material(to).map_err(refused)?;
         surfaces.material_slots.check_replacement(material, to).map_err(refused)?;
@@ -60,7 +60,7 @@ impl Renderer {
     /// # Errors
     /// [`Error::Material`] for one that is not there or named twice, or that a mesh has.
     pub fn remove_materials(&mut self, materials: &[MaterialId]) -> Result<(), Error> {
-        let Some(surfaces) = &mut self.passes.geometry.surfaces else {
+        let Some(surfaces) = &mut self.passes.gpu_scene.geometry.surfaces else {
             return refused(materials.len(), "the scene has no surfaces").map(drop);
         };
         let slots = &mut surfaces.material_slots;

@@ -25,7 +25,7 @@ impl Renderer {
     /// [`RendererOptions::spare`]: crate::RendererOptions::spare
     /// [`RendererOptions::upload_bytes_per_frame`]: crate::RendererOptions::upload_bytes_per_frame
     pub fn add_meshes(&mut self, meshes: Vec<PreparedMesh>) -> Result<Vec<MeshId>, Error> {
-        let geometry = &mut self.passes.geometry;
+        let geometry = &mut self.passes.gpu_scene.geometry;
         for (index, mesh) in meshes.iter().enumerate() {
             geometry.check_mesh(mesh).map_err(|reason| Error::Mesh { index, reason })?;
         }
@@ -40,7 +40,7 @@ impl Renderer {
                 }
             }
         }
-        self.passes.edges.take(&self.passes.geometry, &added);
+        self.passes.edges.take(&self.passes.gpu_scene.geometry, &added);
         Ok(added)
     }
 
@@ -51,7 +51,7 @@ impl Renderer {
     /// [`Error::Mesh`] for one that is not there or named twice, that an object has, that is
     /// skinned or one of sprites.
     pub fn remove_meshes(&mut self, meshes: &[MeshId]) -> Result<(), Error> {
-        let geometry = &mut self.passes.geometry;
+        let geometry = &mut self.passes.gpu_scene.geometry;
         for (index, mesh) in meshes.iter().enumerate() {
             let is_new = !meshes[..index].contains(mesh);
             let checked = geometry.meshes.check_removal(*mesh);
@@ -66,19 +66,19 @@ impl Renderer {
 
     /// Returns true if a mesh is on the GPU, so that its objects are drawn.
     pub fn is_resident(&self, mesh: MeshId) -> bool {
-        let residency = self.passes.geometry.meshes.residency(mesh);
+        let residency = self.passes.gpu_scene.geometry.meshes.residency(mesh);
         matches!(residency, Residency::Resident | Residency::Kept)
     }
 
     /// Returns true while some mesh is on its way to the GPU: each frame brings it closer.
     pub fn is_uploading(&self) -> bool {
-        !self.passes.geometry.uploads.is_empty()
+        !self.passes.gpu_scene.geometry.uploads.is_empty()
     }
 
     /// Draws the objects of meshes that the last frame completed, from the next one on.
     pub(crate) fn show_arrived(&mut self) {
         let ScenePartsMut { hierarchy, leaves, .. } = self.scene.parts_mut();
-        if self.passes.geometry.show_arrived(hierarchy, leaves) {
+        if self.passes.gpu_scene.geometry.show_arrived(hierarchy, leaves) {
             self.revision.advance();
             self.passes.shadows.forget();
         }

@@ -19,12 +19,13 @@ impl Renderer {
         transform: Affine3A,
     ) -> Result<(), Error> {
         let refuse = |reason| Error::Transparent { transparent, reason };
-        let object = self.passes.transparent.as_ref().and_then(|objects| objects.get(transparent));
+        let object =
+            self.passes.gpu_scene.transparent.as_ref().and_then(|objects| objects.get(transparent));
         let object = object.ok_or(refuse("the scene has no such transparent object"))?;
         let bounds = bounds_in_world(&object.own_bounds, &transform);
         let bounds = bounds
             .ok_or(refuse("its transform takes it nowhere: check it for infinities and NaN"))?;
-        self.passes.change_transparent(transparent, |object| {
+        self.passes.gpu_scene.change_transparent(transparent, |object| {
             (object.object.transform, object.bounds) = (transform, bounds);
         })
     }

@@ -1,10 +1,10 @@
 //! Poses of skinned meshes, whose objects' boxes follow.
 
+use crate::gpu_scene::GpuScene;
 use glam::Affine3A;
 use scene::{PoseUpdate, SceneUpdate, SkinnedMeshId};
 
 use crate::error::Error;
-use crate::frame_passes::FramePasses;
 use crate::renderer::Renderer;
 use crate::resources::geometry::bounds_in_world;
 use crate::resources::skinned_mesh_state::SkinnedMeshState;
@@ -70,7 +70,7 @@ impl Renderer {
     ) -> Result<bool, Error> {
         let refuse = |reason: &str| Error::Pose { skinned_mesh, reason: reason.to_owned() };
         let none = || refuse("the scene has no skinned mesh");
-        let FramePasses { skinned_meshes, geometry, transparent, .. } = &mut self.passes;
+        let GpuScene { skinned_meshes, geometry, transparent, .. } = &mut self.passes.gpu_scene;
         let skinned_meshes = skinned_meshes.as_mut().ok_or_else(none)?;
         let Some(bounds) = skinned_meshes.bounds_in(skinned_mesh, joints, weights)? else {
             return Ok(false);
@@ -89,7 +89,7 @@ impl Renderer {
         geometry.reshape(mesh, bounds);
         self.revision.advance();
         if let Some(id) = id {
-            self.passes.change_transparent(id, |object| {
+            self.passes.gpu_scene.change_transparent(id, |object| {
                 (object.own_bounds, object.bounds) = (bounds, in_world);
             })?;
         } else if let Some(object) = object {

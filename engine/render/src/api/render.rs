@@ -16,10 +16,10 @@ use crate::debug::visible_set::{VISIBLE_SET, VisibleSet};
 use crate::edges::{EdgeMode, record_edges, record_outlines};
 use crate::error::{Error, FOREIGN_VIEW};
 use crate::flares::record_flares;
-use crate::frame_passes::FramePasses;
 use crate::render_view::{RenderView, RendererId};
 use crate::renderer::Renderer;
 use crate::resources::skinned_meshes::PoseUploads;
+use crate::scene_renderer::SceneRenderer;
 use crate::shading::fragments::Fragments;
 use crate::shadows::MapUses;
 use crate::view_pass::ViewPass;
@@ -211,7 +211,7 @@ impl Renderer {
         is_timed: bool,
         report: &mut FrameReport,
     ) {
-        report.add_skinned(self.passes.skinned());
+        report.add_skinned(self.passes.gpu_scene.skinned());
         report.shadows = self.passes.shadows.stats();
         report.fragments = self.fragment_counts();
         let timed_views = is_timed.then_some(targets.len());
@@ -341,16 +341,17 @@ fn begin_view(
     strategy: Strategy,
 ) -> Result<u32, Error> {
     let ViewPass { passes, frame, scene, view } = view_pass;
-    let FramePasses { geometry, pipelines, shadows, .. } = &mut **passes;
+    let SceneRenderer { gpu_scene, pipelines, shadows, .. } = &mut **passes;
+    let geometry = &gpu_scene.geometry;
     shadows.begin_view(frame, number, view, geometry, scene.hierarchy(), pipelines)?;
     passes.begin_section_view(frame, scene.hierarchy(), view)?;
     passes.record_caps(frame.commands(), view);
-    passes.gather_transparent(frame, scene, view, strategy)
+    passes.gpu_scene.gather_transparent(frame, scene, view, strategy)
 }
 
 /// Notes the renderings of a view, by its number in the frame. Overlays follow those of the first.
 fn begin_scopes(
-    passes: &mut FramePasses,
+    passes: &mut SceneRenderer,
     state: &RenderView,
     flares: &[LensFlare],
     number: u32,
@@ -358,9 +359,12 @@ fn begin_scopes(
 ) {
     let has_flares = !flares.is_empty();
     let shades = passes.pipelines.shading.is_some();
-    let has_transparent =
-        passes.transparent.as_ref().is_some_and(|transparent| !transparent.list().is_empty());
-    let has_fragments = passes.fragments().and_then(Fragments::io).is_some();
+    let has_transparent = passes
+        .gpu_scene
+        .transparent
+        .as_ref()
+        .is_some_and(|transparent| !transparent.list().is_empty());
+    let has_fragments = passes.gpu_scene.fragments().and_then(Fragments::io).is_some();
     let mode = passes.edges.options.mode;
     let later = if number == 0 { after_views } else { ViewScopes::default() };
     passes.scopes = Some(later.and([
@@ -420,7 +424,7 @@ impl Overlays {
     fn record(
         self,
         frame: &mut Frame<'_>,
-        passes: &mut FramePasses,
+        passes: &mut SceneRenderer,
         scene: &CulledScene,
         target: Option<&ViewRequest<'_>>,
         request: &ViewsRequest<'_>,

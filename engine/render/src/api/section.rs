@@ -68,7 +68,7 @@ impl Renderer {
                 gpu::Error::Unsupported { device, missing, wanted: "section planes" }.into()
             );
         }
-        let meshes = read_meshes(&self.device, &self.passes.geometry)?;
+        let meshes = read_meshes(&self.device, &self.passes.gpu_scene.geometry)?;
         let former = if self.passes.target.has_stencil() {
             None
         } else {
@@ -87,14 +87,14 @@ impl Renderer {
         if former.is_some() {
             self.methods.iter_mut().for_each(|method| method.resized());
         }
-        self.passes.geometry.section_meshes = Some(meshes);
+        self.passes.gpu_scene.geometry.section_meshes = Some(meshes);
         Ok(())
     }
 
     /// Compiles the passes that draw objects whole.
     fn leave_whole(&mut self) -> Result<(), Error> {
         self.draw_with(self.shaders.clone().with_section(SectionShaders::Whole))?;
-        self.passes.geometry.section_meshes = None;
+        self.passes.gpu_scene.geometry.section_meshes = None;
         self.passes.section.forget();
         Ok(())
     }

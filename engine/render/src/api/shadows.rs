@@ -36,7 +36,7 @@ impl Renderer {
         if options == self.passes.shadows.options {
             return Ok(());
         }
-        let has_surfaces = self.passes.geometry.surfaces.is_some();
+        let has_surfaces = self.passes.gpu_scene.geometry.surfaces.is_some();
         let frames_in_flight = self.frames_in_flight();
         let mut shadows = Shadows::new(
             &self.device,
@@ -51,13 +51,18 @@ impl Renderer {
         let pipelines = self.passes.recompiled(&self.shaders, &shadows)?;
         let passes = &mut self.passes;
         let is_by_volumes = options.method == ShadowMethod::Volumes;
-        let is_new = is_by_volumes && passes.geometry.volumes.is_none();
-        let new =
-            || VolumeMeshes::new(&self.device, &passes.geometry, passes.skinned_meshes.as_ref());
+        let is_new = is_by_volumes && passes.gpu_scene.geometry.volumes.is_none();
+        let new = || {
+            VolumeMeshes::new(
+                &self.device,
+                &passes.gpu_scene.geometry,
+                passes.gpu_scene.skinned_meshes.as_ref(),
+            )
+        };
         let volumes = is_new.then(new).transpose()?;
         // Nothing fails from here on.
         if is_new || !is_by_volumes {
-            passes.geometry.replace_volumes(volumes);
+            passes.gpu_scene.geometry.replace_volumes(volumes);
         }
         passes.pipelines = pipelines;
         shadows.own = std::mem::take(&mut passes.shadows.own);
@@ -77,7 +82,7 @@ impl Renderer {
         shadow: Option<LightShadow>,
     ) -> Result<(), Error> {
         let refused = |reason| Error::Light { light, reason };
-        let surfaces = self.passes.geometry.surfaces.as_ref();
+        let surfaces = self.passes.gpu_scene.geometry.surfaces.as_ref();
         let there = surfaces.and_then(|surfaces| surfaces.table.get(light));
         there.ok_or(refused("the scene has no such light"))?;
         if shadow.is_some_and(|shadow| !(0.0..1.0e3).contains(&shadow.penumbra_m)) {

@@ -146,7 +146,7 @@ impl Renderer {
         passes.begin_section(&mut frame, scene.hierarchy())?;
         passes.upload_changes(&mut frame, scene, PoseUploads::All, views, MapUses::Anywhere)?;
         passes.begin_section_view(&mut frame, scene.hierarchy(), &view)?;
-        passes.gather_transparent(&mut frame, scene, &view, Strategy::FRUSTUM)?;
+        passes.gpu_scene.gather_transparent(&mut frame, scene, &view, Strategy::FRUSTUM)?;
         let draws = snapshot.upload(&mut frame, scene.leaves())?;
         let io = sketch.upload(&mut frame)?;
         let commands = frame.commands();

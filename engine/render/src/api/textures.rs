@@ -30,7 +30,7 @@ impl Renderer {
         &mut self,
         textures: Vec<PreparedTexture>,
     ) -> Result<Vec<TextureId>, Error> {
-        let geometry = &mut self.passes.geometry;
+        let geometry = &mut self.passes.gpu_scene.geometry;
         let Some(surfaces) = &mut geometry.surfaces else {
             return refused(textures.len());
         };
@@ -66,7 +66,7 @@ impl Renderer {
     /// [`Error::Texture`] for one that is not there or named twice, that a material uses, or that
     /// the renderer began with.
     pub fn remove_textures(&mut self, textures: &[TextureId]) -> Result<(), Error> {
-        let geometry = &mut self.passes.geometry;
+        let geometry = &mut self.passes.gpu_scene.geometry;
         let Some(surfaces) = &mut geometry.surfaces else {
             return refused(textures.len()).map(drop);
         };

@@ -27,7 +27,7 @@ impl Renderer {
     /// Returns the counts of the fragments that are sorted, of the newest frame whose counts have
     /// been read; zeros without any.
     pub fn fragment_counts(&self) -> FragmentCounts {
-        self.passes.fragments().map(Fragments::newest).unwrap_or_default()
+        self.passes.gpu_scene.fragments().map(Fragments::newest).unwrap_or_default()
     }
 
     /// Returns the reason why objects are sorted though
@@ -40,8 +40,9 @@ impl Renderer {
             return Some(TransparencyFallback::DriverQuirk);
         }
         let samples = self.passes.target.attachments().samples;
-        let has_room =
-            |size| self.passes.fragments().is_none_or(|fragments| fragments.has_room_for(size));
+        let has_room = |size| {
+            self.passes.gpu_scene.fragments().is_none_or(|fragments| fragments.has_room_for(size))
+        };
         let too_many = (!has_room(self.size())).then_some(TransparencyFallback::TooManyPixels);
         fallback_of(&self.device, samples).or(too_many)
     }

@@ -108,7 +108,7 @@ impl Renderer {
 
     fn bounds_of_moved(&self, object: ObjectId, transform: &Affine3A) -> Result<Aabb, String> {
         const NOWHERE: &str = "its transform takes it nowhere: check it for infinities and NaN";
-        let bounds = self.passes.geometry.bounds_at(object, transform);
+        let bounds = self.passes.gpu_scene.geometry.bounds_at(object, transform);
         bounds.ok_or_else(|| NOWHERE.to_owned())
     }
 
@@ -120,7 +120,7 @@ impl Renderer {
         taken: &mut HashSet<MeshId>,
     ) -> Result<(), String> {
         const TAKEN: &str = "its mesh is skinned and another object has it: remove that first";
-        let geometry = &self.passes.geometry;
+        let geometry = &self.passes.gpu_scene.geometry;
         if !geometry.is_skinned(object.mesh) {
             return Ok(());
         }
@@ -130,7 +130,7 @@ impl Renderer {
 
     fn bounds_of_added(&self, object: &Object) -> Result<Aabb, String> {
         const NONE: &str = "the scene has no such mesh, or its transform is no number";
-        let bounds = self.passes.geometry.bounds_of(object.mesh.0, &object.transform);
+        let bounds = self.passes.gpu_scene.geometry.bounds_of(object.mesh.0, &object.transform);
         bounds.ok_or_else(|| NONE.to_owned())
     }
 
@@ -202,7 +202,7 @@ impl Renderer {
     ) -> Result<Option<ObjectId>, HierarchyError> {
         match change {
             ObjectChange::Move { object, transform } => {
-                self.passes.geometry.place(*object, transform);
+                self.passes.gpu_scene.geometry.place(*object, transform);
                 scratch.moves.push((*object, bounds));
                 scratch.changed.push(*object);
                 Ok(None)
@@ -210,14 +210,14 @@ impl Renderer {
             ObjectChange::Remove { object } => {
                 self.move_all(scratch)?;
                 self.scene.parts_mut().hierarchy.remove(*object)?;
-                self.passes.geometry.replace(*object, None);
+                self.passes.gpu_scene.geometry.replace(*object, None);
                 scratch.changed.push(*object);
                 Ok(None)
             }
             ObjectChange::Add { object } => {
                 self.move_all(scratch)?;
                 let id = self.scene.parts_mut().hierarchy.insert(bounds)?;
-                self.passes.geometry.replace(id, Some(object));
+                self.passes.gpu_scene.geometry.replace(id, Some(object));
                 scratch.changed.push(id);
                 Ok(Some(id))
             }
@@ -234,7 +234,7 @@ impl Renderer {
 
     /// Marks the leaves of all changed objects, where they are now.
     fn mark_dirty(&mut self, scratch: &mut UpdateScratch) {
-        let geometry = &mut self.passes.geometry;
+        let geometry = &mut self.passes.gpu_scene.geometry;
         let ScenePartsMut { hierarchy, leaves, .. } = self.scene.parts_mut();
         for object in scratch.changed.drain(..) {
             geometry.find_lights(hierarchy, object);

@@ -18,9 +18,9 @@ use scene::{Mesh, Scene};
 use super::CostListOptions;
 use super::item::{BoxSize, CostItem, PredicateResult};
 use crate::error::Error;
-use crate::frame_passes::FramePasses;
 use crate::probe_recording::{HIDES_ALL, bind, rendering, wait_for_reset};
 use crate::renderer::{Renderer, RendererOptions};
+use crate::scene_renderer::SceneRenderer;
 
 /// The distance of everything from the eye (metres).
 const DISTANCE_M: f32 = 10.0;
@@ -63,7 +63,7 @@ impl CostBench {
         let forward = Vec3::NEG_Z;
         let up = Vec3::Y;
         let view = renderer.view_of(&Camera { eye, forward, up, projection, near: 0.1 });
-        let draw = renderer.passes.geometry.mesh_draw(scene::MeshId(0));
+        let draw = renderer.passes.gpu_scene.geometry.mesh_draw(scene::MeshId(0));
         let draw = IndirectDraw { instance_count: 1, ..draw };
         let shaders = ShaderSet::embedded()?;
         let most = options.most.max(1);
@@ -133,7 +133,7 @@ impl CostBench {
         self.flags.begin(&frame, std::iter::repeat_n((), results as usize))?;
         self.computed.begin(&frame, std::iter::repeat_n((), results as usize))?;
         begin_ranges(&mut self.ranges, &self.flags, &mut frame, item, count)?;
-        let draw = renderer.passes.geometry.mesh_draw(scene::MeshId(0));
+        let draw = renderer.passes.gpu_scene.geometry.mesh_draw(scene::MeshId(0));
         let draw = IndirectDraw { instance_count: 1, ..draw };
         let bounds = match item {
             CostItem::Boxes(_, BoxSize::Large) | CostItem::BoxesOfAllFragments(BoxSize::Large) => {
@@ -243,7 +243,7 @@ impl Recorder<'_> {
     fn record(
         &self,
         commands: &Commands,
-        passes: &mut FramePasses,
+        passes: &mut SceneRenderer,
         item: CostItem,
         count: u32,
         io: &Io,
@@ -324,7 +324,7 @@ impl Recorder<'_> {
         }
     }
 
-    fn test_boxes(&self, commands: &Commands, passes: &mut FramePasses, count: u32, io: &Io) {
+    fn test_boxes(&self, commands: &Commands, passes: &mut SceneRenderer, count: u32, io: &Io) {
         let (Some(compute), Some(results), 1..) = (self.compute, self.computed, count) else {
             return;
         };

@@ -143,7 +143,7 @@ impl DebugOverlay {
         frame.commands().pass(BOXES_AND_WIREFRAME, |commands| {
             commands.rendering(target, |commands| {
                 if let Some((wireframe, draws)) = wireframe {
-                    wireframe.bind(commands, &passes.opaque_io(), view, &passes.light);
+                    wireframe.bind(commands, &passes.opaque_io(), view, &passes.gpu_scene.light);
                     scene.leaves().predicates().draw_after_counted(commands, draws);
                 }
                 if let Some((overlay, boxes)) = &boxes {

@@ -14,7 +14,7 @@ use occlusion::{CulledScene, OcclusionState, ProxyBox, ProxyIo, ProxyPass};
 use crate::attachment_schedule::AttachmentSchedule;
 use crate::debug::settled_counts::{SettledCounts, keep_newest};
 use crate::error::Error;
-use crate::frame_passes::FramePasses;
+use crate::scene_renderer::SceneRenderer;
 
 /// The number of visible samples of an object in a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -297,7 +297,7 @@ pub(crate) fn count_samples(
 }
 
 fn draw_counted(
-    passes: &FramePasses,
+    passes: &SceneRenderer,
     commands: &Commands,
     asked: &CountRequests,
     queries: &QueryRing<CountTag>,

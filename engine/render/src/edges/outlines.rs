@@ -9,8 +9,8 @@ use occlusion::{CulledScene, MeshDrawId};
 use super::record::{edge_io, wait_for_vertices};
 use crate::attachment_schedule::AttachmentSchedule;
 use crate::error::Error;
-use crate::frame_passes::FramePasses;
 use crate::passes::EdgeStyle;
+use crate::scene_renderer::SceneRenderer;
 
 /// The pass that outlines objects.
 const OUTLINES: &str = "outline objects";
@@ -53,7 +53,7 @@ pub(crate) fn record_outlines(view_pass: &mut ViewPass<'_, '_>) -> Result<(), Er
         commands.rendering(stencil.with_colours(target), |commands| {
             for OutlineDraws { style, triangles, edges } in &outlines {
                 commands.clear_stencil(view.origin, view.size);
-                pass.mark.bind(commands, &passes.opaque_io(), view, &passes.light);
+                pass.mark.bind(commands, &passes.opaque_io(), view, &passes.gpu_scene.light);
                 predicates.draw_after_counted(commands, *triangles);
                 pass.draw(commands, &io, view, style, *edges);
             }
@@ -64,7 +64,7 @@ pub(crate) fn record_outlines(view_pass: &mut ViewPass<'_, '_>) -> Result<(), Er
 
 /// Uploads the draws of an outline; `None` if it has no object in the scene.
 fn upload(
-    passes: &FramePasses,
+    passes: &SceneRenderer,
     frame: &mut Frame<'_>,
     scene: &CulledScene,
     number: usize,
@@ -80,7 +80,7 @@ fn upload(
     }
     let triangles: Vec<IndirectDraw> =
         objects.iter().map(|(_, leaf)| scene.leaves().draw(*leaf)).collect();
-    let draw_of = |object: ObjectId| -> MeshDrawId { passes.geometry.draw_of(object) };
+    let draw_of = |object: ObjectId| -> MeshDrawId { passes.gpu_scene.geometry.draw_of(object) };
     let edges: Vec<_> =
         objects.iter().map(|(object, leaf)| meshes.draw(draw_of(*object), leaf.0)).collect();
     Ok(Some(OutlineDraws {

@@ -10,8 +10,9 @@ use occlusion::MeshDrawId;
 use super::options::EdgeMode;
 use crate::attachment_schedule::AttachmentSchedule;
 use crate::error::Error;
-use crate::frame_passes::FramePasses;
+use crate::gpu_scene::GpuScene;
 use crate::passes::{EdgeIo, EdgeTest};
+use crate::scene_renderer::SceneRenderer;
 
 /// The pass that draws edges.
 const EDGES: &str = "draw edges";
@@ -82,11 +83,12 @@ pub(super) fn wait_for_vertices(frame: &Frame<'_>) {
 
 /// Uploads the draws of the transparent objects around the frustum of a view.
 fn transparent_edges(
-    passes: &FramePasses,
+    passes: &SceneRenderer,
     frame: &mut Frame<'_>,
     frustum: &cull::Frustum,
 ) -> Result<Option<TransparentEdges>, Error> {
-    let FramePasses { transparent, geometry, edges, .. } = passes;
+    let SceneRenderer { gpu_scene, edges, .. } = passes;
+    let GpuScene { geometry, transparent, .. } = gpu_scene;
     let (Some(transparent), Some(meshes)) = (transparent, &edges.meshes) else {
         return Ok(None);
     };
@@ -105,9 +107,9 @@ fn transparent_edges(
 }
 
 /// Returns the inputs of the pass of edges, once they are built.
-pub(super) fn edge_io(passes: &FramePasses) -> Option<EdgeIo> {
+pub(super) fn edge_io(passes: &SceneRenderer) -> Option<EdgeIo> {
     let segments = passes.edges.meshes.as_ref()?.segments();
-    let instances = passes.geometry.instances.whole();
-    let vertices = passes.geometry.vertices.whole();
+    let instances = passes.gpu_scene.geometry.instances.whole();
+    let vertices = passes.gpu_scene.geometry.vertices.whole();
     Some(EdgeIo { instances, segments, vertices, section: passes.section.io() })
 }

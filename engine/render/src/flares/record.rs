@@ -10,8 +10,8 @@ use crate::error::Error;
 use crate::flares::block::FlareBlock;
 use crate::flares::counts::FlareCounts;
 use crate::flares::sprites::sprites;
-use crate::frame_passes::FramePasses;
 use crate::passes::FlareBlockIo;
+use crate::scene_renderer::SceneRenderer;
 
 /// Counts the flares of a view, once everything of its frame is drawn, and draws those that earlier
 /// frames have counted.
@@ -56,8 +56,8 @@ pub(crate) fn record_flares(
 }
 
 /// Returns true if there are transparent objects in the view being recorded.
-fn has_transparent(passes: &FramePasses) -> bool {
-    passes.transparent.as_ref().is_some_and(|transparent| !transparent.list().is_empty())
+fn has_transparent(passes: &SceneRenderer) -> bool {
+    passes.gpu_scene.transparent.as_ref().is_some_and(|transparent| !transparent.list().is_empty())
 }
 
 /// Adds up how much the transparent objects in front of the lights take at each pixel of the
@@ -76,9 +76,11 @@ fn record_transmittance(
     let ViewPass { passes, frame, scene, view } = view_pass;
     frame.commands().pass("transmittance flares", |commands| {
         commands.rendering(target, |commands| {
-            let (Some(transparent), Some(pass), Some(surfaces)) =
-                (&passes.transparent, &passes.pipelines.transmittance, passes.surface_io())
-            else {
+            let (Some(transparent), Some(pass), Some(surfaces)) = (
+                &passes.gpu_scene.transparent,
+                &passes.pipelines.transmittance,
+                passes.surface_io(),
+            ) else {
                 return;
             };
             commands.clip(origin, size);
@@ -89,7 +91,7 @@ fn record_transmittance(
                     blocks,
                     transmittance,
                     view,
-                    &passes.light,
+                    &passes.gpu_scene.light,
                 );
             });
         });

@@ -16,10 +16,10 @@ use occlusion::{
 use super::probe_lists::ProbeLists;
 use super::probe_scene::{self, PROBES, SIZE, TWINS};
 use crate::error::Error;
-use crate::frame_passes::FramePasses;
 use crate::probe_recording::{HIDES_ALL, HIDES_NOTHING, bind, rendering, wait_for_reset};
 use crate::renderer::{Renderer, RendererOptions};
 use crate::resources::object_bounds::object_bounds;
+use crate::scene_renderer::SceneRenderer;
 use crate::views::{FrameRequest, finish_image};
 
 /// Draws under one decision of a predicate.
@@ -75,7 +75,7 @@ impl Probe {
         let draws = (0..(PROBES + TWINS) as u32).map(|object| {
             let leaf =
                 renderer.scene.hierarchy().leaf_of(cull::ObjectId(object)).map_or(0, |leaf| leaf.0);
-            let mesh = renderer.passes.geometry.mesh_draw(scene::MeshId(0));
+            let mesh = renderer.passes.gpu_scene.geometry.mesh_draw(scene::MeshId(0));
             IndirectDraw { first_instance: leaf, instance_count: 1, ..mesh }
         });
         let boxes = object_bounds(&scene)?.into_iter().take(PROBES);
@@ -437,7 +437,7 @@ fn tested(
 }
 
 /// Draws all objects without their twins.
-fn draw_objects(passes: &FramePasses, commands: &Commands, view: &CullView, draws: BufferSlice) {
+fn draw_objects(passes: &SceneRenderer, commands: &Commands, view: &CullView, draws: BufferSlice) {
     bind(passes, commands, view);
     commands.draw_indirect(draws.part(0, PROBES as u64 * DRAW_BYTES));
 }

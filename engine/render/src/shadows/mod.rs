@@ -38,10 +38,14 @@ pub(crate) struct Shadows {
     pub(crate) options: ShadowOptions,
     /// The shadows of lights that differ from what the options say.
     pub(crate) own: HashMap<LightId, LightShadow>,
-    /// The maps, with the method that has some.
-    maps: Option<ShadowMaps>,
-    /// The volumes, with the method that has some.
-    volumes: Option<VolumeShadows>,
+    active: ActiveShadows,
+}
+
+/// The method that draws shadows, with its memory.
+enum ActiveShadows {
+    Off,
+    Maps(Box<ShadowMaps>),
+    Volumes(Box<VolumeShadows>),
 }
 
 impl Shadows {
@@ -61,19 +65,21 @@ impl Shadows {
         if options.method != ShadowMethod::Off && !has_surfaces {
             return Err(Error::NoSurfacesForShadows);
         }
-        let mut maps = None;
-        let mut volumes = None;
-        match options.method {
-            ShadowMethod::Off => {}
-            ShadowMethod::Maps => maps = Some(ShadowMaps::new(device, options, frames_in_flight)?),
+        let active = match options.method {
+            ShadowMethod::Off => ActiveShadows::Off,
+            ShadowMethod::Maps => {
+                ActiveShadows::Maps(Box::new(ShadowMaps::new(device, options, frames_in_flight)?))
+            }
             ShadowMethod::Volumes if target.attachments().samples != SampleCount::One.flags() => {
                 return Err(Error::MultisampledVolumes);
             }
-            ShadowMethod::Volumes => {
-                volumes = Some(VolumeShadows::new(device, options, frames_in_flight)?)
-            }
-        }
-        Ok(Self { options, own: HashMap::new(), maps, volumes })
+            ShadowMethod::Volumes => ActiveShadows::Volumes(Box::new(VolumeShadows::new(
+                device,
+                options,
+                frames_in_flight,
+            )?)),
+        };
+        Ok(Self { options, own: HashMap::new(), active })
     }
 
     /// Skips culled casters by the executor of the renderer, of so many frames in flight.
@@ -85,13 +91,16 @@ impl Shadows {
         executor: PredicationMode,
         frames: usize,
     ) -> Result<(), Error> {
-        self.maps.as_mut().map_or(Ok(()), |maps| maps.skip_by(executor, frames))?;
-        self.volumes.as_mut().map_or(Ok(()), |volumes| volumes.skip_by(executor, frames))
+        match &mut self.active {
+            ActiveShadows::Off => Ok(()),
+            ActiveShadows::Maps(maps) => maps.skip_by(executor, frames),
+            ActiveShadows::Volumes(volumes) => volumes.skip_by(executor, frames),
+        }
     }
 
     /// Draws all maps again in the next frame: casters changed and their boxes did not.
     pub(crate) fn forget(&mut self) {
-        if let Some(maps) = &mut self.maps {
+        if let ActiveShadows::Maps(maps) = &mut self.active {
             maps.forget();
         }
     }
@@ -113,13 +122,13 @@ impl Shadows {
         let triangles =
             |geometry: &Geometry, object, leaf| geometry.caster_draw(object, leaf).index_count / 3;
         let scene = CastersInView { hierarchy, geometry, receivers, view, triangles };
-        if let Some(volumes) = &mut self.volumes {
-            volumes.plan(&surfaces.table, &self.own, &scene, views, uses)?;
+        match &mut self.active {
+            ActiveShadows::Off => Ok(()),
+            ActiveShadows::Maps(maps) => maps.plan(&surfaces.table, &self.own, &scene, views, uses),
+            ActiveShadows::Volumes(volumes) => {
+                volumes.plan(&surfaces.table, &self.own, &scene, views, uses)
+            }
         }
-        if let Some(maps) = &mut self.maps {
-            maps.plan(&surfaces.table, &self.own, &scene, views, uses)?;
-        }
-        Ok(())
     }
 
     /// Returns true if casters may be culled, for which receivers must be known.
@@ -129,22 +138,21 @@ impl Shadows {
 
     /// Changes the number of frames in flight.
     pub(crate) fn set_frames_in_flight(&mut self, frames_in_flight: usize) {
-        if let Some(maps) = &mut self.maps {
-            maps.set_frames_in_flight(frames_in_flight);
-        }
-        if let Some(volumes) = &mut self.volumes {
-            volumes.set_frames_in_flight(frames_in_flight);
+        match &mut self.active {
+            ActiveShadows::Off => {}
+            ActiveShadows::Maps(maps) => maps.set_frames_in_flight(frames_in_flight),
+            ActiveShadows::Volumes(volumes) => volumes.set_frames_in_flight(frames_in_flight),
         }
     }
 
     /// Returns true if some maps wait for the finished depth of the view.
     pub(crate) fn has_culled(&self) -> bool {
-        self.maps.as_ref().is_some_and(ShadowMaps::has_culled)
+        matches!(&self.active, ActiveShadows::Maps(maps) if maps.has_culled())
     }
 
     /// Returns true if the surfaces of a view cannot be shaded before its depth is finished.
     pub(crate) fn wait_for_depth(&self) -> bool {
-        self.has_culled() || self.volumes.is_some()
+        self.has_culled() || matches!(self.active, ActiveShadows::Volumes(_))
     }
 
     /// Draws the maps that wait for the finished depth of the view, which `target` holds.
@@ -156,8 +164,8 @@ impl Shadows {
         target: RenderTarget,
         view: &CullView,
     ) {
-        if let (Some(maps), Some(tests), Some(passes)) =
-            (&mut self.maps, &pipelines.shadow_tests, &pipelines.maps)
+        if let (ActiveShadows::Maps(maps), Some(tests), Some(passes)) =
+            (&mut self.active, &pipelines.shadow_tests, &pipelines.maps)
         {
             maps.record_culled(commands, geometry, tests, &passes.casters, target, view);
         }
@@ -165,8 +173,11 @@ impl Shadows {
 
     /// Returns true if the plan draws a leaf to some map, or its volume.
     pub(crate) fn draw(&self, leaf: LeafIndex) -> bool {
-        self.maps.as_ref().is_some_and(|maps| maps.draws(leaf))
-            || self.volumes.as_ref().is_some_and(|volumes| volumes.has_caster(leaf))
+        match &self.active {
+            ActiveShadows::Off => false,
+            ActiveShadows::Maps(maps) => maps.draws(leaf),
+            ActiveShadows::Volumes(volumes) => volumes.has_caster(leaf),
+        }
     }
 
     /// Draws the maps as they were planned, before anything of the frame samples them.
@@ -182,8 +193,8 @@ impl Shadows {
         pipelines: &Pipelines,
         predicates: &Predicates,
     ) -> Result<(), Error> {
-        match (&mut self.maps, &pipelines.maps) {
-            (Some(maps), Some(passes)) => {
+        match (&mut self.active, &pipelines.maps) {
+            (ActiveShadows::Maps(maps), Some(passes)) => {
                 maps.record(frame, geometry, hierarchy, section, passes, predicates)
             }
             _ => Ok(()),
@@ -203,11 +214,12 @@ impl Shadows {
         hierarchy: &Hierarchy,
         pipelines: &Pipelines,
     ) -> Result<(), Error> {
-        if let Some(maps) = &mut self.maps {
-            maps.begin_view(number);
-        }
-        match (&mut self.volumes, &pipelines.volumes) {
-            (Some(volumes), Some(pass)) => {
+        match (&mut self.active, &pipelines.volumes) {
+            (ActiveShadows::Maps(maps), _) => {
+                maps.begin_view(number);
+                Ok(())
+            }
+            (ActiveShadows::Volumes(volumes), Some(pass)) => {
                 volumes.begin_view(frame, number, view, geometry, hierarchy, pass)
             }
             _ => Ok(()),
@@ -223,40 +235,44 @@ impl Shadows {
         view: &CullView,
         target: &mut Target,
     ) {
-        if let (Some(volumes), Some(pass)) = (&mut self.volumes, &mut pipelines.volumes) {
+        if let (ActiveShadows::Volumes(volumes), Some(pass)) =
+            (&mut self.active, &mut pipelines.volumes)
+        {
             volumes.record(commands, geometry, pass, pipelines.shadow_tests.as_ref(), view, target);
         }
     }
 
     /// Notes that the surfaces of the view that was begun are shaded.
     pub(crate) fn end_view(&mut self) {
-        if let Some(volumes) = &mut self.volumes {
+        if let ActiveShadows::Volumes(volumes) = &mut self.active {
             volumes.end_view();
         }
     }
 
     /// Returns the inputs of the passes that draw with shadows, in a frame that recorded the maps.
     pub(crate) fn io(&self) -> Option<ShadowIo<'_>> {
-        match (&self.maps, &self.volumes) {
-            (Some(maps), _) => maps.io().map(ShadowIo::Maps),
-            (None, Some(volumes)) => Some(ShadowIo::Mask(volumes.io())),
-            (None, None) => None,
+        match &self.active {
+            ActiveShadows::Off => None,
+            ActiveShadows::Maps(maps) => maps.io().map(ShadowIo::Maps),
+            ActiveShadows::Volumes(volumes) => Some(ShadowIo::Mask(volumes.io())),
         }
     }
 
     /// Notes that the frame of the last plan was submitted.
     pub(crate) fn submitted(&mut self, tick: Tick) {
-        if let Some(maps) = &mut self.maps {
-            maps.submitted(tick);
-        }
-        if let Some(volumes) = &mut self.volumes {
-            volumes.submitted(tick);
+        match &mut self.active {
+            ActiveShadows::Off => {}
+            ActiveShadows::Maps(maps) => maps.submitted(tick),
+            ActiveShadows::Volumes(volumes) => volumes.submitted(tick),
         }
     }
 
     /// Returns the counts of the newest frame.
     pub(crate) fn stats(&self) -> ShadowStats {
-        let of_maps = self.maps.as_ref().map(ShadowMaps::stats);
-        of_maps.or(self.volumes.as_ref().map(VolumeShadows::stats)).unwrap_or_default()
+        match &self.active {
+            ActiveShadows::Off => ShadowStats::default(),
+            ActiveShadows::Maps(maps) => maps.stats(),
+            ActiveShadows::Volumes(volumes) => volumes.stats(),
+        }
     }
 }

@@ -4,14 +4,14 @@ use std::error::Error;
 use std::sync::Arc;
 
 use ash::vk;
-use cull::{Camera, CullConfig, CullView, DrawPhases, Strategy};
+use cull::{Camera, CullView, Strategy};
 use gpu::{
-    Commands, Device, DeviceOptions, FrameNumbers, FrameRing, HostImage, HostImages, ImageState,
-    IndirectDraw, NearDepth, RenderTarget, Resubmission, Target, Tick,
+    Commands, Device, FrameNumbers, FrameRing, HostImage, HostImages, ImageState, IndirectDraw,
+    RenderTarget, Resubmission, Target, Tick,
 };
 use occlusion::{
-    BucketDraw, BucketId, BucketTableInfo, CulledScene, DrawRequest, HostObject, ObjectRenderer,
-    OcclusionPasses, OcclusionState, Rendering, ShaderSet,
+    BucketDraw, BucketId, CulledScene, CulledSceneOptions, DrawRequest, HostObject, ObjectRenderer,
+    OcclusionState, Rendering,
 };
 use walk::{AshDevice, AshImage, BoxScene, ViewConstants};
 
@@ -38,23 +38,19 @@ impl AshCulling {
         let slots = FRAMES_IN_FLIGHT as usize;
         // SAFETY: as described; the host destroys its device behind `AshCulling::finish`.
         let device = unsafe { Device::adopt(description(&renderer.host)) }?;
-        let shaders = ShaderSet::embedded()?;
         let [depth, colour] = images(renderer);
-        let samples = vk::SampleCountFlags::TYPE_1;
-        let near_depth = NearDepth::One;
-        let views = 1;
-        let size = walk::SIZE;
-        let images = HostImages { depth, colours: &[colour], samples, near_depth, views, size };
+        let colours = [colour];
+        let images = HostImages::new(depth, &colours, walk::SIZE);
         // SAFETY: the host's images live as long, and nothing but its frames uses them.
         let target = unsafe { Target::of_host(&device, &images) }?;
-        let passes = OcclusionPasses::new(&device, &shaders, target.attachments())?;
-        let info = BucketTableInfo {
-            bucket_count: walk::BUCKETS,
+        let options = CulledSceneOptions {
+            object_capacity: walk.objects.len(),
             draw_capacity: walk.parts.len() as u32,
-            predication: None,
+            bucket_count: walk::BUCKETS,
             frames_in_flight: slots,
+            ..Default::default()
         };
-        let mut scene = CulledScene::new(&device, passes, walk.objects.len(), info)?;
+        let mut scene = CulledScene::new(&device, target.attachments(), &options)?;
         let draw = |number: u32| BucketDraw {
             bucket: BucketId(walk.parts[number as usize].bucket),
             draw: IndirectDraw {
@@ -69,7 +65,7 @@ impl AshCulling {
             let draws: Vec<_> = object.parts.clone().map(draw).collect();
             scene.add(&[HostObject { bounds: object.bounds, draws: &draws }], &mut Vec::new())?;
         }
-        let view = scene.new_view(&target, CullConfig::default(), DrawPhases::PerRound)?;
+        let view = scene.new_view(&target)?;
         let mut frames = FrameRing::new(&device, slots)?;
         frames.set_resubmission(Resubmission::Never);
         let objects = HostObjects { renderer: renderer.clone(), target };
@@ -125,18 +121,15 @@ impl ObjectRenderer for HostObjects {
 /// Describes the host's device, which submits by itself.
 fn description(host: &AshDevice) -> gpu::HostDevice {
     gpu::HostDevice {
-        entry: host.instance.entry.clone(),
-        instance: host.instance.raw.clone(),
-        physical_device: host.physical,
-        device: host.raw.clone(),
-        queue_family: host.queue_family,
-        api_version: vk::API_VERSION_1_3,
         extensions: host.extensions(),
         features: host.needs.features(),
-        allocation_callbacks: None,
-        pipeline_cache: None,
-        queue: None,
-        options: DeviceOptions::default(),
+        ..gpu::HostDevice::new(
+            host.instance.entry.clone(),
+            host.instance.raw.clone(),
+            host.physical,
+            host.raw.clone(),
+            host.queue_family,
+        )
     }
 }
 

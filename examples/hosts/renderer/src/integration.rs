@@ -3,10 +3,9 @@
 use std::error::Error;
 use std::sync::Arc;
 
-use ash::vk;
 use cull::{Aabb, Camera, Strategy};
 use glam::Affine3A;
-use gpu::{Device, DeviceOptions, FinishedImage, HostQueue, HostQueueLock};
+use gpu::{Device, FinishedImage, HostQueue, HostQueueLock};
 use render::{CostModel, FrameRequest, RenderView, Renderer, RendererOptions};
 use scene::{Mesh, MeshId, Object, Scene};
 use walk::{AshDevice, BoxScene};
@@ -76,17 +75,15 @@ fn scene_of(walk: &BoxScene) -> Scene {
 /// Describes the host's device and its queue.
 fn description(host: &AshDevice, lock: Arc<dyn HostQueueLock>) -> gpu::HostDevice {
     gpu::HostDevice {
-        entry: host.instance.entry.clone(),
-        instance: host.instance.raw.clone(),
-        physical_device: host.physical,
-        device: host.raw.clone(),
-        queue_family: host.queue_family,
-        api_version: vk::API_VERSION_1_3,
         extensions: host.extensions(),
         features: host.needs.features(),
-        allocation_callbacks: None,
-        pipeline_cache: None,
         queue: Some(HostQueue { raw: host.queue, lock }),
-        options: DeviceOptions::default(),
+        ..gpu::HostDevice::new(
+            host.instance.entry.clone(),
+            host.instance.raw.clone(),
+            host.physical,
+            host.raw.clone(),
+            host.queue_family,
+        )
     }
 }

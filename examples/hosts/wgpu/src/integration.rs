@@ -6,17 +6,15 @@ use std::ffi::CString;
 use std::sync::Arc;
 
 use ash::vk;
-use cull::{
-    Camera, ClipY, CullConfig, CullView, DepthConvention, DrawPhases, Strategy, ViewProjection,
-};
+use cull::{Camera, ClipY, CullView, DepthConvention, DrawPhases, Strategy, ViewProjection};
 use glam::{Mat4, vec3};
 use gpu::{
-    BufferSlice, Device, DeviceOptions, FrameNumbers, FrameRing, HostImage, HostImages, ImageState,
-    IndirectDraw, NearDepth, Resubmission, Target, Tick,
+    BufferSlice, Device, FrameNumbers, FrameRing, HostImage, HostImages, ImageState, IndirectDraw,
+    Resubmission, Target, Tick,
 };
 use occlusion::{
-    BucketDraw, BucketId, BucketTableInfo, CulledScene, DrawList, DrawRequest, HostObject,
-    OcclusionPasses, OcclusionState, ShaderSet,
+    BucketDraw, BucketId, CulledScene, CulledSceneOptions, DrawList, DrawRequest, HostObject,
+    OcclusionState,
 };
 use walk::{BoxScene, HostInstance, ViewConstants};
 use wgpu::hal::{api::Vulkan, vulkan};
@@ -44,23 +42,19 @@ impl WgpuCulling {
         let slots = FRAMES_IN_FLIGHT as usize;
         // SAFETY: as described; the host destroys its device behind `WgpuCulling::finish`.
         let device = unsafe { Device::adopt(description(host, &renderer.host)) }?;
-        let shaders = ShaderSet::embedded()?;
-        let samples = vk::SampleCountFlags::TYPE_1;
-        let near_depth = NearDepth::One;
         let depth = depth_image(renderer)?;
-        let views = 1;
-        let size = walk::SIZE;
-        let images = HostImages { depth, colours: &[], samples, near_depth, views, size };
+        let images = HostImages::new(depth, &[], walk::SIZE);
         // SAFETY: the host's texture lives as long, and nothing but its frames uses it.
         let target = unsafe { Target::of_host(&device, &images) }?;
-        let passes = OcclusionPasses::new(&device, &shaders, target.attachments())?;
-        let info = BucketTableInfo {
-            bucket_count: walk::BUCKETS,
+        let options = CulledSceneOptions {
+            object_capacity: walk.objects.len(),
             draw_capacity: walk.parts.len() as u32,
-            predication: None,
+            bucket_count: walk::BUCKETS,
             frames_in_flight: slots,
+            draw_phases: DrawPhases::Two,
+            ..Default::default()
         };
-        let mut scene = CulledScene::new(&device, passes, walk.objects.len(), info)?;
+        let mut scene = CulledScene::new(&device, target.attachments(), &options)?;
         let draw = |number: u32| BucketDraw {
             bucket: BucketId(walk.parts[number as usize].bucket),
             draw: IndirectDraw {
@@ -75,7 +69,7 @@ impl WgpuCulling {
             let draws: Vec<_> = object.parts.clone().map(draw).collect();
             scene.add(&[HostObject { bounds: object.bounds, draws: &draws }], &mut Vec::new())?;
         }
-        let view = scene.new_view(&target, CullConfig::default(), DrawPhases::Two)?;
+        let view = scene.new_view(&target)?;
         let mut frames = FrameRing::new(&device, slots)?;
         frames.set_resubmission(Resubmission::Never);
         Ok(Self { device, frames, scene, view, renderer: renderer.clone(), target })
@@ -170,18 +164,15 @@ impl WgpuCulling {
 fn description(instance: &HostInstance, host: &WgpuDevice) -> gpu::HostDevice {
     let extensions = host.needs.extensions().into_iter().chain(instance.extensions());
     gpu::HostDevice {
-        entry: instance.entry.clone(),
-        instance: instance.raw.clone(),
-        physical_device: host.physical,
-        device: host.raw.clone(),
-        queue_family: host.queue_family,
-        api_version: vk::API_VERSION_1_3,
         extensions: extensions.map(CString::from).collect(),
         features: host.features,
-        allocation_callbacks: None,
-        pipeline_cache: None,
-        queue: None,
-        options: DeviceOptions::default(),
+        ..gpu::HostDevice::new(
+            instance.entry.clone(),
+            instance.raw.clone(),
+            host.physical,
+            host.raw.clone(),
+            host.queue_family,
+        )
     }
 }
 

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use cull::{Aabb, Camera, CullConfig, CullView, DrawPhases, LeafIndex, ObjectId, Strategy};
+use cull::{Aabb, Camera, CullView, DrawPhases, LeafIndex, ObjectId, Strategy};
 use glam::Vec3;
 use gpu::{Buffer, Device, FrameRing, MemoryKind, PredicationMode, Readback, vk};
 use occlusion::{
-    BucketDraw, BucketTableInfo, CulledScene, DrawRequest, DriverQuirks, Error, HostObject,
-    LeafCount, OcclusionPasses, OcclusionState, ProxyBox, ShaderSet, TransparentList,
+    BucketDraw, CulledScene, CulledSceneOptions, DrawRequest, DriverQuirks, Error, HostObject,
+    LeafCount, OcclusionState, ProxyBox, ShaderSet, TransparentList,
 };
 
 use super::boxes::{
@@ -83,20 +83,22 @@ impl Host {
         let [culled, all] =
             [shading, Shading::AtOnce].map(|shading| Boxes::new(device, &shaders, shading));
         let attachments = culled.target.attachments();
-        let passes = OcclusionPasses::with_quirks(device, &shaders, attachments, quirks).unwrap();
-        let info = BucketTableInfo {
-            bucket_count,
-            draw_capacity: 16,
-            predication: Some(predication),
-            frames_in_flight: 2,
-        };
-        let scene = CulledScene::new(device, passes, 20, info).unwrap();
         let draw_phases = match recorder {
             Recorder::Engine | Recorder::EngineDepthFirst => DrawPhases::PerRound,
             Recorder::Host | Recorder::HostLate => DrawPhases::Two,
         };
+        let options = CulledSceneOptions {
+            object_capacity: 20,
+            draw_capacity: 16,
+            bucket_count,
+            predication: Some(predication),
+            draw_phases,
+            quirks,
+            ..Default::default()
+        };
+        let scene = CulledScene::new(device, attachments, &options).unwrap();
         Self {
-            state: scene.new_view(&culled.target, CullConfig::default(), draw_phases).unwrap(),
+            state: scene.new_view(&culled.target).unwrap(),
             device: device.clone(),
             frames: FrameRing::new(device, 2).unwrap(),
             scene,
@@ -245,8 +247,7 @@ impl Host {
 
     /// Creates another view of the scene.
     pub fn new_view(&self) -> OcclusionState {
-        let phases = DrawPhases::PerRound;
-        self.scene.new_view(&self.culled.target, CullConfig::default(), phases).unwrap()
+        self.scene.new_view(&self.culled.target).unwrap()
     }
 
     /// Uploads the changes of the scene in a frame of their own.

@@ -3,7 +3,7 @@
 use cull::{Aabb, CullView, HierarchyError, Strategy};
 use gpu::{Attachments, PredicationMode, vk};
 use occlusion::{
-    BucketError, BucketTableInfo, CulledScene, Error, HostObject, OcclusionPasses, ShaderSet,
+    BucketError, CulledScene, CulledSceneOptions, Error, HostObject, OcclusionPasses, ShaderSet,
     TargetError,
 };
 use tests::run_on_all;
@@ -13,21 +13,17 @@ use super::growth::{assert_all_equal, grid};
 use super::host::{Host, Recorder};
 use super::{camera, wall};
 
-const INFO: BucketTableInfo = BucketTableInfo {
-    bucket_count: 3,
-    draw_capacity: 16,
-    predication: Some(PredicationMode::Instances),
-    frames_in_flight: 2,
-};
+fn options() -> CulledSceneOptions<'static> {
+    CulledSceneOptions {
+        draw_capacity: 16,
+        bucket_count: 3,
+        predication: Some(PredicationMode::Instances),
+        ..Default::default()
+    }
+}
 
-fn scene(
-    device: &gpu::Device,
-    objects: usize,
-    info: BucketTableInfo,
-) -> Result<CulledScene, Error> {
-    let shaders = ShaderSet::embedded().unwrap();
-    let attachments = Attachments::default();
-    CulledScene::new(device, OcclusionPasses::new(device, &shaders, attachments)?, objects, info)
+fn scene(device: &gpu::Device, options: CulledSceneOptions<'_>) -> Result<CulledScene, Error> {
+    CulledScene::new(device, Attachments::default(), &options)
 }
 
 #[test]
@@ -55,7 +51,8 @@ fn views_of_other_scenes_and_sizes_are_refused() {
 #[test]
 fn a_bad_box_adds_nothing() {
     run_on_all(|device| {
-        let mut scene = scene(device, 8, INFO).unwrap();
+        let mut scene =
+            scene(device, CulledSceneOptions { object_capacity: 8, ..options() }).unwrap();
         let good = HostObject { bounds: Aabb::new([0.0; 3].into(), [1.0; 3].into()), draws: &[] };
         let bounds = Aabb::new([f32::NAN; 3].into(), [1.0; 3].into());
         let mut added = Vec::new();
@@ -68,20 +65,20 @@ fn a_bad_box_adds_nothing() {
 #[test]
 fn sizes_that_cannot_be_are_refused_before_they_take_memory() {
     run_on_all(|device| {
-        let refused = |objects, info| scene(device, objects, info).err().unwrap();
+        let refused = |options| scene(device, options).err().unwrap();
         for objects in [usize::MAX, u32::MAX as usize, 1 << 30] {
-            let error = refused(objects, INFO);
+            let error = refused(CulledSceneOptions { object_capacity: objects, ..options() });
             let is_named = matches!(
                 error,
                 Error::Hierarchy(HierarchyError::TooMany { .. } | HierarchyError::NoMemory { .. })
             );
             assert!(is_named, "{objects}: {error}");
         }
-        let error = refused(1, BucketTableInfo { bucket_count: u32::MAX, ..INFO });
+        let error = refused(CulledSceneOptions { bucket_count: u32::MAX, ..options() });
         assert!(matches!(error, Error::Buckets(BucketError::TooMany { .. })), "{error}");
-        let error = refused(1, BucketTableInfo { frames_in_flight: usize::MAX, ..INFO });
+        let error = refused(CulledSceneOptions { frames_in_flight: usize::MAX, ..options() });
         assert!(error.to_string().contains("frames in flight"), "{error}");
-        let error = refused(1, BucketTableInfo { draw_capacity: u32::MAX, ..INFO });
+        let error = refused(CulledSceneOptions { draw_capacity: u32::MAX, ..options() });
         assert!(error.to_string().contains("the bytes of all draws"), "{error}");
         let shaders = ShaderSet::embedded().unwrap();
         for (attachments, words) in [

@@ -2,7 +2,7 @@
 #![allow(unsafe_code, reason = "a host calls Vulkan itself")]
 
 use ash::vk;
-use cull::{Aabb, Camera, CullConfig, DepthConvention, DrawPhases, ObjectId, Projection, Strategy};
+use cull::{Aabb, Camera, DepthConvention, ObjectId, Projection, Strategy};
 use glam::Vec3;
 use gpu::{
     Device, FrameNumbers, FrameRing, NearDepth, PredicationMode, Purpose, Resubmission, Tick,
@@ -161,8 +161,7 @@ impl<'a> HostLoop<'a> {
         let attachments =
             passes.as_ref().map_or(attachments, |passes| passes.attachments(attachments));
         let scene = scene_of_boxes(&device, &boxes(), attachments, options.predication);
-        let config = CullConfig::default();
-        let state = scene.new_view(&target, config, DrawPhases::PerRound).unwrap();
+        let state = scene.new_view(&target).unwrap();
         let boxes = NumberedBoxes::new(&device, scene.leaves(), attachments);
         let objects = Boxes { target, boxes, passes };
         let pool = vk::CommandPoolCreateInfo::default()

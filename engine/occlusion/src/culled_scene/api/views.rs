@@ -1,6 +1,6 @@
 //! The views of a scene.
 
-use cull::{CullConfig, Culler, DrawPhases};
+use cull::Culler;
 use gpu::Target;
 
 use super::super::CulledScene;
@@ -8,19 +8,15 @@ use crate::error::Error;
 use crate::occlusion_state::OcclusionState;
 
 impl CulledScene {
-    /// Creates a view that knows nothing yet, drawn to `target` in these phases. It weighs tests by
-    /// the costs of the scene, if there are any, and by the present triangles per draw. Frames of a
-    /// host are not timed, so that nothing corrects the costs.
+    /// Creates a view without history, drawn to `target`. It weighs tests by the costs of the
+    /// scene, if there are any, and by the present triangles per draw. Frames of a host are not
+    /// timed, so that nothing corrects the costs.
     ///
     /// # Errors
     /// A failed call.
-    pub fn new_view(
-        &self,
-        target: &Target,
-        config: CullConfig,
-        draw_phases: DrawPhases,
-    ) -> Result<OcclusionState, Error> {
-        self.view_of(Culler::with_testers(config, self.testers(target, draw_phases)))
+    pub fn new_view(&self, target: &Target) -> Result<OcclusionState, Error> {
+        let testers = self.testers(target, self.draw_phases);
+        self.view_of(Culler::with_testers(self.cull_config, testers))
     }
 
     /// Creates a view with a culler that knows nothing yet, which weighs tests by the costs of the

@@ -15,7 +15,7 @@ use crate::passes::ProxyBox;
 
 /// The parameters of a table with buckets.
 #[derive(Clone, Copy, Debug)]
-pub struct BucketTableInfo {
+pub(crate) struct BucketTableInfo {
     /// The number of buckets, at most [`MAX_BUCKETS`](crate::MAX_BUCKETS).
     pub bucket_count: u32,
     /// The number of draws that there is room for at first. More room is made as draws come, by
@@ -41,7 +41,7 @@ impl LeafTable {
     /// # Errors
     /// [`gpu::Error::Unsupported`] for a way to skip draws that the device lacks;
     /// [`gpu::Error::TooLarge`] for more draws than it takes; no memory; a failed call.
-    pub fn bucketed(
+    pub(crate) fn bucketed(
         device: &Device,
         hierarchy: &Hierarchy,
         info: BucketTableInfo,

@@ -2,4 +2,5 @@
 
 mod caps;
 mod fragments;
+mod poses;
 mod shading;

@@ -5,21 +5,10 @@ use gpu::{Access, BufferSlice, Commands, MemoryBarrier};
 use occlusion::CulledScene;
 
 use crate::attachment_schedule::AttachmentSchedule;
-use crate::frame_passes::FramePasses;
 use crate::passes::{FragmentIo, SurfaceIo};
-use crate::shading::fragments::Fragments;
+use crate::scene_renderer::SceneRenderer;
 
-impl FramePasses {
-    /// Returns the fragments of transparent objects, if any are sorted.
-    pub(crate) fn fragments(&self) -> Option<&Fragments> {
-        self.transparent.as_ref()?.fragments.as_ref()
-    }
-
-    /// Returns the same, to be changed.
-    pub(crate) fn fragments_mut(&mut self) -> Option<&mut Fragments> {
-        self.transparent.as_mut()?.fragments.as_mut()
-    }
-
+impl SceneRenderer {
     /// Stores the fragments of the transparent objects of a view, and blends them over its image,
     /// in two renderings.
     pub(super) fn record_fragments(
@@ -29,7 +18,7 @@ impl FramePasses {
         view: &CullView,
         io: &FragmentIo,
     ) {
-        if let Some(fragments) = self.fragments() {
+        if let Some(fragments) = self.gpu_scene.fragments() {
             fragments.clear(commands);
         }
         self.target.prepare_tests(commands);
@@ -62,11 +51,11 @@ impl FramePasses {
         fragments: BufferSlice,
     ) {
         let (Some(transparent), Some(passes), Some(surfaces)) =
-            (&self.transparent, &self.pipelines.fragments, self.surface_io())
+            (&self.gpu_scene.transparent, &self.pipelines.fragments, self.surface_io())
         else {
             return;
         };
         let surfaces = SurfaceIo { fragments: Some(fragments), ..surfaces };
-        transparent.draw(&passes.storing, scene, commands, surfaces, view, &self.light);
+        transparent.draw(&passes.storing, scene, commands, surfaces, view, &self.gpu_scene.light);
     }
 }

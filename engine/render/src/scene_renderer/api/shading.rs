@@ -5,11 +5,11 @@ use gpu::{BufferSlice, Commands};
 use occlusion::CulledScene;
 
 use crate::attachment_schedule::AttachmentSchedule;
-use crate::frame_passes::FramePasses;
+use crate::scene_renderer::SceneRenderer;
 use crate::shading::depth_first::{DARK, Shading};
 use crate::shading::fragments::Fragments;
 
-impl FramePasses {
+impl SceneRenderer {
     /// Adds the colour to the draws of the rounds, if they have none yet: `draw` draws all of it
     /// again.
     pub(crate) fn shade_surfaces(
@@ -23,9 +23,9 @@ impl FramePasses {
             return;
         }
         self.draw_culled_maps(commands, view);
-        let Self { geometry, pipelines, shadows, target, .. } = self;
-        shadows.count_volumes(commands, geometry, pipelines, view, target);
-        if let Some(transparent) = &self.transparent {
+        let Self { gpu_scene, pipelines, shadows, target, .. } = self;
+        shadows.count_volumes(commands, &gpu_scene.geometry, pipelines, view, target);
+        if let Some(transparent) = &self.gpu_scene.transparent {
             transparent.list().prepare(commands);
         }
         self.target.prepare(commands);
@@ -52,7 +52,7 @@ impl FramePasses {
         if !self.edges.options.mode.is_on_paper() {
             self.draw_surfaces(commands, view, None, draw);
         }
-        if let Some(transparent) = &self.transparent {
+        if let Some(transparent) = &self.gpu_scene.transparent {
             transparent.list().test(scene.passes(), commands, view);
         }
     }
@@ -65,8 +65,8 @@ impl FramePasses {
         self.target.prepare_tests(commands);
         let target = self.target_of(view, None).depth_only();
         let target = self.scope_target(commands, AttachmentSchedule::CasterTests, target);
-        let Self { geometry, pipelines, shadows, .. } = self;
-        shadows.record_culled(commands, geometry, pipelines, target, view);
+        let Self { gpu_scene, pipelines, shadows, .. } = self;
+        shadows.record_culled(commands, &gpu_scene.geometry, pipelines, target, view);
     }
 
     fn draw_surfaces(
@@ -81,7 +81,7 @@ impl FramePasses {
         else {
             return;
         };
-        surfaces.bind(commands, &io, view, &self.light);
+        surfaces.bind(commands, &io, view, &self.gpu_scene.light);
         draw(commands);
         self.colour_caps(commands, view);
         match (backdrop, io.surfaces.environment.sky()) {
@@ -93,7 +93,7 @@ impl FramePasses {
     }
 
     /// Draws all of the `draws`, a buffer and a count, in their own colours, before a backdrop or
-    /// the sky, to the [image's target](FramePasses::image_target).
+    /// the sky, to the [image's target](SceneRenderer::image_target).
     pub(crate) fn draw_all(
         &self,
         scene: &CulledScene,
@@ -121,13 +121,16 @@ impl FramePasses {
         commands: &Commands,
         view: &CullView,
     ) {
-        let Some(transparent) =
-            self.transparent.as_ref().filter(|transparent| !transparent.list().is_empty())
+        let Some(transparent) = self
+            .gpu_scene
+            .transparent
+            .as_ref()
+            .filter(|transparent| !transparent.list().is_empty())
         else {
             return;
         };
         transparent.list().decide(commands);
-        if let Some(io) = self.fragments().and_then(Fragments::io) {
+        if let Some(io) = self.gpu_scene.fragments().and_then(Fragments::io) {
             return self.record_fragments(scene, commands, view, &io);
         }
         self.target.prepare(commands);
@@ -140,12 +143,13 @@ impl FramePasses {
 
     /// Draws the transparent objects of a view to the current attachments.
     fn draw_transparent(&self, scene: &CulledScene, commands: &Commands, view: &CullView) {
-        let (Some(transparent), Some(pass)) = (&self.transparent, &self.pipelines.transparent)
+        let (Some(transparent), Some(pass)) =
+            (&self.gpu_scene.transparent, &self.pipelines.transparent)
         else {
             return;
         };
         if let Some(surfaces) = self.surface_io() {
-            transparent.draw(pass, scene, commands, surfaces, view, &self.light);
+            transparent.draw(pass, scene, commands, surfaces, view, &self.gpu_scene.light);
         }
     }
 }

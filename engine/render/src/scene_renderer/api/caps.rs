@@ -4,10 +4,10 @@ use cull::{CullView, Hierarchy};
 use gpu::{BufferSlice, Commands, Frame};
 
 use crate::error::Error;
-use crate::frame_passes::FramePasses;
 use crate::passes::{CapIo, CapKind};
+use crate::scene_renderer::SceneRenderer;
 
-impl FramePasses {
+impl SceneRenderer {
     /// Begins a frame that objects are drawn in.
     ///
     /// # Errors
@@ -17,7 +17,7 @@ impl FramePasses {
         frame: &mut Frame<'_>,
         hierarchy: &Hierarchy,
     ) -> Result<(), Error> {
-        self.section.begin_frame(frame, &self.geometry, hierarchy)
+        self.section.begin_frame(frame, &self.gpu_scene.geometry, hierarchy)
     }
 
     /// Begins a view of a frame that was begun, and the draws of its objects.
@@ -30,7 +30,7 @@ impl FramePasses {
         hierarchy: &Hierarchy,
         view: &CullView,
     ) -> Result<(), Error> {
-        self.section.begin_view(frame, &self.geometry, hierarchy, view)
+        self.section.begin_view(frame, &self.gpu_scene.geometry, hierarchy, view)
     }
 
     /// Draws the caps of the view that was begun, if it has any, in a rendering before all others:
