@@ -97,6 +97,7 @@ impl DeviceShared {
     }
 
     /// Waits until the GPU no longer uses what was made from the device; false if it still may.
+    #[expect(clippy::disallowed_methods, reason = "the device ends here")]
     fn finish(&self) -> bool {
         let newest = self.clock.newest();
         let ClockSource::Timeline(timeline) = &self.clock.source else {
