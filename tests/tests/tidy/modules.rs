@@ -239,7 +239,7 @@ fn names_of(path: &Path) -> Vec<String> {
 }
 
 /// Returns the name that an item defines.
-fn name_of(item: &Item) -> Option<String> {
+pub fn name_of(item: &Item) -> Option<String> {
     let name = match item {
         Item::Const(item) => &item.ident,
         Item::Enum(item) => &item.ident,

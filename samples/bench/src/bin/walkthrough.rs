@@ -62,7 +62,7 @@ fn walk(arguments: &Arguments) -> Result<Ending, RunError> {
     ending.attempt(print(&table::render(&report, style::width())));
     let mut written = images.written;
     images.failures.into_iter().for_each(|failure| ending.fail(failure));
-    if let Some(path) = &options.report
+    if let Some(path) = &options.asked.report
         && ending.attempt(report.write(path)).is_some()
     {
         written.push(path.clone());
