@@ -62,7 +62,6 @@ pub fn run(arguments: &Arguments) -> Result<Ending, RunError> {
     let stem = file_stem(&adapter.name);
     let page = DevicePage {
         adapter: &adapter,
-        is_software: adapter.is_software(),
         provenance: &Provenance::of_this_process(),
         commit: arguments.commit.as_deref(),
         has_changes: arguments.uncommitted,

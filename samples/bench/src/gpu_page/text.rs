@@ -12,8 +12,6 @@ use crate::result_page::{ResultPage, Table, Tone};
 pub struct DevicePage<'a> {
     /// The device.
     pub adapter: &'a Adapter,
-    /// True if the device draws on the CPU.
-    pub is_software: bool,
     /// The command line and the time of the measurement.
     pub provenance: &'a Provenance,
     /// The commit of the code.
@@ -76,7 +74,7 @@ impl DevicePage<'_> {
             Tone::Faint,
             &format!("{driver}, Vulkan {api}; {day}{commit}. Made by `ci/gpu` (`{command}`)."),
         );
-        page.text(Tone::Plain, purpose(name, self.is_software));
+        page.text(Tone::Plain, purpose(name, self.adapter.is_software()));
         self.trusted(&mut page);
         walks::exactness(&mut page, self.reports, self.left_out);
         self.cost_table(&mut page);
