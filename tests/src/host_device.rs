@@ -199,6 +199,7 @@ impl Host {
     }
 
     /// Waits until the GPU is idle.
+    #[expect(clippy::disallowed_methods, reason = "the device is the host's own")]
     pub fn wait_idle(&self) {
         // SAFETY: nobody submits meanwhile.
         unsafe { self.device.device_wait_idle() }.unwrap();

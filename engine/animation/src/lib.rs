@@ -69,6 +69,7 @@
 //! assert!(reach.contains_point(tip) && reach.max.x < 2.01);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+#![deny(clippy::print_stderr, clippy::print_stdout, reason = "the host has the log")]
 #![forbid(unsafe_code)]
 
 mod check;

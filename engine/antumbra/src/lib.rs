@@ -36,6 +36,7 @@
 //! | [`cull`] | cameras, strategies, the hierarchy; decisions as pure values |
 //! | `import`, `animation` | glTF files and their clips, with the feature `import` |
 //! | `pacing` | the start times of frames, with the feature `pacing` |
+#![deny(clippy::print_stderr, clippy::print_stdout, reason = "the host has the log")]
 #![forbid(unsafe_code)]
 
 #[cfg(doctest)]

@@ -29,6 +29,9 @@
 //! [`AntumbraResult`]: error::AntumbraResult
 //! [`AntumbraError`]: error::AntumbraError
 
+#![allow(unsafe_code, reason = "C calls it, and Vulkan lies below")]
+#![deny(clippy::print_stderr, clippy::print_stdout, reason = "the host has the log")]
+
 pub mod api;
 pub mod context;
 pub mod decisions;

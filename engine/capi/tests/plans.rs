@@ -1,6 +1,7 @@
 //! Plans through the interface are those of the culler, and making them allocates nothing.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+#![allow(unsafe_code, reason = "a host in C calls it so")]
 
 use std::alloc::System;
 use std::collections::VecDeque;

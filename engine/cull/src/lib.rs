@@ -71,6 +71,7 @@
 //! assert_eq!(plan.tests.iter().map(|test| test.leaves.count).sum::<u32>(), 100);
 //! # Ok::<(), antumbra_cull::HierarchyError>(())
 //! ```
+#![deny(clippy::print_stderr, clippy::print_stdout, reason = "the host has the log")]
 #![forbid(unsafe_code)]
 
 mod blocking;

@@ -45,6 +45,8 @@
 //! # } Ok(()) }
 //! ```
 
+#![allow(unsafe_code, reason = "Vulkan is called here")]
+#![deny(clippy::print_stderr, clippy::print_stdout, reason = "the host has the log")]
 // Some methods are only used for presenting.
 #![cfg_attr(not(feature = "window"), allow(dead_code))]
 

@@ -31,6 +31,7 @@
 //! println!("{error}"); // the file, the element, the reason
 //! # Ok::<(), import::ImportError>(())
 //! ```
+#![deny(clippy::print_stderr, clippy::print_stdout, reason = "the host has the log")]
 #![forbid(unsafe_code)]
 
 mod buffers;

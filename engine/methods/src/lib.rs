@@ -11,6 +11,7 @@
 //! let mut all = methods::all().into_iter().map(|constructor| constructor.construct());
 //! assert!(all.any(|method| method.strategies() == [methods::CHC]));
 //! ```
+#![deny(clippy::print_stderr, clippy::print_stdout, reason = "the host has the log")]
 #![forbid(unsafe_code)]
 
 mod batched;

@@ -51,6 +51,7 @@
 //!     Ok(())
 //! }
 //! ```
+#![deny(clippy::print_stderr, clippy::print_stdout, reason = "the host has the log")]
 #![forbid(unsafe_code)]
 
 mod antumbra_method;

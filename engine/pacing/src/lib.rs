@@ -97,6 +97,7 @@
 //! assert!(latency < millis(7), "{latency:?}");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+#![deny(clippy::print_stderr, clippy::print_stdout, reason = "the host has the log")]
 #![forbid(unsafe_code)]
 
 mod estimate;

@@ -33,6 +33,7 @@
 //! println!("{} bytes of RGBA", image.rgba8()?.len());
 //! # Ok(()) }
 //! ```
+#![deny(clippy::print_stderr, clippy::print_stdout, reason = "the host has the log")]
 #![forbid(unsafe_code)]
 
 mod api;

@@ -12,6 +12,7 @@
 //! let scene = Scene::single(Mesh::of_triangles("triangle", &corners));
 //! assert_eq!((scene.triangles(), scene.validate()), (1, Ok(())));
 //! ```
+#![deny(clippy::print_stderr, clippy::print_stdout, reason = "the host has the log")]
 #![forbid(unsafe_code)]
 
 mod api;

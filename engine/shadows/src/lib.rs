@@ -41,6 +41,7 @@
 //! assert_eq!(frame(&hierarchy, &changes), 1, "the layer is there");
 //! # Ok::<(), cull::HierarchyError>(())
 //! ```
+#![deny(clippy::print_stderr, clippy::print_stdout, reason = "the host has the log")]
 #![forbid(unsafe_code)]
 
 mod cache;

@@ -4,17 +4,17 @@
 mod values;
 
 use std::path::PathBuf;
-use std::str::FromStr;
 
+use antumbra::cull::SectionPlanes;
 use antumbra::gpu::SampleCount;
 use antumbra::methods;
 use clap::{Args, Parser, value_parser};
 
-use crate::Options;
-use crate::args::values::{StrategyList, TopDown};
+pub use self::values::SceneArgument;
+use self::values::{StrategyList, TopDown};
 use crate::choices::{
     CostModelChoice, DeviceChoice, EdgesChoice, GeneratorChoice, PredicatesChoice,
-    ProjectionChoice, QuirksChoice, ValidationChoice, Verify, enumerate, parse_named, parse_path,
+    ProjectionChoice, QuirksChoice, ValidationChoice, Verify, enumerate, parse_path,
 };
 use crate::file_args::FileArguments;
 use crate::light_args::LightArguments;
@@ -23,6 +23,7 @@ use crate::options::{
     MadeScene, PathChoice, SceneChoice, UsageError, parse_samples,
 };
 use crate::section_args::SectionArguments;
+use crate::shadow_choice::ShadowChoice;
 use crate::strategy::{self, Strategy};
 use crate::terminal::shown;
 use crate::transparency::TransparencyChoice;
@@ -36,7 +37,7 @@ const FILES: [&str; 2] = ["out", "report"];
 /// Each strategy draws the same frames with a history of its own. They take turns in short rounds
 /// of consecutive frames; the first frames of a round warm it up and do not count. A table at the
 /// end shows the times, and the number of pixels that differ from plain frustum culling.
-#[derive(Clone, Debug, Parser)]
+#[derive(Clone, Debug, PartialEq, Parser)]
 #[command(
     name = "walkthrough",
     version,
@@ -207,8 +208,46 @@ pub struct Arguments {
     pub quiet: bool,
 }
 
+/// A walk, fully described: the arguments, checked together, and what follows from them. Every
+/// value is in its range.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// The arguments.
+    pub asked: Arguments,
+    /// The scene to walk through: generated, or out of a file.
+    pub scene: SceneChoice,
+    /// The camera's path.
+    pub path: PathChoice,
+    /// The triangles above which a mesh of a file is cut into pieces, if one is.
+    pub cut_above_triangles: Option<usize>,
+    /// The ways to draw shadows, each with each strategy; empty where nothing is said about
+    /// lights: no shadows then.
+    pub shadows: Vec<ShadowChoice>,
+    /// The strategies to compare: at least one, each once, in the order asked for.
+    pub strategies: Vec<Strategy>,
+    /// Those of all strategies that cannot run here.
+    pub left_out: Vec<LeftOut>,
+    /// The cost model.
+    pub cost_model: CostModelChoice,
+    /// The planes that cut the scene.
+    pub section: SectionPlanes,
+    /// The number of frames that become images, spread over the walk; 0 without a folder.
+    pub images: u32,
+    /// The frame that is also drawn from above, with frontier and frustum; none without a folder.
+    pub top_down: Option<u32>,
+}
+
+impl Options {
+    /// Returns the frames that become images, spread evenly, the first one included.
+    pub fn image_frames(&self) -> Vec<u32> {
+        let frames = u64::from(self.asked.frames);
+        let images = u64::from(self.images);
+        (0..images).filter_map(|image| u32::try_from(image * frames / images).ok()).collect()
+    }
+}
+
 /// The numbers that a scene is made from.
-#[derive(Clone, Debug, Args)]
+#[derive(Clone, Debug, PartialEq, Eq, Args)]
 pub struct MadeArguments {
     /// Approximate number of objects in city, field or assembly, 1 to 2000000 [default: 10000]
     #[arg(long, value_name = "N", help_heading = "Scene")]
@@ -227,7 +266,7 @@ impl MadeArguments {
 }
 
 /// The device that draws, for all programs.
-#[derive(Clone, Debug, Args)]
+#[derive(Clone, Debug, PartialEq, Eq, Args)]
 pub struct DeviceArguments {
     /// The device that draws, by its place in `walkthrough --list-devices` or a part of its name
     /// [default: best]
@@ -249,28 +288,6 @@ impl DeviceArguments {
     }
 }
 
-/// A generated scene, or a scene's file: a name with a dot or a slash is a file's.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum SceneArgument {
-    /// A scene that is generated.
-    Made(GeneratorChoice),
-    /// A scene in this file.
-    File(PathBuf),
-}
-
-impl FromStr for SceneArgument {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        if text.contains(['.', '/', std::path::MAIN_SEPARATOR]) {
-            return Ok(Self::File(PathBuf::from(text)));
-        }
-        parse_named("scene", text)
-            .map(Self::Made)
-            .map_err(|message| format!("{message} (a file has a dot or a slash in its name)"))
-    }
-}
-
 impl Arguments {
     /// Checks the arguments against each other and returns the options of the walk. Looks at
     /// nothing but the arguments: files and devices come later.
@@ -278,7 +295,7 @@ impl Arguments {
     /// # Errors
     /// The first arguments that do not go together.
     pub fn options(&self) -> Result<Options, UsageError> {
-        let Self { frames, size, views, moving_percent, predicates, threshold, .. } = *self;
+        let Self { size, views, predicates, threshold, .. } = *self;
         let (scene, path) = self.walk()?;
         if size.width < views {
             return usage(format!(
@@ -307,37 +324,16 @@ impl Arguments {
         let cut_above_triangles = self.file.cut_above_triangles().filter(|_| is_whole);
         Ok(Options {
             scene,
-            broken_parts: self.file.broken_parts(),
-            cut_above_triangles,
-            lights: self.lighting.lights,
-            shadows,
             path,
-            moving_percent,
-            frames,
-            views,
-            projection: self.projection,
-            edges: self.edges,
-            transparency: self.transparency,
-            size,
-            samples: self.msaa,
+            cut_above_triangles,
+            shadows,
             strategies,
             left_out,
-            verify: self.verify,
-            frames_in_flight: self.frames_in_flight,
             cost_model,
-            time_passes: self.time_passes,
-            device: self.device.choice(),
-            validation: self.device.validation,
-            quirks: self.quirks,
-            predicates,
-            threshold_pixels: threshold,
             section,
-            shaders: self.device.shaders.clone(),
-            output: self.out.clone(),
-            report: self.report.clone(),
             images: self.images()?,
             top_down: self.top_down()?,
-            has_depth_complexity: self.depth_complexity,
+            asked: self.clone(),
         })
     }
 

@@ -223,6 +223,25 @@ fn name_of(value: &impl ValueEnum) -> String {
     value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
+/// Parses a list of names between commas, each of them once.
+///
+/// # Errors
+/// The first name that is none, or is there twice.
+pub fn each_once<T: PartialEq>(
+    text: &str,
+    parse: impl Fn(&str) -> Result<T, String>,
+) -> Result<Vec<T>, String> {
+    let mut found = Vec::new();
+    for name in text.split(',').map(str::trim) {
+        let value = parse(name)?;
+        if found.contains(&value) {
+            return Err(format!("it names '{name}' twice: name each once"));
+        }
+        found.push(value);
+    }
+    Ok(found)
+}
+
 /// Finds a value by its name.
 ///
 /// # Errors
@@ -231,6 +250,21 @@ pub fn parse_named<T: ValueEnum>(what: &str, text: &str) -> Result<T, String> {
     T::from_str(text, false).map_err(|_| {
         let names: Vec<String> = T::value_variants().iter().map(name_of).collect();
         unknown(what, text, &names.iter().map(String::as_str).collect::<Vec<_>>())
+    })
+}
+
+/// Finds one of these values by its name.
+///
+/// # Errors
+/// A sentence with all names, and the nearest.
+pub fn parse_listed<T: Copy>(
+    what: &str,
+    text: &str,
+    all: &[T],
+    name: fn(T) -> &'static str,
+) -> Result<T, String> {
+    all.iter().copied().find(|value| name(*value) == text).ok_or_else(|| {
+        unknown(what, text, &all.iter().map(|value| name(*value)).collect::<Vec<_>>())
     })
 }
 
@@ -245,10 +279,7 @@ pub fn parse_strategy(text: &str) -> Result<Strategy, String> {
         "pyramid" => antumbra::methods::HZB.name(),
         name => name,
     };
-    strategy::named(name).ok_or_else(|| {
-        let names: Vec<&str> = strategy::strategies().into_iter().map(Strategy::name).collect();
-        unknown("strategy", text, &names)
-    })
+    parse_listed("strategy", name, &strategy::strategies(), Strategy::name)
 }
 
 /// Returns the path file that is meant, if one is: its name ends in .txt, or has a slash.

@@ -1,7 +1,6 @@
 //! The exit status of a walk that ran to its end: failure where its result is wrong.
 
 use crate::report::Report;
-use crate::strategy::{Strategy, named};
 
 /// Returns a sentence about a result that must not be in a report: wrong pixels of a strategy that
 /// promises none, more of them than the threshold accounts for, or any message of the validation
@@ -9,10 +8,7 @@ use crate::strategy::{Strategy, named};
 pub fn complaint(report: &Report) -> Option<String> {
     let mut found = Vec::new();
     for run in &report.runs {
-        let is_exact = named(&run.strategy).is_some_and(Strategy::is_exact);
-        let most = run.pixels_wrong_at_most.unwrap_or(0);
-        let wrong = run.pixels_wrong.filter(|pixels| is_exact && *pixels > most);
-        if let Some(pixels) = wrong {
+        if let Some(pixels) = run.broken_promise() {
             found.push(format!(
                 "{} has {pixels} pixels that differ from plain frustum culling, in {} frames",
                 run.strategy,

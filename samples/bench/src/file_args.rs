@@ -4,7 +4,7 @@ use antumbra::import::{BrokenParts, LoadOptions};
 use clap::Args;
 
 /// The reading of files of scenes, for all programs.
-#[derive(Clone, Copy, Debug, Args)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Args)]
 pub struct FileArguments {
     /// Refuse a file of which a part that is shown is broken; else such parts are left out,
     /// and named

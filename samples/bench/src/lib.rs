@@ -35,6 +35,8 @@ pub mod projection;
 pub mod provenance;
 pub mod recorded_path;
 pub mod report;
+#[cfg(feature = "charts")]
+pub mod result_page;
 pub mod run;
 pub mod run_error;
 pub mod scene_file;
@@ -53,4 +55,4 @@ pub mod walk;
 pub mod walk_images;
 pub mod walk_scene;
 
-pub use options::Options;
+pub use args::Options;

@@ -5,11 +5,12 @@ use clap::Args;
 use scenes::LightSet;
 
 use crate::args::{SceneArgument, usage};
+use crate::choices::each_once;
 use crate::options::UsageError;
 use crate::shadow_choice::{ShadowChoice, ShadowWay, parse_bias, parse_filter};
 
 /// Lights and shadows, as the command line has them.
-#[derive(Clone, Debug, Args)]
+#[derive(Clone, Debug, PartialEq, Args)]
 pub struct LightArguments {
     /// Lights on the scene: the sun of an afternoon; torches, at night; or a number of street
     /// lamps that are on, 1 to 64, in city or field. A file keeps its own lights of that kind
@@ -84,22 +85,6 @@ fn parse_filters(text: &str) -> Result<ShadowFilters, String> {
     each_once(text, parse_filter).map(ShadowFilters)
 }
 
-/// Parses a list of names between commas, each of them once.
-fn each_once<T: PartialEq>(
-    text: &str,
-    parse: impl Fn(&str) -> Result<T, String>,
-) -> Result<Vec<T>, String> {
-    let mut found = Vec::new();
-    for name in text.split(',').map(str::trim) {
-        let value = parse(name)?;
-        if found.contains(&value) {
-            return Err(format!("it names '{name}' twice: name each once"));
-        }
-        found.push(value);
-    }
-    Ok(found)
-}
-
 #[cfg(test)]
 mod tests {
     use clap::Parser;
@@ -116,7 +101,7 @@ mod tests {
     #[test]
     fn nothing_said_is_as_ever() {
         let options = parse(&[]).unwrap();
-        assert_eq!((options.lights, options.shadows), (None, Vec::new()));
+        assert_eq!((options.asked.lighting.lights, options.shadows), (None, Vec::new()));
         let lit = parse(&["--lights", "sun"]).unwrap();
         assert_eq!(lit.shadows, [ShadowChoice::OFF]);
     }
@@ -125,7 +110,7 @@ mod tests {
     fn each_way_is_combined_with_each_filter() {
         let line = ["--lights", "8", "--shadows", "off,maps", "--filter", "pcf3,adaptive"];
         let options = parse(&line).unwrap();
-        assert_eq!(options.lights, Some(LightSet::Lamps(8)));
+        assert_eq!(options.asked.lighting.lights, Some(LightSet::Lamps(8)));
         let names: Vec<[&str; 2]> = options
             .shadows
             .iter()
@@ -139,7 +124,7 @@ mod tests {
         assert_eq!(biased.shadows[0].bias, ShadowBias::Midpoint);
         assert_eq!(options.shadows[0].bias, ShadowBias::Plane);
         let of_file = parse(&["--scene", "a.glb", "--shadows", "maps"]).unwrap();
-        assert_eq!((of_file.lights, of_file.shadows.len()), (None, 1));
+        assert_eq!((of_file.asked.lighting.lights, of_file.shadows.len()), (None, 1));
     }
 
     #[test]

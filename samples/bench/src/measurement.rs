@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use antumbra::cull::Corrections;
-use antumbra::render::FragmentCounts;
+use antumbra::render::FrameReport;
 
 use crate::image_difference::{ImageDifference, pixels_that_differ};
 use crate::report::{AgeReport, CorrectionsReport, RunReport, kept_times};
@@ -20,43 +19,16 @@ pub struct FrameMeasurement {
     pub frame_ms: f64,
     /// The CPU time of the engine in it, in milliseconds.
     pub cpu_ms: f64,
+    /// The engine's report.
+    pub report: FrameReport,
     /// Draws of objects that were submitted.
     pub draws: u64,
     /// Triangles of these draws.
     pub triangles: u64,
-    /// Proxies tested, by queries or otherwise.
-    pub tests: u64,
-    /// Occlusion queries issued.
-    pub queries: u64,
-    /// Shadow maps that were drawn, wholly or in part.
-    pub shadow_faces: u64,
-    /// Casters in the shadow maps that were drawn, culled or not.
-    pub shadow_casters: u64,
-    /// Triangles of casters that were drawn: of culled ones those that earlier tests revealed.
-    pub shadow_triangles: u64,
-    /// Draws that a predicate decided.
-    pub predicated_draws: u64,
-    /// Nodes of the hierarchy that the culler visited.
-    pub nodes_visited: u64,
-    /// Leaves drawn because testing them would cost more than it saves.
-    pub untested_by_cost: u64,
-    /// Rounds of tests by a compute shader, as the cheapest tester.
-    pub rounds_by_compute: u64,
-    /// The number of frames after which the draw of a stable visible leaf is tested again; 0
-    /// without costs.
-    pub retest_interval_frames: u64,
-    /// The expected saving of the tests, in nanoseconds of GPU time.
-    pub expected_saving_ns: u64,
-    /// The corrections that the cost model has learned; none without one.
-    pub corrections: Option<Corrections>,
-    /// The age in frames of the oldest result that was read back in it; none if none was.
-    pub result_age_frames: Option<u64>,
     /// Waits of the frame loop other than for the frame's own slot.
     pub blocking_waits: u64,
     /// Visible samples that were left out because of a threshold.
     pub samples_below_threshold: u64,
-    /// The fragments of transparent objects, where these are sorted: some frames old.
-    pub fragments: FragmentCounts,
     /// True if the frame is compared with plain frustum culling.
     pub is_compared: bool,
 }
@@ -173,7 +145,7 @@ impl RunMeasurement {
             let frames = self.frames.iter().filter(|frame| of(frame));
             frames.map(|frame| frame.samples_below_threshold).sum::<u64>()
         };
-        let ages = || self.frames.iter().filter_map(|frame| frame.result_age_frames);
+        let ages = || self.frames.iter().filter_map(|frame| frame.report.oldest_answer_frames);
         let is_verified = self.frames_verified + self.warm_up.frames_verified > 0;
         let timed_waits: u64 = self.frames.iter().map(|frame| frame.blocking_waits).sum();
         RunReport {
@@ -181,9 +153,13 @@ impl RunMeasurement {
             shadows: self.shadows.map(|shadow| shadow.way.name().to_owned()),
             filter: self.shadows.map(|shadow| shadow.filter.name().to_owned()),
             bias: self.shadows.map(|shadow| shadow.bias.name().to_owned()),
-            shadow_faces: self.shadows.and_then(|_| count(|frame| frame.shadow_faces)),
-            shadow_casters: self.shadows.and_then(|_| count(|frame| frame.shadow_casters)),
-            shadow_triangles: self.shadows.and_then(|_| count(|frame| frame.shadow_triangles)),
+            shadow_faces: self
+                .shadows
+                .and_then(|_| count(|frame| frame.report.shadows.drawn_faces.into())),
+            shadow_casters: self
+                .shadows
+                .and_then(|_| count(|frame| frame.report.shadows.casters.into())),
+            shadow_triangles: self.shadows.and_then(|_| count(shadow_triangles)),
             fixed64_difference_mean: self.fixed64.mean(),
             fixed64_difference_max: self.fixed64.most(),
             frame_ms: times(|frame| frame.frame_ms),
@@ -191,18 +167,19 @@ impl RunMeasurement {
             cpu_ms: times(|frame| frame.cpu_ms),
             draws: count(|frame| frame.draws),
             triangles: count(|frame| frame.triangles),
-            tests: count(|frame| frame.tests),
-            queries: count(|frame| frame.queries),
-            predicated_draws: count(|frame| frame.predicated_draws),
-            nodes_visited: count(|frame| frame.nodes_visited),
-            untested_by_cost: count(|frame| frame.untested_by_cost),
-            rounds_by_compute: count(|frame| frame.rounds_by_compute),
-            retest_interval_frames: count(|frame| frame.retest_interval_frames),
-            expected_saving_ns: count(|frame| frame.expected_saving_ns),
+            tests: count(|frame| frame.report.tests.into()),
+            queries: count(|frame| frame.report.queries.into()),
+            predicated_draws: count(|frame| frame.report.predicated_draws.into()),
+            nodes_visited: count(|frame| frame.report.plan.nodes_visited.into()),
+            untested_by_cost: count(|frame| frame.report.plan.untested_by_cost.into()),
+            rounds_by_compute: count(|frame| frame.report.plan.rounds_by_compute.into()),
+            retest_interval_frames: count(|frame| frame.report.plan.retest_interval_frames.into()),
+            expected_saving_ns: count(|frame| frame.report.plan.expected_saving_ns),
             corrections: self
                 .frames
                 .last()
-                .and_then(|frame| frame.corrections)
+                .and_then(|frame| frame.report.corrections)
+                .filter(|_| self.strategy.uses_cost_model())
                 .map(CorrectionsReport::from),
             result_age_frames: AgeReport { median: median_count(ages()), max: ages().max() },
             waits: count(|frame| frame.blocking_waits),
@@ -223,9 +200,17 @@ impl RunMeasurement {
                 below_threshold(|frame| frame.is_compared) + self.warm_up.samples_below_threshold
             }),
             samples_below_threshold: below_threshold(|_| true),
-            fragments: FragmentsReport::most(self.frames.iter().map(|frame| frame.fragments)),
+            fragments: FragmentsReport::most(
+                self.frames.iter().map(|frame| frame.report.fragments),
+            ),
         }
     }
+}
+
+/// Returns the triangles of casters that were drawn: of culled ones those that earlier tests
+/// revealed.
+fn shadow_triangles(frame: &FrameMeasurement) -> u64 {
+    frame.report.shadows.triangles + frame.report.shadows.revealed_triangles
 }
 
 #[cfg(test)]
@@ -238,7 +223,7 @@ mod tests {
         for (draws, age, waits) in [(5, None, 1), (9, Some(1), 0), (7, Some(3), 0)] {
             run.push(FrameMeasurement {
                 draws,
-                result_age_frames: age,
+                report: FrameReport { oldest_answer_frames: age, ..FrameReport::default() },
                 blocking_waits: waits,
                 samples_below_threshold: draws,
                 is_compared: draws != 9,

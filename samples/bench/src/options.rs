@@ -1,24 +1,16 @@
-//! The options of a walk, checked: [`crate::args`] makes them from the command line.
+//! The scene, the path and the frames of a walk: [`crate::args`] makes them from the command line.
 
 use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use antumbra::cull::SectionPlanes;
 use antumbra::gpu::SampleCount;
-use antumbra::import::BrokenParts;
-use scenes::{GeneratedScene, GeneratorError, LightSet};
+use scenes::{GeneratedScene, GeneratorError};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::choices::{
-    CameraPathChoice, CostModelChoice, DeviceChoice, EdgesChoice, GeneratorChoice,
-    PredicatesChoice, ProjectionChoice, QuirksChoice, ValidationChoice, Verify,
-};
-use crate::shadow_choice::ShadowChoice;
-use crate::strategy::Strategy;
+use crate::choices::{CameraPathChoice, GeneratorChoice};
 use crate::terminal::shown;
-use crate::transparency::TransparencyChoice;
 
 /// A strategy that does not run, and the reason.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -145,77 +137,6 @@ impl fmt::Display for PathChoice {
     }
 }
 
-/// A walk, fully described. Every value is in its range.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Options {
-    /// The scene to walk through: generated, or out of a file.
-    pub scene: SceneChoice,
-    /// The treatment of broken parts of a file.
-    pub broken_parts: BrokenParts,
-    /// The triangles above which a mesh of a file is cut into pieces, if one is.
-    pub cut_above_triangles: Option<usize>,
-    /// The lights on it; none where it has its own, or no surfaces that they could shine on.
-    pub lights: Option<LightSet>,
-    /// The ways to draw shadows, each with each strategy; empty where nothing is said about
-    /// lights: no shadows then.
-    pub shadows: Vec<ShadowChoice>,
-    /// The camera's path.
-    pub path: PathChoice,
-    /// The number of eyes: 1, or a pair side by side; the frame has at least a column for each.
-    pub views: u32,
-    /// The projection of the cameras.
-    pub projection: ProjectionChoice,
-    /// The edges of objects.
-    pub edges: EdgesChoice,
-    /// The order of transparent objects.
-    pub transparency: TransparencyChoice,
-    /// The percentage of objects that move: 0 to 100, and 0 in a scene out of a file.
-    pub moving_percent: u32,
-    /// Timed frames of each strategy: 1 to [`MAX_FRAMES`].
-    pub frames: u32,
-    /// Size of the frames; the device may have a lower limit.
-    pub size: FrameSize,
-    /// Samples per pixel.
-    pub samples: SampleCount,
-    /// The strategies to compare: at least one, each once, in the order asked for.
-    pub strategies: Vec<Strategy>,
-    /// Those of all strategies that cannot run here.
-    pub left_out: Vec<LeftOut>,
-    /// The frames that are compared with plain frustum culling.
-    pub verify: Verify,
-    /// The number of frames that the CPU may be ahead of the GPU: 1 to [`MAX_FRAMES_IN_FLIGHT`].
-    pub frames_in_flight: u32,
-    /// The cost model.
-    pub cost_model: CostModelChoice,
-    /// True if the GPU time of every pass is measured.
-    pub time_passes: bool,
-    /// The device that draws.
-    pub device: DeviceChoice,
-    /// The checks of the validation layer.
-    pub validation: ValidationChoice,
-    /// The quirks of the driver that are looked for.
-    pub quirks: QuirksChoice,
-    /// The way in which hidden draws are skipped.
-    pub predicates: PredicatesChoice,
-    /// The largest number of visible pixels that counts as hidden; 0 where all is exact.
-    pub threshold_pixels: u32,
-    /// The planes that cut the scene.
-    pub section: SectionPlanes,
-    /// Folder of GLSL that replaces the embedded shaders.
-    pub shaders: Option<PathBuf>,
-    /// Folder for images.
-    pub output: Option<PathBuf>,
-    /// File for the report, as JSON.
-    pub report: Option<PathBuf>,
-    /// The number of frames that become images in `output`, spread over the walk; 0 without a
-    /// folder.
-    pub images: u32,
-    /// The frame that is also drawn from above, with frontier and frustum; none without a folder.
-    pub top_down: Option<u32>,
-    /// True if each of the images has a companion: how many surfaces are drawn at each pixel.
-    pub has_depth_complexity: bool,
-}
-
 /// Reads a number of samples per pixel.
 ///
 /// # Errors
@@ -223,14 +144,4 @@ pub struct Options {
 pub fn parse_samples(text: &str) -> Result<SampleCount, String> {
     let count = text.parse::<u32>().map_err(|_| "it takes 1 or 4".to_owned())?;
     SampleCount::try_from(count).map_err(|error| error.to_string())
-}
-
-impl Options {
-    /// Returns the frames that become images: `images` of them, spread evenly, the first one
-    /// included.
-    pub fn image_frames(&self) -> Vec<u32> {
-        let frames = u64::from(self.frames);
-        let images = u64::from(self.images);
-        (0..images).filter_map(|image| u32::try_from(image * frames / images).ok()).collect()
-    }
 }

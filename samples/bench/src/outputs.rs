@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use crate::args::Options;
 use crate::destination::{self, Destination, folder_of};
-use crate::options::{Options, UsageError};
+use crate::options::UsageError;
 use crate::terminal::shown;
 
 /// A file that could not be written.
@@ -112,9 +113,9 @@ impl Outputs {
     /// # Errors
     /// As [`Outputs::prepare`] and [`check_shaders`].
     pub fn of_walk(options: &Options) -> Result<Self, UsageError> {
-        options.shaders.as_deref().map_or(Ok(()), check_shaders)?;
-        let report = OutputFile::of("--report", options.report.as_deref());
-        Self::prepare(options.output.as_deref(), report)
+        options.asked.device.shaders.as_deref().map_or(Ok(()), check_shaders)?;
+        let report = OutputFile::of("--report", options.asked.report.as_deref());
+        Self::prepare(options.asked.out.as_deref(), report)
     }
 
     fn prepare_folder(&mut self, option: &str, folder: &Path) -> Result<(), UsageError> {

@@ -24,23 +24,12 @@ pub trait WalkProgress {
 /// Returns the progress that suits standard error, or none.
 pub fn for_terminal(quiet: bool) -> Box<dyn WalkProgress> {
     if quiet {
-        Box::new(Silent)
+        Box::new(Bar(ProgressBar::hidden()))
     } else if can_redraw(&io::stderr()) {
-        Box::new(Bar::new())
+        Box::new(Bar(ProgressBar::new_spinner()))
     } else {
         Box::new(Lines::default())
     }
-}
-
-/// An observer that shows nothing.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Silent;
-
-impl WalkProgress for Silent {
-    fn stage(&self, _: &str) {}
-    fn begin_frames(&self, _: &str, _: u64) {}
-    fn frame_done(&self, _: &str) {}
-    fn finish(&self) {}
 }
 
 /// The time that must have passed before the rest can be estimated.
@@ -56,15 +45,9 @@ fn left(elapsed: Duration, rest: Duration) -> String {
     format!(", {:#} left", HumanDuration(rest))
 }
 
-/// A bar that is redrawn in place on standard error.
+/// A bar that is redrawn in place on standard error, or hidden.
 #[derive(Debug)]
 struct Bar(ProgressBar);
-
-impl Bar {
-    fn new() -> Self {
-        Self(ProgressBar::new_spinner())
-    }
-}
 
 impl WalkProgress for Bar {
     fn stage(&self, what: &str) {
@@ -101,36 +84,34 @@ impl WalkProgress for Bar {
 
 /// The progress of loading a file, on standard error where that is a terminal.
 #[derive(Debug)]
-pub struct LoadingBar(Option<ProgressBar>);
+pub struct LoadingBar(ProgressBar);
 
 impl LoadingBar {
     /// Returns a bar on a terminal, nothing elsewhere.
     pub fn for_terminal() -> Self {
-        Self(can_redraw(&io::stderr()).then(|| {
-            let bar = ProgressBar::new(1000);
-            if let Ok(style) = ProgressStyle::with_template("{bar:40} {elapsed}  {msg}") {
-                bar.set_style(style);
-            }
-            bar
-        }))
+        if !can_redraw(&io::stderr()) {
+            return Self(ProgressBar::hidden());
+        }
+        let bar = ProgressBar::new(1000);
+        if let Ok(style) = ProgressStyle::with_template("{bar:40} {elapsed}  {msg}") {
+            bar.set_style(style);
+        }
+        Self(bar)
     }
 
     /// Shows the current step, and its fraction done, 0 to 1, where it is known.
     pub fn told(&self, what: &str, fraction: Option<f32>) {
-        let Some(bar) = &self.0 else { return };
-        if bar.message() != what {
-            bar.set_message(what.to_owned());
+        if self.0.message() != what {
+            self.0.set_message(what.to_owned());
         }
         let fraction = fraction.unwrap_or_default().clamp(0.0, 1.0);
-        bar.set_position((fraction * 1000.0) as u64);
+        self.0.set_position((fraction * 1000.0) as u64);
     }
 }
 
 impl Drop for LoadingBar {
     fn drop(&mut self) {
-        if let Some(bar) = &self.0 {
-            bar.finish_and_clear();
-        }
+        self.0.finish_and_clear();
     }
 }
 

@@ -1,23 +1,29 @@
 //! `report.json`: the measurements of a walk, in a form that other programs read.
 //!
 //! Its keys are a contract: they may grow, they do not change. Missing numbers are `null`; all
-//! others are finite. Times are milliseconds, memory is MiB.
+//! others are finite. Times are milliseconds, memory is MiB. `compare` reads reports back: unknown
+//! keys are ignored there, and newer keys may be missing.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use antumbra::cull::Corrections;
-use serde::Serialize;
+use antumbra::cull::{Corrections, SectionMode, SectionPlane, SectionPlanes};
+use serde::{Deserialize, Serialize};
 
 use crate::options::LeftOut;
 use crate::outputs::{WriteError, write_file};
 use crate::provenance::Provenance;
 use crate::statistics::{TimeSummary, kept, paired_ratio, ratio};
+use crate::strategy::{Strategy, named};
 use crate::transparency::{FragmentsReport, TransparencyReport};
 
 /// The measurements of a walk.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Report {
+    /// The name without its folder of the file that it was read from; empty after a walk.
+    #[serde(skip)]
+    pub file: String,
     /// The device that drew.
     pub device: DeviceReport,
     /// The scene that was drawn.
@@ -87,7 +93,8 @@ pub struct Report {
 }
 
 /// The device that drew.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct DeviceReport {
     /// Its name, as the driver reports it.
     pub name: String,
@@ -100,16 +107,31 @@ pub struct DeviceReport {
 }
 
 /// The section planes of a walk.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct SectionReport {
     /// The part that the planes keep: "intersection" or "union".
-    pub mode: &'static str,
+    pub mode: String,
     /// Unit normal and offset in metres of each plane: it keeps x*X + y*Y + z*Z + D >= 0.
     pub planes: Vec<[f64; 4]>,
 }
 
+impl SectionReport {
+    /// Returns the report of these planes; `None` where there are none.
+    pub fn of(section: &SectionPlanes) -> Option<Self> {
+        let plane = |plane: &SectionPlane| plane.normal().extend(plane.offset_m()).to_array();
+        let planes: Vec<[f64; 4]> = section.planes().iter().map(plane).collect();
+        let mode = match section.mode() {
+            SectionMode::Intersection => "intersection".to_owned(),
+            SectionMode::Union => "union".to_owned(),
+        };
+        (!planes.is_empty()).then_some(Self { mode, planes })
+    }
+}
+
 /// The scene as built.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct SceneReport {
     /// Its name on the command line.
     pub name: String,
@@ -125,7 +147,8 @@ pub struct SceneReport {
 }
 
 /// A file that a scene was loaded from.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct FileReport {
     /// The path of the file, as it was given.
     pub path: String,
@@ -156,7 +179,8 @@ pub struct FileReport {
 }
 
 /// Memory at the end of a walk.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct MemoryReport {
     /// The largest resident memory of the process.
     pub peak_resident_mib: Option<f64>,
@@ -165,7 +189,8 @@ pub struct MemoryReport {
 }
 
 /// Times of the preparations.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct BuildReport {
     /// Generating or loading the objects and their meshes.
     pub scene: Option<f64>,
@@ -176,7 +201,8 @@ pub struct BuildReport {
 }
 
 /// Median and maximum of the age of query results, in frames.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct AgeReport {
     /// The median; absent where no result was read back.
     pub median: Option<u64>,
@@ -186,7 +212,8 @@ pub struct AgeReport {
 
 /// The corrections of the costs that the cost model learned from frames, as multiples of the costs
 /// measured before the walk.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct CorrectionsReport {
     /// The estimated factor of the cost of draws.
     pub draws: Option<f64>,
@@ -211,7 +238,8 @@ impl From<Corrections> for CorrectionsReport {
 }
 
 /// One strategy's walk. Counts are medians per frame.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct RunReport {
     /// The name of the strategy.
     pub strategy: String,
@@ -297,6 +325,16 @@ pub struct RunReport {
     pub fragments: Option<FragmentsReport>,
 }
 
+impl RunReport {
+    /// Returns the wrong pixels of a strategy that promises none, if they are more than the
+    /// threshold accounts for.
+    pub fn broken_promise(&self) -> Option<u64> {
+        let is_exact = named(&self.strategy).is_some_and(Strategy::is_exact);
+        let most = self.pixels_wrong_at_most.unwrap_or(0);
+        self.pixels_wrong.filter(|pixels| is_exact && *pixels > most)
+    }
+}
+
 /// Returns the names of runs: their strategies, and the shadows where these differ.
 pub fn labels(runs: &[RunReport]) -> Vec<String> {
     let shadows = |run: &RunReport| (run.shadows.clone(), run.filter.clone());
@@ -345,6 +383,51 @@ fn pairs(
 }
 
 impl Report {
+    /// Returns the report in this JSON.
+    ///
+    /// # Errors
+    /// The first error in it.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let report: Self = serde_json::from_str(text).map_err(|error| error.to_string())?;
+        if report.scene.name.is_empty() || report.path.is_empty() || report.runs.is_empty() {
+            return Err("it has no scene, no path or no runs".to_owned());
+        }
+        Ok(report)
+    }
+
+    /// Returns the run of a strategy.
+    pub fn run(&self, strategy: &str) -> Option<&RunReport> {
+        self.runs.iter().find(|run| run.strategy == strategy)
+    }
+
+    /// Returns the value of an option in the command line that made the report, as `--option value`
+    /// or `--option=value`; the last one of several, as in `walkthrough`.
+    pub fn argument(&self, option: &str) -> Option<&str> {
+        let words = &self.provenance.command;
+        let with_sign = format!("{option}=");
+        words.iter().enumerate().rev().find_map(|(place, word)| {
+            match word.strip_prefix(&with_sign) {
+                Some(value) => Some(value),
+                None if word == option => words.get(place + 1).map(String::as_str),
+                None => None,
+            }
+        })
+    }
+
+    /// Returns the lights that were asked for, in words.
+    pub fn light_words(&self) -> Option<String> {
+        let lights = self.lights.as_deref()?;
+        Some(match lights.parse::<u32>() {
+            Ok(lamps) => format!("{lamps} lamps"),
+            Err(_) => lights.to_owned(),
+        })
+    }
+
+    /// Returns true if frames were compared: their copies cost time, so their times mean less.
+    pub fn is_verified(&self) -> bool {
+        self.runs.iter().any(|run| run.frames_verified > 0)
+    }
+
     /// Returns the report as indented JSON with a final line break.
     ///
     /// # Errors

@@ -20,10 +20,10 @@ use crate::progress::WalkProgress;
 use crate::provenance::Provenance;
 use crate::recorded_path::RecordedPath;
 use crate::report::{
-    BuildReport, DeviceReport, FileReport, MemoryReport, Report, SceneReport, paired_ratios, ratios,
+    BuildReport, DeviceReport, FileReport, MemoryReport, Report, SceneReport, SectionReport,
+    paired_ratios, ratios,
 };
 use crate::run_error::RunError;
-use crate::section_args::section_report;
 use crate::shadow_choice::ShadowChoice;
 use crate::signals::Signals;
 use crate::statistics::kept;
@@ -38,12 +38,12 @@ use crate::{Options, memory};
 pub struct Walked {
     /// The measurements of all strategies.
     pub report: Report,
-    /// The images in `options.output`.
+    /// The images in `options.asked.out`.
     pub images: WalkImages,
 }
 
-/// Walks, measures, writes the images into `options.output` (which exists and is writable). After
-/// a signal it returns the measurements so far.
+/// Walks, measures, writes the images into `options.asked.out` (which exists and is writable).
+/// After a signal it returns the measurements so far.
 ///
 /// # Errors
 /// When the device is missing or unsuited, or a signal came before anything was measured.
@@ -56,8 +56,8 @@ pub fn run(
     if let PathChoice::Recorded(file) = &options.path {
         RecordedPath::read(file)?;
     }
-    let instance = open_instance(options.validation, None)?;
-    let adapter = pick_adapter(&instance, &options.device)?;
+    let instance = open_instance(options.asked.device.validation, None)?;
+    let adapter = pick_adapter(&instance, &options.asked.device.choice())?;
     progress.stage(&format!("opening {}", adapter.name));
     let device_options =
         DeviceOptions { pipeline_cache: pipeline_cache_file(), ..Default::default() };
@@ -92,8 +92,8 @@ pub fn list_devices() -> Result<Vec<String>, RunError> {
 /// # Errors
 /// A device that is missing or unsuited, a failed call.
 pub fn self_test(options: &Options) -> Result<(String, SelfTest), RunError> {
-    let instance = open_instance(options.validation, None)?;
-    let adapter = pick_adapter(&instance, &options.device)?;
+    let instance = open_instance(options.asked.device.validation, None)?;
+    let adapter = pick_adapter(&instance, &options.asked.device.choice())?;
     let device = Device::new(&instance, &adapter, &DeviceOptions::default())?;
     let found = render::self_test(&device, &renderer_options(options)?)?;
     Ok((format!("{} ({}, Vulkan {})", adapter.name, adapter.driver, adapter.api), found))
@@ -171,37 +171,39 @@ pub fn walk_on(
     // The device has it all.
     drop(scene);
     let (strategies, left_out) = able(&renderer, options)?;
-    if options.time_passes {
+    if options.asked.time_passes {
         renderer.time_passes()?;
     }
     let options = &Options { strategies, left_out, ..options.clone() };
     let runs = Walk::new(&mut renderer, &path, &mut moving, options)?.run(progress, signals)?;
     let cut_short = signals.received().is_some();
     let mut images = WalkImages::default();
-    if let Some(folder) = options.output.as_ref().filter(|_| !cut_short) {
+    if let Some(folder) = options.asked.out.as_ref().filter(|_| !cut_short) {
         progress.stage("drawing the images");
-        images.write(&mut renderer, &path, &mut moving, options, folder, signals);
+        let drawn = images.write(&mut renderer, &path, &mut moving, options, folder, signals);
+        images.failures.extend(drawn.err());
     }
     let report = Report {
+        file: String::new(),
         device: device_report(device.adapter()),
         scene: scene_report,
-        lights: options.lights.map(|lights| lights.to_string()),
-        section: section_report(&options.section),
+        lights: options.asked.lighting.lights.map(|lights| lights.to_string()),
+        section: SectionReport::of(&options.section),
         path: path_name,
-        views: options.views,
-        projection: options.projection.to_string(),
-        moving_percent: options.moving_percent,
+        views: options.asked.views,
+        projection: options.asked.projection.to_string(),
+        moving_percent: options.asked.moving_percent,
         moving_objects: moving.movers() as u64,
-        frames: options.frames,
+        frames: options.asked.frames,
         cut_short,
-        size: [options.size.width, options.size.height],
-        samples_per_pixel: options.samples.count(),
-        frames_in_flight: options.frames_in_flight,
+        size: [options.asked.size.width, options.asked.size.height],
+        samples_per_pixel: options.asked.msaa.count(),
+        frames_in_flight: options.asked.frames_in_flight,
         predicates: renderer.predication().name().to_owned(),
         skip_ns: skip_report(&renderer),
         tester: renderer.cheapest_tester().name().to_owned(),
         reset_ns: reset_report(&renderer),
-        threshold_pixels: options.threshold_pixels,
+        threshold_pixels: options.asked.threshold,
         costs_ns: costs_report(&renderer),
         validation_messages: 0,
         memory: memory_report(device),
@@ -242,14 +244,14 @@ fn upload(
     options: &Options,
     renderer_options: RendererOptions,
 ) -> Result<Renderer, RunError> {
-    let disabled = match options.quirks {
+    let disabled = match options.asked.quirks {
         QuirksChoice::None => Vec::new(),
         QuirksChoice::Tested => render::self_test(device, &renderer_options)?.broken(),
     };
     let renderer_options = RendererOptions { disabled, ..renderer_options };
     let renderer = Renderer::with_hierarchy(device, scene, hierarchy, &renderer_options);
     let drawing = renderer.and_then(|mut renderer| {
-        renderer.set_edges(options.edges.options())?;
+        renderer.set_edges(options.asked.edges.options())?;
         renderer.set_section(options.section)?;
         Ok(renderer)
     });
@@ -326,16 +328,6 @@ fn able(renderer: &Renderer, options: &Options) -> Result<(Vec<Strategy>, Vec<Le
     }
 }
 
-/// Returns every measured cost by its name.
-fn costs_report(renderer: &Renderer) -> BTreeMap<String, Option<f64>> {
-    let entries = renderer.costs().map(|table| table.entries());
-    let entry = |(name, value): (&str, f32)| {
-        (name.to_owned(), value.is_finite().then(|| kept(value.into())))
-    };
-    entries.into_iter().flatten().map(entry).collect()
-}
-
-/// Returns the expected time of skipping in a frame by the name of each way.
 fn scene_report(
     choice: &SceneChoice,
     scene: &Scene,
@@ -351,43 +343,50 @@ fn scene_report(
     }
 }
 
+/// Returns times by their names, as reports keep them.
+fn by_name<'a>(times: impl Iterator<Item = (&'a str, f64)>) -> BTreeMap<String, Option<f64>> {
+    times.map(|(name, ns)| (name.to_owned(), ns.is_finite().then(|| kept(ns)))).collect()
+}
+
+/// Returns every measured cost.
+fn costs_report(renderer: &Renderer) -> BTreeMap<String, Option<f64>> {
+    let costs = renderer.costs().into_iter().flat_map(|table| table.entries());
+    by_name(costs.map(|(name, ns)| (name, ns.into())))
+}
+
+/// Returns the expected time of skipping in a frame by each way.
 fn skip_report(renderer: &Renderer) -> BTreeMap<String, Option<f64>> {
     let skip_ns = &renderer.culling_setup().skip_ns;
-    let entry = |(executor, ns): &(PredicationMode, f64)| {
-        (executor.name().to_owned(), ns.is_finite().then(|| kept(*ns)))
-    };
-    skip_ns.iter().map(entry).collect()
+    by_name(skip_ns.iter().map(|(way, ns)| (way.name(), *ns)))
 }
 
 /// Returns the measured times of resets.
 fn reset_report(renderer: &Renderer) -> BTreeMap<String, Option<f64>> {
     let QueryResetCosts { command_ns, cpu_ns } = renderer.culling_setup().reset_ns;
-    [("command", command_ns), ("cpu", cpu_ns)]
-        .map(|(name, ns)| (name.to_owned(), ns.is_finite().then(|| kept(ns.into()))))
-        .into()
+    by_name([("command", command_ns.into()), ("cpu", cpu_ns.into())].into_iter())
 }
 
 /// Returns all methods; coherent hierarchical culling, the one method of the literature that has a
 /// threshold, with the same threshold.
 fn all_methods(options: &Options) -> Vec<MethodConstructor> {
     let chc = methods::chc(ChcOptions {
-        visibility_threshold_samples: options.threshold_pixels,
+        visibility_threshold_samples: options.asked.threshold,
         ..ChcOptions::default()
     });
     std::iter::once(chc).chain(methods::all()).collect()
 }
 
 fn renderer_options(options: &Options) -> Result<RendererOptions, RunError> {
-    let shaders = options.shaders.as_deref().map(ShaderSet::compiled_from);
+    let shaders = options.asked.device.shaders.as_deref().map(ShaderSet::compiled_from);
     let shaders = shaders.transpose().map_err(render::Error::from)?;
-    let frames_in_flight = options.frames_in_flight.try_into().unwrap_or(1);
+    let frames_in_flight = options.asked.frames_in_flight.try_into().unwrap_or(1);
     Ok(RendererOptions {
         methods: all_methods(options),
-        size: [options.size.width, options.size.height],
-        samples: options.samples,
-        transparency: options.transparency.options(),
+        size: [options.asked.size.width, options.asked.size.height],
+        samples: options.asked.msaa,
+        transparency: options.asked.transparency.options(),
         frames_in_flight,
-        predication: match options.predicates {
+        predication: match options.asked.predicates {
             PredicatesChoice::Auto => None,
             PredicatesChoice::Conditional => Some(PredicationMode::Conditional),
             PredicatesChoice::Count => Some(PredicationMode::Counts),
@@ -395,7 +394,7 @@ fn renderer_options(options: &Options) -> Result<RendererOptions, RunError> {
             PredicatesChoice::Compacted => Some(PredicationMode::Compacted),
         },
         shaders,
-        threshold_samples: options.threshold_pixels,
+        threshold_samples: options.asked.threshold,
         cost_model: options.cost_model.into(),
         ..Default::default()
     })

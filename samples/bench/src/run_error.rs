@@ -85,35 +85,7 @@ impl From<render::Error> for RunError {
             | render::Error::NoSurfacesForEnvironment
             | render::Error::SampleDepths { .. }
             | render::Error::CannotCount(_) => Self::user(error),
-            render::Error::Hierarchy(_)
-            | render::Error::NoMethod(_)
-            | render::Error::NoMemory { .. }
-            | render::Error::NoVisibleSet(_)
-            | render::Error::OldVisibleSet
-            | render::Error::NoView
-            | render::Error::CullView(_)
-            | render::Error::StandardDepth
-            | render::Error::Buckets(_)
-            | render::Error::Attachments(_)
-            | render::Error::Target(_)
-            | render::Error::ForeignRenderer { .. }
-            | render::Error::ForeignHierarchy { .. }
-            | render::Error::ImageSize { .. }
-            | render::Error::Rect { .. }
-            | render::Error::Overlay(_)
-            | render::Error::Transparent { .. }
-            | render::Error::Pose { .. }
-            | render::Error::Light { .. }
-            | render::Error::LightCookie { .. }
-            | render::Error::Mesh { .. }
-            | render::Error::Material { .. }
-            | render::Error::Texture { .. }
-            | render::Error::CapacityExceeded { .. }
-            | render::Error::DrawsAmongTests(_)
-            | render::Error::NotUploaded(_)
-            | render::Error::NoPlan
-            | render::Error::Flare { .. }
-            | render::Error::Change { .. } => Self::machine(error),
+            _ => Self::machine(error),
         }
     }
 }

@@ -5,10 +5,9 @@ use antumbra::glam::DVec3;
 use clap::Args;
 
 use crate::options::UsageError;
-use crate::report::SectionReport;
 
 /// Section planes, as the command line has them.
-#[derive(Clone, Debug, Args)]
+#[derive(Clone, Debug, PartialEq, Args)]
 pub struct SectionArguments {
     /// Up to six section planes: each keeps the points x, y, z (metres) with X*x + Y*y + Z*z + D at
     /// least 0, and cuts the rest away. Large meshes of a file stay whole, as with --whole-meshes,
@@ -37,20 +36,6 @@ impl SectionArguments {
         SectionPlanes::new(planes, self.section_mode.unwrap_or_default())
             .map_err(|error| UsageError(format!("--section: {error}")))
     }
-}
-
-/// Returns what a report says of the planes.
-pub fn section_report(section: &SectionPlanes) -> Option<SectionReport> {
-    let planes: Vec<[f64; 4]> = section
-        .planes()
-        .iter()
-        .map(|plane| plane.normal().extend(plane.offset_m()).to_array())
-        .collect();
-    let mode = match section.mode() {
-        SectionMode::Intersection => "intersection",
-        SectionMode::Union => "union",
-    };
-    (!planes.is_empty()).then_some(SectionReport { mode, planes })
 }
 
 /// Reads planes between semicolons, `X,Y,Z,D` each.
@@ -87,6 +72,7 @@ mod tests {
 
     use super::*;
     use crate::args::Arguments;
+    use crate::report::SectionReport;
 
     fn planes(line: &[&str]) -> Result<SectionPlanes, String> {
         let line = std::iter::once("walkthrough").chain(line.iter().copied());
@@ -101,9 +87,12 @@ mod tests {
         assert_eq!((two.planes().len(), two.mode()), (2, SectionMode::Union));
         assert_eq!(two.planes()[0].normal(), DVec3::NEG_X);
         assert_eq!(two.planes()[1].offset_m(), -2.0);
-        let report = section_report(&two).unwrap();
+        let report = SectionReport::of(&two).unwrap();
         assert_eq!(report.planes, [[-1.0, 0.0, 0.0, 5.0], [0.0, 1.0, 0.0, -2.0]]);
-        assert_eq!((report.mode, section_report(&planes(&[]).unwrap())), ("union", None));
+        assert_eq!(
+            (report.mode.as_str(), SectionReport::of(&planes(&[]).unwrap())),
+            ("union", None)
+        );
     }
 
     #[test]

@@ -7,7 +7,7 @@ use antumbra::shadows::{
     CasterCulling, ShadowBias, ShadowCaching, ShadowFilter, ShadowMethod, ShadowOptions,
 };
 
-use crate::choices::unknown;
+use crate::choices::parse_listed;
 
 /// A way to make shadows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -65,9 +65,7 @@ impl FromStr for ShadowWay {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let names = Self::ALL.map(Self::name);
-        let found = Self::ALL.into_iter().find(|way| way.name() == text);
-        found.ok_or_else(|| unknown("way to make shadows", text, &names))
+        parse_listed("way to make shadows", text, &Self::ALL, Self::name)
     }
 }
 
@@ -76,9 +74,7 @@ impl FromStr for ShadowWay {
 /// # Errors
 /// A sentence with all names.
 pub fn parse_filter(text: &str) -> Result<ShadowFilter, String> {
-    let names = ShadowFilter::ALL.map(ShadowFilter::name);
-    let found = ShadowFilter::ALL.into_iter().find(|filter| filter.name() == text);
-    found.ok_or_else(|| unknown("filter", text, &names))
+    parse_listed("filter", text, &ShadowFilter::ALL, ShadowFilter::name)
 }
 
 /// Finds a bias by its name.
@@ -86,9 +82,7 @@ pub fn parse_filter(text: &str) -> Result<ShadowFilter, String> {
 /// # Errors
 /// A sentence with all names.
 pub fn parse_bias(text: &str) -> Result<ShadowBias, String> {
-    let names = ShadowBias::ALL.map(ShadowBias::name);
-    let found = ShadowBias::ALL.into_iter().find(|bias| bias.name() == text);
-    found.ok_or_else(|| unknown("bias", text, &names))
+    parse_listed("bias", text, &ShadowBias::ALL, ShadowBias::name)
 }
 
 /// A way to make shadows, and their filter and bias.

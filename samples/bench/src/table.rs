@@ -8,8 +8,8 @@ use comfy_table::{Cell, CellAlignment, ContentArrangement, Table, presets};
 use crate::choices::ProjectionChoice;
 use crate::options::LeftOut;
 use crate::report::{Report, RunReport, labels};
-use crate::statistics::TimeSummary;
-use crate::strategy::{Strategy, named};
+use crate::statistics::{TimeSummary, thousands};
+use crate::strategy::Strategy;
 
 /// The text for a missing number.
 const ABSENT: &str = "-";
@@ -175,6 +175,11 @@ fn more_lines(report: &Report) -> String {
     lines
 }
 
+/// Returns these lines, one under the other.
+fn joined(lines: impl Iterator<Item = String>) -> String {
+    lines.collect::<Vec<_>>().join("\n")
+}
+
 /// Returns a line for each run with shadows.
 fn shadow_lines(report: &Report) -> String {
     let line = |(run, label): (&RunReport, String)| {
@@ -188,8 +193,7 @@ fn shadow_lines(report: &Report) -> String {
             )
         })
     };
-    let lines = report.runs.iter().zip(labels(&report.runs)).filter_map(line);
-    lines.collect::<Vec<_>>().join("\n")
+    joined(report.runs.iter().zip(labels(&report.runs)).filter_map(line))
 }
 
 /// The most runs that are compared with each other, one by one.
@@ -214,7 +218,7 @@ fn ratio_lines(report: &Report) -> String {
                 ratios.map(|(ratio, measure)| format!("{ratio:.2} times {measure}")).collect();
             (!parts.is_empty()).then(|| format!("a frame of {name} takes {}", parts.join(", ")))
         };
-        return names.iter().filter_map(line).collect::<Vec<_>>().join("\n");
+        return joined(names.iter().filter_map(line));
     }
     let mut lines = Vec::new();
     for (place, a) in names.iter().enumerate() {
@@ -230,7 +234,7 @@ fn ratio_lines(report: &Report) -> String {
 /// Returns the parts of a file that are not shown, a line each.
 fn note_lines(report: &Report) -> String {
     let notes = report.scene.file.iter().flat_map(|file| &file.notes);
-    notes.map(|note| format!("not as in the file: {note}")).collect::<Vec<_>>().join("\n")
+    joined(notes.map(|note| format!("not as in the file: {note}")))
 }
 
 /// Returns a line for each run with a cost model.
@@ -249,7 +253,7 @@ fn cost_lines(report: &Report) -> String {
             milliseconds(saving_ms),
         ))
     };
-    report.runs.iter().filter_map(line).collect::<Vec<_>>().join("\n")
+    joined(report.runs.iter().filter_map(line))
 }
 
 /// Returns a line for each run whose passes were timed.
@@ -262,7 +266,7 @@ fn pass_lines(report: &Report) -> String {
         let passes: Vec<String> = run.passes_ms.iter().map(pass).collect();
         format!("{}, GPU ms per pass: {}", run.strategy, passes.join(", "))
     };
-    timed.map(line).collect::<Vec<_>>().join("\n")
+    joined(timed.map(line))
 }
 
 fn foot(report: &Report) -> String {
@@ -281,12 +285,8 @@ fn foot(report: &Report) -> String {
         whole(memory.gpu_allocated_mib),
         report.validation_messages,
     );
-    // Those that promise nothing are counted in their column.
-    let promised = |run: &&RunReport| named(&run.strategy).is_some_and(Strategy::is_exact);
-    let unaccounted = |run: &RunReport| {
-        run.pixels_wrong.filter(|pixels| *pixels > run.pixels_wrong_at_most.unwrap_or(0))
-    };
-    let wrong: u64 = report.runs.iter().filter(promised).filter_map(unaccounted).sum();
+    // Those of strategies that promise nothing are counted in their column.
+    let wrong: u64 = report.runs.iter().filter_map(RunReport::broken_promise).sum();
     if wrong > 0 {
         // Writing to a String cannot fail.
         let _ok = write!(text, "\nWRONG: {wrong} pixels differ from plain frustum culling");
@@ -338,18 +338,7 @@ fn shown(value: Option<impl Display>) -> String {
 
 /// Returns a number with a comma between each three digits.
 fn count(value: Option<u64>) -> String {
-    let Some(value) = value else {
-        return ABSENT.to_owned();
-    };
-    let digits = value.to_string();
-    let mut text = String::new();
-    for (place, digit) in digits.chars().enumerate() {
-        if place > 0 && (digits.len() - place).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
+    value.map_or(ABSENT.to_owned(), |value| thousands(value as f64))
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use antumbra::render::{FragmentCounts, Renderer, TransparencyMethod, TransparencyOptions};
 use clap::ValueEnum;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The order in which transparent objects are blended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -26,7 +26,8 @@ impl TransparencyChoice {
 }
 
 /// The order in which transparent objects were blended, where fragments were asked for.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct TransparencyReport {
     /// The order.
     pub method: String,
@@ -55,7 +56,8 @@ impl TransparencyReport {
 }
 
 /// The sorted fragments of a frame, or the most of each kind in one of several frames.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct FragmentsReport {
     /// Fragments of transparent objects that nothing opaque hides.
     pub visible: u32,

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use antumbra::cull::{FrameId, Strategy};
 use antumbra::gpu::{Device, Readback};
 use antumbra::methods;
-use antumbra::render::{FrameReport, Renderer, VisibleSet};
+use antumbra::render::{Renderer, VisibleSet};
 
 use crate::Options;
 use crate::camera_path::CameraTrack;
@@ -73,24 +73,24 @@ impl<'a> Walk<'a> {
         options: &Options,
     ) -> Result<Self, RunError> {
         let run = |(shadows, strategy): (Option<ShadowChoice>, Strategy)| -> Result<Run, RunError> {
-            let eyes = Eyes::new(renderer, options.views, options.projection)?;
+            let eyes = Eyes::new(renderer, options.asked.views, options.asked.projection)?;
             let measurement = RunMeasurement::new(strategy).with_shadows(shadows);
             Ok(Run { strategy, shadows: shadows.unwrap_or(ShadowChoice::OFF), eyes, measurement })
         };
         let combinations = combinations(&options.shadows, &options.strategies);
         let runs: Vec<Run> = combinations.into_iter().map(run).collect::<Result<_, _>>()?;
         Ok(Self {
-            schedule: Schedule::new(options.frames, runs.len()),
+            schedule: Schedule::new(options.asked.frames, runs.len()),
             runs,
-            reference: Eyes::new(renderer, options.views, options.projection)?,
+            reference: Eyes::new(renderer, options.asked.views, options.asked.projection)?,
             device: renderer.device().clone(),
             renderer,
             path,
             moving,
-            views: options.views,
-            projection: options.projection,
-            verify: options.verify,
-            frames_in_flight: usize::try_from(options.frames_in_flight).unwrap_or(usize::MAX),
+            views: options.asked.views,
+            projection: options.asked.projection,
+            verify: options.asked.verify,
+            frames_in_flight: usize::try_from(options.asked.frames_in_flight).unwrap_or(usize::MAX),
             references: BTreeMap::new(),
             reference_shadows: Vec::new(),
             images: Vec::new(),
@@ -188,7 +188,8 @@ impl<'a> Walk<'a> {
                 cpu_ms: (moved + report.cpu).as_secs_f64() * 1e3,
                 blocking_waits: self.device.wait_counts().other - waits,
                 is_compared: image.is_some(),
-                ..measurement_of(&report, run.strategy)
+                report,
+                ..FrameMeasurement::default()
             };
             let frame = run.eyes.frame();
             walked.push(Walked { frame, timed: step.timed, measurement });
@@ -253,27 +254,6 @@ fn combinations(
         ways => ways.iter().copied().map(Some).collect(),
     };
     ways.iter().flat_map(|way| strategies.iter().map(|strategy| (*way, *strategy))).collect()
-}
-
-/// Returns what a frame's report says.
-fn measurement_of(report: &FrameReport, strategy: Strategy) -> FrameMeasurement {
-    FrameMeasurement {
-        tests: report.tests.into(),
-        queries: report.queries.into(),
-        shadow_faces: report.shadows.drawn_faces.into(),
-        shadow_casters: report.shadows.casters.into(),
-        shadow_triangles: report.shadows.triangles + report.shadows.revealed_triangles,
-        predicated_draws: report.predicated_draws.into(),
-        nodes_visited: report.plan.nodes_visited.into(),
-        untested_by_cost: report.plan.untested_by_cost.into(),
-        rounds_by_compute: report.plan.rounds_by_compute.into(),
-        retest_interval_frames: report.plan.retest_interval_frames.into(),
-        expected_saving_ns: report.plan.expected_saving_ns,
-        corrections: report.corrections.filter(|_| strategy.uses_cost_model()),
-        result_age_frames: report.oldest_answer_frames,
-        fragments: report.fragments,
-        ..FrameMeasurement::default()
-    }
 }
 
 /// Adds the results that were read back to the frames of a turn, and the frames to the run.

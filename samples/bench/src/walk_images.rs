@@ -36,21 +36,10 @@ impl WalkImages {
     /// Draws and writes the images that the options ask for into `folder`. Untimed, after the
     /// walk, by the last strategy asked for. Each is tried on its own; after a signal no more are
     /// begun.
+    ///
+    /// # Errors
+    /// When the device fails.
     pub fn write(
-        &mut self,
-        renderer: &mut Renderer,
-        path: &CameraTrack,
-        moving: &mut Moving,
-        options: &Options,
-        folder: &Path,
-        signals: &Signals,
-    ) {
-        let drawn = self.draw(renderer, path, moving, options, folder, signals);
-        self.failures.extend(drawn.err());
-    }
-
-    /// Draws until the device fails.
-    fn draw(
         &mut self,
         renderer: &mut Renderer,
         path: &CameraTrack,
@@ -67,9 +56,9 @@ impl WalkImages {
             let written = image.rgba8().map_err(RunError::from).and_then(|pixels| {
                 let mut pixels = copy_of(&pixels)?;
                 if !entries.is_empty() {
-                    legend::draw(&mut pixels, options.size.width as usize, title, entries);
+                    legend::draw(&mut pixels, options.asked.size.width as usize, title, entries);
                 }
-                let written = write_png(&folder.join(name), options.size, &pixels);
+                let written = write_png(&folder.join(name), options.asked.size, &pixels);
                 written.map_err(RunError::machine)
             });
             match written {
@@ -83,7 +72,7 @@ impl WalkImages {
             }
             walk_to(renderer, path, moving, options, frame, WARM_UP_FRAMES, &image)?;
             save(format!("frame_{frame:05}.png"), "", &[]);
-            if options.has_depth_complexity {
+            if options.asked.depth_complexity {
                 let layers = DebugOverlay { has_depth_complexity: true, ..DebugOverlay::default() };
                 renderer.set_debug_overlay(layers)?;
                 walk_to(renderer, path, moving, options, frame, WARM_UP_FRAMES, &image)?;
@@ -120,7 +109,7 @@ fn walk_to(
     // The ideal knows what is visible of the walk's own frames only, and draws the same image.
     let mut products = options.strategies.iter().filter(|strategy| **strategy != methods::IDEAL);
     let strategy = products.next_back().copied().unwrap_or(Strategy::ANTUMBRA);
-    let mut eyes = Eyes::new(renderer, options.views, options.projection)?;
+    let mut eyes = Eyes::new(renderer, options.asked.views, options.asked.projection)?;
     for walked in frame.saturating_sub(warm_up)..=frame {
         moving.show(renderer, walked)?;
         let image = (walked == frame).then_some(image);

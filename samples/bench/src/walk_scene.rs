@@ -69,7 +69,7 @@ impl WalkScene {
         });
         let GeneratedScene { scene, routes } = made.make()?;
         let path = CameraTrack::new(&options.path, &routes)?;
-        let moving = Moving::new(&scene, options.moving_percent, seed)?;
+        let moving = Moving::new(&scene, options.asked.moving_percent, seed)?;
         let scene = lit(scene, &path, options)?;
         let path_name = options.path.to_string();
         Ok(Self { scene, seed, path, path_name, moving, file: None })
@@ -84,7 +84,7 @@ impl WalkScene {
         let mut clock = Stopwatch::start();
         let mut newest = String::new();
         let reading = LoadOptions {
-            broken_parts: options.broken_parts,
+            broken_parts: options.asked.file.broken_parts(),
             cut_above_triangles: options.cut_above_triangles,
             ..LoadOptions::default()
         };
@@ -100,7 +100,8 @@ impl WalkScene {
         })?;
         let load_ms = clock.lap_ms();
         let mut report = scene_file::report(file, &imported, load_ms);
-        let size = [options.size.width / options.views.max(1), options.size.height];
+        let size =
+            [options.asked.size.width / options.asked.views.max(1), options.asked.size.height];
         let (scene, mut animator, cameras, _) = SceneAnimator::of(imported);
         let way = Way::of(&options.path, &cameras, file)?;
         let camera = match way {
@@ -114,7 +115,7 @@ impl WalkScene {
         animator.play(clips.playing(), 0.0, 0.0);
         let orbit = Orbit::around(&animator.bounds_playing(&scene), size);
         let seconds = own.and_then(|clip| animator.duration_s(clip));
-        let clock = FrameClock::of_walk(seconds, options.frames);
+        let clock = FrameClock::of_walk(seconds, options.asked.frames);
         let path_name = match (&way, camera) {
             (Way::Recorded(_), _) => options.path.to_string(),
             (_, Some(camera)) => camera.name.clone(),
@@ -123,9 +124,9 @@ impl WalkScene {
         let path = match (way, camera) {
             (Way::Recorded(path), _) => CameraTrack::Recorded(path, orbit.camera(0, 1)),
             (_, Some(camera)) => {
-                playback::cameras(&mut animator, camera, clock, options.frames, size)
+                playback::cameras(&mut animator, camera, clock, options.asked.frames, size)
             }
-            (_, None) => CameraTrack::Around(orbit, options.frames),
+            (_, None) => CameraTrack::Around(orbit, options.asked.frames),
         };
         let moving = Moving::played(animator, clock);
         let scene = lit(scene, &path, options).map_err(|error| error.about(file))?;
@@ -135,9 +136,9 @@ impl WalkScene {
 
 /// Returns the scene under the lights that were asked for.
 fn lit(scene: Scene, path: &CameraTrack, options: &Options) -> Result<Scene, RunError> {
-    let Some(lights) = options.lights else { return Ok(scene) };
-    let step = options.frames.div_ceil(MOST_EYES).max(1) as usize;
-    let frames = (0..options.frames).step_by(step);
+    let Some(lights) = options.asked.lighting.lights else { return Ok(scene) };
+    let step = options.asked.frames.div_ceil(MOST_EYES).max(1) as usize;
+    let frames = (0..options.asked.frames).step_by(step);
     let eyes: Vec<Vec3> = frames.map(|frame| path.camera(frame).eye).collect();
     Ok(lights.light(scene, &eyes)?)
 }

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use bench::args::Arguments;
 use bench::exit_status;
-use bench::progress::Silent;
+use bench::progress;
 use bench::run::walk_on;
 use bench::signals::Signals;
 use clap::Parser;
@@ -105,7 +105,7 @@ fn a_recorded_path_is_walked_again_bit_for_bit() {
     let options = Arguments::try_parse_from(line).unwrap().options().unwrap();
     let signals = Signals::watch().unwrap();
     tests::run(Driver::Lavapipe, |device| {
-        let walked = walk_on(device, &options, &Silent, &signals).unwrap();
+        let walked = walk_on(device, &options, &*progress::for_terminal(true), &signals).unwrap();
         assert_eq!(
             (exit_status::complaint(&walked.report), walked.images.failures.len()),
             (None, 0)

@@ -5,19 +5,12 @@
 use std::process::ExitCode;
 
 use bench::run_error::RunError;
-use bench::terminal::{self, Ending, ending};
+use bench::terminal::{self, Ending};
 use workshop::args::WorkshopArguments;
 use workshop::run;
 
 fn main() -> ExitCode {
-    let arguments = match terminal::start::<WorkshopArguments>("warn,winit=error") {
-        Ok(arguments) => arguments,
-        Err(code) => return code,
-    };
-    match work(&arguments) {
-        Ok(ending) => ending.exit(),
-        Err(error) => ending::refuse(&error, error.exit_code()),
-    }
+    terminal::run_program("warn,winit=error", work)
 }
 
 /// Runs the script of the arguments, or opens a window.

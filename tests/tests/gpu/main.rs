@@ -1,5 +1,4 @@
 //! The engine on both software drivers, under synchronization validation, without a window.
-#![deny(unsafe_code)]
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,

@@ -1,89 +1,56 @@
 //! Rust text without comments, strings and tests.
 
-/// Returns the text with comments, strings and characters blanked; lines stay where they are.
+use std::str::FromStr;
+
+use proc_macro2::{Span, TokenStream, TokenTree};
+
+/// Returns the text with comments blanked, and strings and characters made empty strings; lines
+/// stay where they are.
+///
+/// # Panics
+/// If it is no Rust.
 pub fn without_comments_and_strings(text: &str) -> String {
-    let mut code = String::with_capacity(text.len());
-    let mut rest = text;
-    while !rest.is_empty() {
-        let skipped = comment_length(rest).or_else(|| literal_length(rest, &code));
-        let (length, blank) = match skipped {
-            Some(length) => (length, true),
-            None => (rest.chars().next().map_or(1, char::len_utf8), false),
-        };
-        let (piece, after) = rest.split_at(length.min(rest.len()));
-        if blank {
-            code.extend(piece.chars().map(|character| if character == '\n' { '\n' } else { ' ' }));
-        } else {
-            code.push_str(piece);
-        }
-        rest = after;
-    }
-    code
+    let tokens = TokenStream::from_str(text)
+        .unwrap_or_else(|error| panic!("line {}: {error}, of:\n{text}", error.span().start().line));
+    let blank = text.bytes().map(|byte| if byte == b'\n' { byte } else { b' ' });
+    let mut code = Code { text, kept: blank.collect() };
+    code.keep(tokens);
+    String::from_utf8(code.kept).expect("whole tokens")
 }
 
-/// Returns the length of the comment that begins here, if one does.
-fn comment_length(rest: &str) -> Option<usize> {
-    if rest.starts_with("//") {
-        return Some(rest.find('\n').unwrap_or(rest.len()));
-    }
-    if !rest.starts_with("/*") {
-        return None;
-    }
-    let mut depth = 0_usize;
-    let mut at = 0;
-    while at < rest.len() {
-        let here = &rest.as_bytes()[at..];
-        if here.starts_with(b"/*") {
-            (depth, at) = (depth + 1, at + 2);
-        } else if here.starts_with(b"*/") {
-            (depth, at) = (depth - 1, at + 2);
-            if depth == 0 {
-                return Some(at);
+/// A text and the bytes that are kept of it.
+struct Code<'a> {
+    text: &'a str,
+    kept: Vec<u8>,
+}
+
+impl Code<'_> {
+    fn keep(&mut self, tokens: TokenStream) {
+        for token in tokens {
+            let piece = &self.text[token.span().byte_range()];
+            if piece.starts_with("//") || piece.starts_with("/*") {
+                // The tokens that a comment of documentation stands for lie within it.
+                continue;
             }
-        } else {
-            at += 1;
-        }
-    }
-    Some(rest.len())
-}
-
-/// Returns the length of the string or character that begins here, if one does.
-fn literal_length(rest: &str, before: &str) -> Option<usize> {
-    if let Some(inside) = rest.strip_prefix('"') {
-        return Some(match raw_hashes(before) {
-            Some(hashes) => {
-                let end = format!("\"{}", "#".repeat(hashes));
-                inside.find(&end).map_or(rest.len(), |at| 1 + at + end.len())
+            match token {
+                TokenTree::Group(group) => {
+                    self.copy(group.span_open());
+                    self.keep(group.stream());
+                    self.copy(group.span_close());
+                }
+                TokenTree::Literal(literal) if piece.contains(['"', '\'']) => {
+                    let start = literal.span().byte_range().start;
+                    self.kept[start..start + 2].fill(b'"');
+                }
+                token => self.copy(token.span()),
             }
-            None => escaped_length(rest, b'"'),
-        });
-    }
-    // A quote begins a character if another one ends it; else it begins a lifetime.
-    let character = rest.strip_prefix('\'')?.chars().next()?;
-    let is_character = character == '\\' || rest[1 + character.len_utf8()..].starts_with('\'');
-    is_character.then(|| escaped_length(rest, b'\''))
-}
-
-/// Returns the hashes of a raw string whose quote follows this text; none if it is not raw.
-fn raw_hashes(before: &str) -> Option<usize> {
-    let without = before.trim_end_matches('#');
-    let prefix = without.strip_suffix('r')?;
-    let in_word = prefix.ends_with(|c: char| c.is_alphanumeric() && c != 'b' || c == '_');
-    (!in_word).then_some(before.len() - without.len())
-}
-
-/// Returns the length of a quoted piece in which a backslash escapes.
-fn escaped_length(rest: &str, quote: u8) -> usize {
-    let bytes = rest.as_bytes();
-    let mut at = 1;
-    while at < bytes.len() {
-        match bytes[at] {
-            b'\\' => at += 2,
-            byte if byte == quote => return at + 1,
-            _ => at += 1,
         }
     }
-    bytes.len()
+
+    fn copy(&mut self, token: Span) {
+        let place = token.byte_range();
+        self.kept[place.clone()].copy_from_slice(&self.text.as_bytes()[place]);
+    }
 }
 
 /// Blanks items under `#[cfg(test)]`, in text that has gone through
@@ -128,12 +95,12 @@ pub fn has_word(line: &str, word: &str) -> bool {
 fn comments_strings_and_characters_are_blank() {
     for (text, code) in [
         ("a // b\nc", "a     \nc"),
-        ("a /* b /* c */ d */ e", "a                   e"),
-        (r#"a("b \" // c") d"#, "a(            ) d"),
-        ("r#\"a \" b\"# c", "r#         c"),
-        ("'a' + '\\'' + b", "    +      + b"),
+        ("/// a\nb /* c /* d */ e */ f // g", "\nb f"),
+        (r#"a("b \" // c") d"#, "a(\"\") d"),
+        ("r#\"a \" b\"# c", "\"\" c"),
+        ("'a' + '\\'' + 1 + b", "\"\" + \"\" + 1 + b"),
         ("fn a<'b>(c: &'b str)", "fn a<'b>(c: &'b str)"),
-        ("\"ä\" b", "    b"),
+        ("\"ä\" b", "\"\" b"),
     ] {
         let expected = code.split_whitespace().collect::<String>();
         let found = without_comments_and_strings(text);

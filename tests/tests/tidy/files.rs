@@ -26,6 +26,11 @@ impl SourceFile {
         self.extension() == "rs"
     }
 
+    /// Returns the syntax of a file of Rust.
+    pub fn syntax(&self) -> syn::File {
+        syn::parse_file(&self.text).unwrap_or_else(|error| panic!("{}: {error}", self.path))
+    }
+
     /// Returns true for a shader of one stage, false for an include.
     pub fn is_stage(&self) -> bool {
         ["vert", "frag", "comp", "geom", "tesc", "tese"].contains(&self.extension())

@@ -39,17 +39,17 @@ pub fn circles(files: &[SourceFile]) -> Vec<String> {
 }
 
 /// Returns a circle's arrows, each with the names that are imported.
-fn arrows(circle: &[usize], modules: &Modules<'_>, ties: &Ties<'_>) -> String {
+fn arrows(circle: &[usize], modules: &Modules<'_>, ties: &Ties) -> String {
     let inside = ties.iter().filter(|((a, b), _)| circle.contains(a) && circle.contains(b));
     let arrows = inside.map(|((from, to), names)| {
-        let names: Vec<_> = names.iter().copied().collect();
+        let names: Vec<_> = names.iter().map(String::as_str).collect();
         format!("  {} -> {}: {}", modules.path(*from), modules.path(*to), names.join(", "))
     });
     arrows.collect::<Vec<_>>().join("\n")
 }
 
 /// Returns the strongly connected files in sets that are too large.
-fn large_circles(count: usize, ties: &Ties<'_>) -> Vec<Vec<usize>> {
+fn large_circles(count: usize, ties: &Ties) -> Vec<Vec<usize>> {
     let reached = |from: usize| {
         let mut reached = vec![false; count];
         let mut waiting = vec![from];

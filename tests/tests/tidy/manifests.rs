@@ -44,27 +44,6 @@ const ARROWS: [(&str, &[&str]); 17] = [
 
 /// Finds dependencies between crates that [`ARROWS`] does not allow.
 pub fn arrows(files: &[SourceFile]) -> Vec<String> {
-    const OURS: [&str; 19] = [
-        "animation",
-        "antumbra",
-        "bench",
-        "capi",
-        "cull",
-        "gpu",
-        "harness",
-        "import",
-        "methods",
-        "occlusion",
-        "pacing",
-        "render",
-        "samples",
-        "scene",
-        "scenes",
-        "shaders",
-        "shadows",
-        "tests",
-        "workshop",
-    ];
     const VULKAN: [&str; 3] = ["ash", "ash-window", "gpu-allocator"];
     /// The manifests that may name them: of the window programs for one file
     /// ([`EGUI_OVER_VULKAN`](crate::rules::EGUI_OVER_VULKAN)).
@@ -76,7 +55,7 @@ pub fn arrows(files: &[SourceFile]) -> Vec<String> {
         let Some((_, allowed)) = of_file else { continue };
         for (line, name) in dependencies(&file.text) {
             let bare = name.strip_prefix("antumbra-").unwrap_or(&name);
-            let is_refused = (OURS.contains(&bare) && !allowed.contains(&bare))
+            let is_refused = (is_ours(bare) && !allowed.contains(&bare))
                 || (VULKAN.contains(&bare)
                     && !KNOW_VULKAN
                         .iter()
@@ -87,6 +66,12 @@ pub fn arrows(files: &[SourceFile]) -> Vec<String> {
         }
     }
     findings
+}
+
+/// Returns true for a package of this workspace.
+fn is_ours(package: &str) -> bool {
+    let folders = ARROWS.iter().filter_map(|(path, _)| path.rsplit('/').nth(1));
+    folders.chain(["harness", "tests"]).any(|folder| folder == package)
 }
 
 /// Returns the names and packages of a manifest's dependencies, of every kind, with their lines.

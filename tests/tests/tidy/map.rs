@@ -2,7 +2,11 @@
 
 use std::collections::HashSet;
 
+use syn::visit::{self, Visit};
+use syn::{Field, ImplItem, Item, TraitItem, Type};
+
 use crate::files::SourceFile;
+use crate::modules::name_of;
 use crate::{assert_catches, assert_obeyed};
 
 const MAP: &str = "engine/ARCHITECTURE.md";
@@ -56,40 +60,33 @@ fn lies_at(path: &str, name: &str) -> bool {
 }
 
 /// The names of the workspace's code.
-struct Names<'a> {
+#[derive(Default)]
+struct Names {
     /// Types, functions, modules, constants.
-    items: HashSet<&'a str>,
+    items: HashSet<String>,
     /// Functions, fields, variants and constants with the type or trait that has them.
-    members: HashSet<(&'a str, &'a str)>,
+    members: HashSet<(String, String)>,
     /// Packages, dependencies, and names that users write, such as those of strategies.
-    others: HashSet<&'a str>,
+    others: HashSet<String>,
 }
 
-impl<'a> Names<'a> {
-    fn of(files: &'a [SourceFile]) -> Self {
-        let mut names =
-            Self { items: HashSet::new(), members: HashSet::new(), others: HashSet::new() };
+impl Names {
+    fn of(files: &[SourceFile]) -> Self {
+        let mut names = Self::default();
         for file in files.iter().filter(|file| file.extension() == "toml") {
             let keys = file.text.lines().map(|line| first_word(line.trim_start_matches('[')));
-            names.others.extend(keys);
-            names.others.extend(file.path.split('/'));
+            names.others.extend(keys.chain(file.path.split('/')).map(str::to_owned));
         }
         for file in files.iter().filter(|file| file.is_rust()) {
-            let mut owner = "";
-            for line in file.text.lines() {
-                names.items.extend(item(line));
-                names.others.extend(line.split('"').skip(1).step_by(2));
-                let indented = line.strip_prefix("    ");
-                match indented.filter(|rest| !rest.starts_with([' ', '/', '#', '}'])) {
-                    Some(_) if owner.is_empty() => {}
-                    Some(rest) => names.members.extend(member(rest).map(|name| (owner, name))),
-                    None if line.starts_with("where") => {}
-                    None if line.starts_with(char::is_alphabetic) => owner = owner_of(line),
-                    None => {}
-                }
-            }
+            names.visit_file(&file.syntax());
+            let strings = file.text.lines().flat_map(|line| line.split('"').skip(1).step_by(2));
+            names.others.extend(strings.map(str::to_owned));
         }
         names
+    }
+
+    fn add_members(&mut self, owner: &str, members: impl Iterator<Item = Option<String>>) {
+        self.members.extend(members.flatten().map(|member| (owner.to_owned(), member)));
     }
 
     /// Returns true if each part of a name such as `Frame::submit` is declared, or the name is none
@@ -109,75 +106,57 @@ impl<'a> Names<'a> {
         match path.rsplit_once("::") {
             Some((owner, name)) => {
                 let owner = owner.rsplit("::").next().unwrap_or(owner);
-                self.members.contains(&(owner, name))
+                self.members.contains(&(owner.to_owned(), name.to_owned()))
             }
             None => {
                 self.items.contains(path)
                     || self.others.contains(path)
-                    || self.members.iter().any(|(_, name)| *name == path)
+                    || self.members.iter().any(|(_, name)| name == path)
             }
         }
     }
 }
 
-/// Returns a line without its visibility.
-fn without_visibility(line: &str) -> &str {
-    let line = line.trim_start();
-    let Some(rest) = line.strip_prefix("pub") else { return line };
-    let scope = if rest.starts_with('(') { rest.split_once(')') } else { None };
-    scope.map_or(rest, |(_, rest)| rest).trim_start()
-}
-
-/// Returns the name of the item that a line declares.
-fn item(line: &str) -> Option<&str> {
-    let rest = without_visibility(line);
-    let kinds = [
-        "fn ",
-        "const fn ",
-        "unsafe fn ",
-        "const unsafe fn ",
-        "struct ",
-        "enum ",
-        "trait ",
-        "type ",
-        "static ",
-        "const ",
-        "mod ",
-    ];
-    kinds.iter().find_map(|kind| rest.strip_prefix(kind)).map(first_word)
-}
-
-/// Returns the name of the member that a line declares, if it lies directly in a type, in an
-/// implementation or in a trait.
-fn member(line: &str) -> Option<&str> {
-    item(line).or_else(|| {
-        let rest = without_visibility(line);
-        let name = first_word(rest);
-        let after = &rest[name.len()..];
-        let is_variant = name.starts_with(char::is_uppercase)
-            && (after.is_empty() || after.starts_with([',', '(']) || after.starts_with(" {"));
-        (is_variant || after.starts_with(": ")).then_some(name)
-    })
-}
-
-/// Returns the type or trait whose members follow a line at the left margin; an empty text if it
-/// begins something else.
-fn owner_of(line: &str) -> &str {
-    let rest = without_visibility(line);
-    let types = ["struct ", "enum ", "trait "];
-    if let Some(name) = types.iter().find_map(|kind| rest.strip_prefix(kind)) {
-        return first_word(name);
+impl<'ast> Visit<'ast> for Names {
+    fn visit_item(&mut self, item: &'ast Item) {
+        let name = name_of(item).unwrap_or_default();
+        match item {
+            Item::Struct(item) => self.add_members(&name, item.fields.iter().map(name_of_field)),
+            Item::Enum(item) => {
+                let variants = item.variants.iter().map(|variant| Some(variant.ident.to_string()));
+                self.add_members(&name, variants);
+            }
+            Item::Trait(item) => {
+                self.add_members(
+                    &name,
+                    item.items.iter().map(|member| match member {
+                        TraitItem::Const(member) => Some(member.ident.to_string()),
+                        TraitItem::Fn(member) => Some(member.sig.ident.to_string()),
+                        TraitItem::Type(member) => Some(member.ident.to_string()),
+                        _ => None,
+                    }),
+                );
+            }
+            Item::Impl(item) => {
+                let Type::Path(owner) = &*item.self_ty else { return };
+                let owner = owner.path.segments.last().map(|segment| segment.ident.to_string());
+                let members = item.items.iter().map(|member| match member {
+                    ImplItem::Const(member) => Some(member.ident.to_string()),
+                    ImplItem::Fn(member) => Some(member.sig.ident.to_string()),
+                    ImplItem::Type(member) => Some(member.ident.to_string()),
+                    _ => None,
+                });
+                self.add_members(&owner.unwrap_or_default(), members);
+            }
+            _ => {}
+        }
+        self.items.insert(name);
+        visit::visit_item(self, item);
     }
-    let Some(header) = rest.strip_prefix("impl") else { return "" };
-    let mut depth = 0_i32;
-    let end = header.char_indices().find(|&(_, c)| {
-        depth += i32::from(c == '<') - i32::from(c == '>');
-        depth == 0 && c != '>'
-    });
-    let subject = end.map_or("", |(at, _)| &header[at..]);
-    let subject = subject.split_once(" for ").map_or(subject, |(_, subject)| subject);
-    let path = subject.trim_start().split(['<', ' ']).next().unwrap_or_default();
-    path.rsplit("::").next().unwrap_or_default()
+}
+
+fn name_of_field(field: &Field) -> Option<String> {
+    field.ident.as_ref().map(ToString::to_string)
 }
 
 /// Returns the name that a text begins with.

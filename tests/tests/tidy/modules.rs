@@ -2,21 +2,32 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use syn::punctuated::Punctuated;
+use syn::visit::{self, Visit};
+use syn::{Expr, Item, ItemImpl, ItemUse, Macro, Path, Token, Type, UseTree};
+
 use crate::code::{without_comments_and_strings, without_tests};
 use crate::files::SourceFile;
-use crate::tokens::{Import, Token, imports, tokens};
+
+/// A name that a `use` defines, with its path.
+struct Import {
+    name: String,
+    path: Vec<String>,
+}
 
 /// The contents of one file, as a module.
+#[derive(Default)]
 struct Module<'a> {
     path: &'a str,
     parent: Option<usize>,
-    children: BTreeMap<&'a str, usize>,
+    children: BTreeMap<String, usize>,
     /// The names at its outermost level.
-    items: BTreeSet<&'a str>,
-    uses: Vec<Import<'a>>,
-    tokens: Vec<Token<'a>>,
+    items: BTreeSet<String>,
+    uses: Vec<Import>,
+    /// The paths of more than one name outside of `use`.
+    paths: Vec<Vec<String>>,
     /// The type of each block `impl X`.
-    impls: Vec<Vec<&'a str>>,
+    impls: Vec<Vec<String>>,
 }
 
 /// The modules of one library or program, its root first.
@@ -25,7 +36,7 @@ pub struct Modules<'a> {
 }
 
 /// The names that a file takes from another one, by the indices of both.
-pub type Ties<'a> = BTreeMap<(usize, usize), BTreeSet<&'a str>>;
+pub type Ties = BTreeMap<(usize, usize), BTreeSet<String>>;
 
 /// The target of a path: a module, or an item that a module's file defines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,9 +69,12 @@ impl<'a> Modules<'a> {
         code: &'a BTreeMap<&str, String>,
     ) -> usize {
         let own = self.modules.len();
-        let (module, declared) = read_module(path, parent, &code[path]);
+        let file = syn::parse_file(&code[path]).unwrap_or_else(|error| panic!("{path}: {error}"));
+        let mut module = Module { path, parent, ..Module::default() };
+        module.items.extend(file.items.iter().filter_map(name_of));
+        module.visit_file(&file);
         self.modules.push(module);
-        for name in declared {
+        for name in file.items.iter().filter_map(declared) {
             let beside = format!("{folder}/{name}.rs");
             let inside = format!("{folder}/{name}/mod.rs");
             let found =
@@ -83,17 +97,17 @@ impl<'a> Modules<'a> {
 
     /// Returns the names that each file takes from each other one. Names of a re-export come from
     /// the file that defines them; a child that is declared is not taken.
-    pub fn ties(&self) -> Ties<'a> {
+    pub fn ties(&self) -> Ties {
         let mut ties = Ties::new();
         for own in 0..self.modules.len() {
             let module = &self.modules[own];
-            let written = module.uses.iter().map(|usage| usage.path.clone());
-            for path in written.chain(paths(&module.tokens)) {
-                if let Some(Place::Item(file)) = self.resolve(own, &path, &mut Vec::new())
+            let imported = module.uses.iter().map(|usage| &usage.path);
+            for path in imported.chain(&module.paths) {
+                if let Some(Place::Item(file)) = self.resolve(own, path, &mut Vec::new())
                     && file != own
                 {
                     let name = path.iter().rfind(|name| name.starts_with(char::is_uppercase));
-                    let name = name.or(path.last()).copied().unwrap_or_default();
+                    let name = name.or(path.last()).cloned().unwrap_or_default();
                     ties.entry((own, file)).or_default().insert(name);
                 }
             }
@@ -102,13 +116,13 @@ impl<'a> Modules<'a> {
     }
 
     /// Returns each type with blocks `impl X` as its file and name, with the files of the blocks.
-    pub fn inherent_impls(&self) -> BTreeMap<(usize, &'a str), BTreeSet<usize>> {
+    pub fn inherent_impls(&self) -> BTreeMap<(usize, &str), BTreeSet<usize>> {
         let mut found: BTreeMap<_, BTreeSet<usize>> = BTreeMap::new();
         for (own, module) in self.modules.iter().enumerate() {
             for path in &module.impls {
                 let place = self.resolve(own, path, &mut Vec::new());
-                if let (Some(Place::Item(file)), Some(&name)) = (place, path.last()) {
-                    found.entry((file, name)).or_default().insert(own);
+                if let (Some(Place::Item(file)), Some(name)) = (place, path.last()) {
+                    found.entry((file, name.as_str())).or_default().insert(own);
                 }
             }
         }
@@ -118,13 +132,13 @@ impl<'a> Modules<'a> {
     fn resolve(
         &self,
         from: usize,
-        path: &[&str],
+        path: &[String],
         seen: &mut Vec<(usize, String)>,
     ) -> Option<Place> {
         let mut here = from;
         let mut is_ours = false;
-        for (at, &name) in path.iter().enumerate() {
-            match name {
+        for (at, name) in path.iter().enumerate() {
+            match name.as_str() {
                 "crate" => here = 0,
                 "super" => here = self.modules[here].parent?,
                 "self" | "*" => {}
@@ -155,123 +169,97 @@ impl<'a> Modules<'a> {
             return Some(Place::Item(module));
         }
         let named = here.uses.iter().filter(|usage| usage.name == name);
-        let path = named.map(|named| named.path.clone()).next();
-        path.and_then(|path| self.resolve(module, &path, seen))
+        named.map(|named| &named.path).next().and_then(|path| self.resolve(module, path, seen))
     }
 }
 
-/// Returns the paths of more than one name in code outside of `use`.
-fn paths<'a>(tokens: &[Token<'a>]) -> Vec<Vec<&'a str>> {
-    let mut paths = Vec::new();
-    let mut path = Vec::new();
-    let mut joined = false;
-    for token in tokens.iter().chain([&Token::Mark(';')]) {
-        match *token {
-            Token::Word(word) if joined || path.is_empty() => {
-                path.push(word);
-                joined = false;
-                continue;
-            }
-            Token::Path if !path.is_empty() => {
-                joined = true;
-                continue;
-            }
-            _ => {}
-        }
-        if path.len() > 1 || (path.len() == 1 && joined) {
-            paths.push(path.clone());
-        }
-        path.clear();
-        joined = false;
-        if let Token::Word(word) = *token {
-            path.push(word);
-        }
+impl<'ast> Visit<'ast> for Module<'_> {
+    fn visit_item_use(&mut self, import: &'ast ItemUse) {
+        self.add_imports(&import.tree, Vec::new());
     }
-    paths
+
+    fn visit_item_impl(&mut self, block: &'ast ItemImpl) {
+        if let (None, Type::Path(subject)) = (&block.trait_, &*block.self_ty) {
+            self.impls.push(names_of(&subject.path));
+        }
+        visit::visit_item_impl(self, block);
+    }
+
+    fn visit_path(&mut self, path: &'ast Path) {
+        if path.segments.len() > 1 {
+            self.paths.push(names_of(path));
+        }
+        visit::visit_path(self, path);
+    }
+
+    fn visit_macro(&mut self, call: &'ast Macro) {
+        // Other macros than those of expressions are not looked into.
+        let list = Punctuated::<Expr, Token![,]>::parse_terminated;
+        for expression in call.parse_body_with(list).into_iter().flatten() {
+            self.visit_expr(&expression);
+        }
+        visit::visit_macro(self, call);
+    }
 }
 
-/// Reads one file; returns also the modules that it declares to be in files of their own.
-fn read_module<'a>(
-    path: &'a str,
-    parent: Option<usize>,
-    code: &'a str,
-) -> (Module<'a>, Vec<&'a str>) {
-    let all = tokens(code);
-    let mut items = BTreeSet::new();
-    let mut uses = Vec::new();
-    let mut rest = Vec::new();
-    let mut declared = Vec::new();
-    let mut impls = Vec::new();
-    let mut depth = 0_usize;
-    let mut at = 0;
-    while at < all.len() {
-        match (all[at], all.get(at + 1).copied()) {
-            (Token::Word("use"), Some(Token::Word(_) | Token::Mark('{'))) => {
-                let (found, length) = imports(&all[at + 1..]);
-                uses.extend(found);
-                at += length;
+impl Module<'_> {
+    /// Adds the names that a tree of a `use` defines below a path.
+    fn add_imports(&mut self, tree: &UseTree, above: Vec<String>) {
+        let mut path = above;
+        let name = match tree {
+            UseTree::Path(below) => {
+                path.push(below.ident.to_string());
+                return self.add_imports(&below.tree, path);
             }
-            (Token::Word("mod"), Some(Token::Word(name))) if depth == 0 => {
-                if all.get(at + 2) == Some(&Token::Mark(';')) {
-                    declared.push(name);
-                }
-                items.insert(name);
+            UseTree::Group(group) => {
+                return group.items.iter().for_each(|tree| self.add_imports(tree, path.clone()));
             }
-            (Token::Word(kind), Some(Token::Word(name)))
-                if depth == 0 && DEFINES.contains(&kind) && !DEFINES.contains(&name) =>
-            {
-                items.insert(name);
+            UseTree::Glob(_) => {
+                path.push("*".to_owned());
+                "*".to_owned()
             }
-            (Token::Word("macro_rules"), _) if depth == 0 => {
-                if let Some(&Token::Word(name)) = all.get(at + 2) {
-                    items.insert(name);
-                }
+            UseTree::Name(named) if named.ident == "self" => {
+                path.last().cloned().unwrap_or_default()
             }
-            (Token::Word("impl"), _) if depth == 0 && begins_item(&all[..at]) => {
-                impls.extend(implemented(&all[at + 1..]));
+            UseTree::Name(named) => {
+                path.push(named.ident.to_string());
+                named.ident.to_string()
             }
-            (Token::Mark('{'), _) => depth += 1,
-            (Token::Mark('}'), _) => depth = depth.saturating_sub(1),
-            _ => {}
-        }
-        rest.push(all[at]);
-        at += 1;
+            UseTree::Rename(renamed) => {
+                path.push(renamed.ident.to_string());
+                renamed.rename.to_string()
+            }
+        };
+        self.uses.push(Import { name, path });
     }
-    let children = BTreeMap::new();
-    (Module { path, parent, children, items, uses, tokens: rest, impls }, declared)
 }
 
-/// Words that a definition begins with.
-const DEFINES: [&str; 8] = ["struct", "enum", "union", "trait", "type", "fn", "const", "static"];
-
-/// Returns true if an item can begin behind these tokens, and not a type.
-fn begins_item(before: &[Token<'_>]) -> bool {
-    let last = before.last().copied().unwrap_or(Token::Mark(';'));
-    matches!(last, Token::Mark('}' | ';' | ']') | Token::Word("unsafe"))
+fn names_of(path: &Path) -> Vec<String> {
+    path.segments.iter().map(|segment| segment.ident.to_string()).collect()
 }
 
-/// Returns the type whose own block begins behind `impl`; none if a trait is implemented.
-fn implemented<'a>(tokens: &[Token<'a>]) -> Option<Vec<&'a str>> {
-    let mut path = Vec::new();
-    let mut angles = 0_usize;
-    let mut before = Token::Mark(' ');
-    for &token in tokens {
-        match token {
-            Token::Mark('<') => angles += 1,
-            Token::Mark('>') if before != Token::Mark('-') => angles = angles.saturating_sub(1),
-            Token::Mark('{') | Token::Word("where") if angles == 0 => return Some(path),
-            Token::Word("for") if angles == 0 => return None,
-            Token::Word(word) if angles == 0 => {
-                if before != Token::Path {
-                    path.clear();
-                }
-                path.push(word);
-            }
-            _ => {}
-        }
-        before = token;
-    }
-    None
+/// Returns the name that an item defines.
+pub fn name_of(item: &Item) -> Option<String> {
+    let name = match item {
+        Item::Const(item) => &item.ident,
+        Item::Enum(item) => &item.ident,
+        Item::Fn(item) => &item.sig.ident,
+        Item::Macro(item) => item.ident.as_ref()?,
+        Item::Mod(item) => &item.ident,
+        Item::Static(item) => &item.ident,
+        Item::Struct(item) => &item.ident,
+        Item::Trait(item) => &item.ident,
+        Item::Type(item) => &item.ident,
+        Item::Union(item) => &item.ident,
+        _ => return None,
+    };
+    Some(name.to_string())
+}
+
+/// Returns the name of a module that lies in a file of its own.
+fn declared(item: &Item) -> Option<String> {
+    let Item::Mod(module) = item else { return None };
+    module.content.is_none().then(|| module.ident.to_string())
 }
 
 #[test]
@@ -292,7 +280,7 @@ fn names_come_from_the_file_that_defines_them() {
     assert_eq!(of_b, ["b.rs", "c/e.rs"]);
     let ties = modules.ties();
     let ties = ties.iter().map(|((from, to), names)| {
-        let names: Vec<_> = names.iter().copied().collect();
+        let names: Vec<_> = names.iter().map(String::as_str).collect();
         format!("{} -> {}: {}", short(*from), short(*to), names.join(", "))
     });
     let mut ties: Vec<_> = ties.collect();

@@ -94,51 +94,6 @@ pub fn programs_without_vulkan(files: &[SourceFile]) -> Vec<String> {
     )
 }
 
-/// Finds libraries without unsafe code, and samples, that do not forbid it to the compiler.
-pub fn forbids_unsafe(files: &[SourceFile]) -> Vec<String> {
-    let must = |file: &&SourceFile| {
-        [
-            "engine/animation/src/lib.rs",
-            "engine/antumbra/src/lib.rs",
-            "engine/cull/src/lib.rs",
-            "engine/import/src/lib.rs",
-            "engine/methods/src/lib.rs",
-            "engine/occlusion/src/lib.rs",
-            "engine/pacing/src/lib.rs",
-            "engine/render/src/lib.rs",
-            "engine/scene/src/lib.rs",
-            "engine/shadows/src/lib.rs",
-            "samples/bench/src/lib.rs",
-            "samples/scenes/src/lib.rs",
-            "samples/src/lib.rs",
-            "shaders/src/lib.rs",
-            "tests/gltf/src/lib.rs",
-            "tests/harness/src/lib.rs",
-        ]
-        .contains(&file.path.as_str())
-            || (file.path.starts_with("samples/") && file.path.contains("/bin/") && file.is_rust())
-    };
-    let forbids = |file: &&SourceFile| {
-        without_comments_and_strings(&file.text).contains("#![forbid(unsafe_code)]")
-    };
-    let silent = files.iter().filter(must).filter(|file| !forbids(file));
-    silent.map(|file| file.finding(1, "must say #![forbid(unsafe_code)]")).collect()
-}
-
-/// Finds unsafe code outside of `gpu`, of the C interface, and of hosts and tests, which may call
-/// Vulkan.
-pub fn unsafe_code(files: &[SourceFile]) -> Vec<String> {
-    in_code(
-        files,
-        |file| {
-            let may = ["engine/capi/", "engine/gpu/", "examples/hosts/", "tests/"];
-            !may.iter().any(|folder| file.path.starts_with(folder))
-        },
-        |line| has_word(line, "unsafe"),
-        "unsafe code belongs in engine/gpu, or at the boundary to C",
-    )
-}
-
 /// The files with state of the whole process, and why it is there. Numbers that no two objects have
 /// and libraries that are loaded once are no state that two devices could disturb each other by.
 const GLOBAL: [(&str, &str); 6] = [
@@ -181,7 +136,6 @@ pub fn unfinished(files: &[SourceFile]) -> Vec<String> {
     // Put together, so that this file does not find itself.
     let marks =
         [["TO", "DO"], ["FIX", "ME"], ["XX", "X"], ["HA", "CK"]].map(|parts| parts.concat());
-    let calls = [["todo", "!"], ["unimplemented", "!"]].map(|parts| parts.concat());
     let mut findings = Vec::new();
     for file in files {
         let shown = file.is_rust() || file.is_stage() || file.is_script();
@@ -189,34 +143,12 @@ pub fn unfinished(files: &[SourceFile]) -> Vec<String> {
             continue;
         }
         for (line, text) in (1..).zip(file.text.lines()) {
-            let marked = marks.iter().any(|mark| has_word(text, mark));
-            if marked || calls.iter().any(|call| text.contains(call)) {
+            if marks.iter().any(|mark| has_word(text, mark)) {
                 findings.push(file.finding(line, "finish it, or write an issue"));
             }
         }
     }
     findings
-}
-
-/// Finds waits for the whole device, except the one when the device itself is destroyed.
-pub fn device_wait_idle(files: &[SourceFile]) -> Vec<String> {
-    let waits = |line: &str| has_word(line, "device_wait_idle") || line.contains("queue_wait_idle");
-    let in_gpu = |file: &SourceFile| file.path.starts_with("engine/gpu/src/");
-    let reason = "the device's own drop is the one place that waits for the whole device";
-    let mut findings = in_code(files, |file| !in_gpu(file) && !file.is_test(), waits, reason);
-    findings.extend(in_code(files, in_gpu, waits, reason).into_iter().skip(1));
-    findings
-}
-
-/// Finds blocking readbacks of queries: results are read back through mapped memory when their tick
-/// is over.
-pub fn query_readback(files: &[SourceFile]) -> Vec<String> {
-    in_code(
-        files,
-        |_| true,
-        |line| line.contains("get_query_pool_results"),
-        "some drivers wait for the whole device in it: copy results on the GPU instead",
-    )
 }
 
 /// Finds waits without a bound, which hang instead of reporting the error.
@@ -240,40 +172,6 @@ pub fn unbounded_waits(files: &[SourceFile]) -> Vec<String> {
             let waits = around.iter().any(|line| WAITS.iter().any(|wait| line.contains(wait)));
             if waits || text.contains("Duration::MAX") {
                 findings.push(file.finding(at + 1, "every wait has a bound"));
-            }
-        }
-    }
-    findings
-}
-
-/// Finds panics on bad input, which must be errors.
-pub fn unwraps(files: &[SourceFile]) -> Vec<String> {
-    let mut findings = Vec::new();
-    for file in files.iter().filter(|file| file.is_rust() && !file.is_test()) {
-        let code = without_tests(&without_comments_and_strings(&file.text));
-        for (line, text) in (1..).zip(code.lines()) {
-            if text.contains(".unwrap()") {
-                findings.push(file.finding(line, "return an error instead"));
-            }
-        }
-    }
-    findings
-}
-
-/// Finds prints of the engine: what it has to say goes to the log of its host.
-pub fn prints(files: &[SourceFile]) -> Vec<String> {
-    let mut findings = Vec::new();
-    let is_ours = |file: &&SourceFile| {
-        file.is_rust()
-            && !file.is_test()
-            && file.path.starts_with("engine/")
-            && file.path.contains("/src/")
-    };
-    for file in files.iter().filter(is_ours) {
-        let code = without_tests(&without_comments_and_strings(&file.text));
-        for (line, text) in (1..).zip(code.lines()) {
-            if ["print!(", "println!("].iter().any(|call| text.contains(call)) {
-                findings.push(file.finding(line, "log it by `tracing` instead"));
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Every function with what a program in C may get wrong: null, sizes, handles, values.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+#![allow(unsafe_code, reason = "a host in C calls it so")]
 
 #[cfg(feature = "vulkan")]
 mod executor;

@@ -99,6 +99,7 @@ impl DeviceShared {
 
     /// Waits until the GPU no longer uses objects of the device; returns false if it may still use
     /// them.
+    #[expect(clippy::disallowed_methods, reason = "the device ends here")]
     fn finish(&self) -> bool {
         let newest = self.clock.newest();
         let ClockSource::Timeline(timeline) = &self.clock.source else {

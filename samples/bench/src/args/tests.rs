@@ -47,15 +47,18 @@ fn without_arguments_it_is_a_street_walk_against_both_bounds() {
     let city = MadeScene { scene: GeneratorChoice::City, objects: 10_000, seed: 1 };
     assert_eq!(options.scene, SceneChoice::Made(city));
     assert_eq!(options.path, PathChoice::Made(CameraPathChoice::Street));
-    assert_eq!(options.size, FrameSize { width: 1280, height: 720 });
+    assert_eq!(options.asked.size, FrameSize { width: 1280, height: 720 });
     assert_eq!(options.strategies, [Strategy::FRUSTUM, Strategy::ANTUMBRA, methods::IDEAL]);
-    assert_eq!(options.verify, Verify::Off);
-    assert_eq!(options.frames_in_flight, 2);
-    assert_eq!((options.views, options.moving_percent), (1, 0));
-    assert_eq!(options.threshold_pixels, 0);
-    assert_eq!(options.device, DeviceChoice::Best);
+    assert_eq!(options.asked.verify, Verify::Off);
+    assert_eq!(options.asked.frames_in_flight, 2);
+    assert_eq!((options.asked.views, options.asked.moving_percent), (1, 0));
+    assert_eq!(options.asked.threshold, 0);
+    assert_eq!(options.asked.device.choice(), DeviceChoice::Best);
     assert_eq!((options.images, options.top_down), (0, None));
-    assert_eq!((options.output, options.report, options.shaders), (None, None, None));
+    assert_eq!(
+        (options.asked.out, options.asked.report, options.asked.device.shaders),
+        (None, None, None)
+    );
 }
 
 #[test]
@@ -88,49 +91,32 @@ fn every_option_arrives() {
         "--depth-complexity",
     ])
     .unwrap();
+    let field = MadeScene { scene: GeneratorChoice::Field, objects: 2_000_000, seed: u64::MAX };
+    assert_eq!(options.scene, SceneChoice::Made(field));
+    assert_eq!(options.path, PathChoice::Made(CameraPathChoice::Cut));
+    assert_eq!(options.strategies, [Strategy::ANTUMBRA, Strategy::FRUSTUM]);
+    assert_eq!((options.cost_model, options.left_out), (CostModelChoice::Measured, vec![]));
+    assert_eq!((options.shadows, options.section), (vec![], SectionPlanes::default()));
+    assert_eq!((options.images, options.top_down), (7, Some(6)));
+    assert_eq!(options.cut_above_triangles, None);
+    let asked = options.asked;
+    assert_eq!((asked.views, asked.moving_percent, asked.frames), (2, 30, 7));
+    assert_eq!((asked.projection, asked.edges), (ProjectionChoice::Jittered, EdgesChoice::Hidden));
+    assert_eq!(asked.transparency, TransparencyChoice::Fragments);
+    assert_eq!(asked.size, FrameSize { width: 64, height: 32 });
+    assert_eq!((asked.msaa, asked.frames_in_flight), (SampleCount::Four, 4));
+    assert_eq!(asked.verify, Verify::EveryNth(NonZeroU32::new(3).unwrap()));
+    assert_eq!((asked.predicates, asked.threshold), (PredicatesChoice::Instances, 9));
+    assert_eq!(asked.device.choice(), DeviceChoice::Name("llvmpipe".into()));
+    assert_eq!(asked.device.validation, ValidationChoice::Sync);
+    assert_eq!(asked.device.shaders, Some("glsl".into()));
+    assert_eq!((asked.out, asked.report), (Some("images".into()), Some("r.json".into())));
+    assert!(asked.depth_complexity && !asked.time_passes && !asked.file.strict);
+    assert_eq!(parse(&["--device", "1"]).unwrap().asked.device.choice(), DeviceChoice::Index(1));
     assert_eq!(
-        options,
-        Options {
-            lights: None,
-            shadows: Vec::new(),
-            cost_model: CostModelChoice::Measured,
-            time_passes: false,
-            broken_parts: BrokenParts::LeaveOut,
-            cut_above_triangles: None,
-            scene: SceneChoice::Made(MadeScene {
-                scene: GeneratorChoice::Field,
-                objects: 2_000_000,
-                seed: u64::MAX,
-            }),
-            path: PathChoice::Made(CameraPathChoice::Cut),
-            views: 2,
-            projection: ProjectionChoice::Jittered,
-            edges: EdgesChoice::Hidden,
-            transparency: TransparencyChoice::Fragments,
-            moving_percent: 30,
-            frames: 7,
-            size: FrameSize { width: 64, height: 32 },
-            samples: SampleCount::Four,
-            strategies: vec![Strategy::ANTUMBRA, Strategy::FRUSTUM],
-            left_out: vec![],
-            verify: Verify::EveryNth(NonZeroU32::new(3).unwrap()),
-            frames_in_flight: 4,
-            device: DeviceChoice::Name("llvmpipe".into()),
-            validation: ValidationChoice::Sync,
-            quirks: QuirksChoice::None,
-            predicates: PredicatesChoice::Instances,
-            threshold_pixels: 9,
-            section: SectionPlanes::default(),
-            shaders: Some("glsl".into()),
-            output: Some("images".into()),
-            report: Some("r.json".into()),
-            images: 7,
-            top_down: Some(6),
-            has_depth_complexity: true,
-        }
+        parse(&["--verify", "every"]).unwrap().asked.verify,
+        Verify::EveryNth(NonZeroU32::MIN)
     );
-    assert_eq!(parse(&["--device", "1"]).unwrap().device, DeviceChoice::Index(1));
-    assert_eq!(parse(&["--verify", "every"]).unwrap().verify, Verify::EveryNth(NonZeroU32::MIN));
 }
 
 #[test]
@@ -202,7 +188,7 @@ fn sizes_that_are_none_are_refused() {
 #[test]
 fn every_eye_needs_a_column() {
     assert!(refusal(&["--views=2", "--size=1x9"]).contains("--size 1x9 is too narrow"));
-    assert_eq!(parse(&["--views=2", "--size=2x9"]).unwrap().views, 2);
+    assert_eq!(parse(&["--views=2", "--size=2x9"]).unwrap().asked.views, 2);
 }
 
 #[test]
@@ -246,7 +232,7 @@ fn a_threshold_cannot_be_compared_by_conditional_rendering() {
     let both = ["--threshold=4", "--predicates=conditional"];
     assert!(refusal(&both).contains("do not go together"));
     assert!(parse(&["--threshold=0", "--predicates=conditional"]).is_ok());
-    assert_eq!(parse(&["--threshold=4"]).unwrap().threshold_pixels, 4);
+    assert_eq!(parse(&["--threshold=4"]).unwrap().asked.threshold, 4);
 }
 
 #[test]
@@ -255,7 +241,7 @@ fn former_names_of_options_and_strategies_still_work() {
         ["--costs=ignored", "--trust=driver", "--moving=10", "--strategy=coherent,pyramid"];
     let now = ["--cost-model=off", "--quirks=none", "--moving-percent=10", "--strategy=chc,hzb"];
     assert_eq!(parse(&former).unwrap(), parse(&now).unwrap());
-    assert_eq!(parse(&["--trust=tested"]).unwrap().quirks, QuirksChoice::Tested);
+    assert_eq!(parse(&["--trust=tested"]).unwrap().asked.quirks, QuirksChoice::Tested);
 }
 
 #[test]
@@ -304,7 +290,7 @@ fn what_is_for_made_scenes_is_refused_for_files() {
 
 #[test]
 fn a_strict_reading_is_for_files() {
-    let parts = |line: &[&str]| parse(line).unwrap().broken_parts;
+    let parts = |line: &[&str]| parse(line).unwrap().asked.file.broken_parts();
     assert_eq!(parts(&["--scene=a.glb"]), BrokenParts::LeaveOut);
     assert_eq!(parts(&["--scene=a.glb", "--strict"]), BrokenParts::Refuse);
     assert!(refusal(&["--strict"]).starts_with("--strict is about files"));

@@ -1,9 +1,32 @@
 //! The values of single arguments.
 
+use std::path::PathBuf;
 use std::str::FromStr;
 
-use crate::choices::parse_strategy;
+use crate::choices::{GeneratorChoice, each_once, parse_named, parse_strategy};
 use crate::strategy::Strategy;
+
+/// A generated scene, or a scene's file: a name with a dot or a slash is a file's.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum SceneArgument {
+    /// A scene that is generated.
+    Made(GeneratorChoice),
+    /// A scene in this file.
+    File(PathBuf),
+}
+
+impl FromStr for SceneArgument {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text.contains(['.', '/', std::path::MAIN_SEPARATOR]) {
+            return Ok(Self::File(PathBuf::from(text)));
+        }
+        parse_named("scene", text)
+            .map(Self::Made)
+            .map_err(|message| format!("{message} (a file has a dot or a slash in its name)"))
+    }
+}
 
 /// Strategies to compare.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,15 +44,7 @@ impl FromStr for StrategyList {
         if text == "all" {
             return Ok(Self::All);
         }
-        let mut strategies = Vec::new();
-        for name in text.split(',') {
-            let strategy = parse_strategy(name.trim())?;
-            if strategies.contains(&strategy) {
-                return Err(format!("it names '{strategy}' twice: name each once"));
-            }
-            strategies.push(strategy);
-        }
-        Ok(Self::These(strategies))
+        each_once(text, parse_strategy).map(Self::These)
     }
 }
 

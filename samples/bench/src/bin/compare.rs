@@ -3,17 +3,8 @@
 
 use std::process::ExitCode;
 
-use bench::compare::args::Arguments;
-use bench::compare::run;
-use bench::terminal::{self, ending};
+use bench::{compare, terminal};
 
 fn main() -> ExitCode {
-    let arguments = match terminal::start::<Arguments>("warn") {
-        Ok(arguments) => arguments,
-        Err(code) => return code,
-    };
-    match run(&arguments) {
-        Ok(ending) => ending.exit(),
-        Err(error) => ending::refuse(&error, error.exit_code()),
-    }
+    terminal::run_program("warn", compare::run)
 }

@@ -9,21 +9,14 @@ use bench::run::{self, Walked};
 use bench::run_error::{Blame, RunError};
 use bench::signals::Signals;
 use bench::terminal::{
-    self, Ending, ending,
+    self, Ending,
     output::{say, say_wrote},
     print, style,
 };
 use bench::{exit_status, progress, self_test_table, strategy, table};
 
 fn main() -> ExitCode {
-    let arguments = match terminal::start::<Arguments>("warn") {
-        Ok(arguments) => arguments,
-        Err(code) => return code,
-    };
-    match walk(&arguments) {
-        Ok(ending) => ending.exit(),
-        Err(error) => ending::refuse(&error, error.exit_code()),
-    }
+    terminal::run_program("warn", walk)
 }
 
 /// Runs the walk that the arguments describe.
@@ -62,7 +55,7 @@ fn walk(arguments: &Arguments) -> Result<Ending, RunError> {
     ending.attempt(print(&table::render(&report, style::width())));
     let mut written = images.written;
     images.failures.into_iter().for_each(|failure| ending.fail(failure));
-    if let Some(path) = &options.report
+    if let Some(path) = &options.asked.report
         && ending.attempt(report.write(path)).is_some()
     {
         written.push(path.clone());

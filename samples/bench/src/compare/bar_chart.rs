@@ -8,7 +8,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use super::line_chart::logarithmic;
 use super::palette::{self, FAINT, GRID, INK};
 use super::picture::{Area, DrawError, label, title};
-use super::spread::thousands;
+use crate::statistics::thousands;
 
 /// The height of the title and of the axis, together.
 const FRAME: u32 = 65;

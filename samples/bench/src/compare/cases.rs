@@ -7,8 +7,9 @@
 
 use std::collections::BTreeMap;
 
-use super::input::{Measured, MeasuredRun};
-use super::spread::Spread;
+use super::palette;
+use super::spread::{Spread, objects};
+use crate::report::{Report, RunReport};
 use crate::statistics::TimeSummary;
 
 /// The yardstick: draws exactly what owns a pixel.
@@ -41,7 +42,24 @@ impl Place {
         Self { scene: scene.to_owned(), path: path.to_owned(), objects, moving: 0, views: 1 }
     }
 
-    fn of(measured: &Measured) -> Self {
+    /// Returns the city at street level, which most figures are about.
+    pub fn street(objects: u64) -> Self {
+        Self::still("city", "street", objects)
+    }
+
+    /// Returns its name, as "street 10k"; the scene is named where it is not the city.
+    pub fn name(&self) -> String {
+        let Self { scene, path, .. } = self;
+        let size = objects(self.objects as f64);
+        match (scene.as_str(), path.as_str()) {
+            ("city", _) => format!("{path} {size}"),
+            ("field", "fly") => format!("field {size}, from above"),
+            ("field", "street") => format!("field {size}, from the side"),
+            _ => format!("{scene} {path} {size}"),
+        }
+    }
+
+    fn of(measured: &Report) -> Self {
         let number = |option: &str| measured.argument(option).and_then(|text| text.parse().ok());
         Self {
             scene: measured.scene.name.clone(),
@@ -71,10 +89,21 @@ pub struct Ratio {
     pub through: Option<String>,
 }
 
+/// Returns each of some names once, in the order in which they first appear.
+pub fn distinct<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut found = Vec::new();
+    for name in names {
+        if !found.contains(&name) {
+            found.push(name);
+        }
+    }
+    found
+}
+
 /// All reports of one case.
 #[derive(Clone, Debug, Default)]
 pub struct Case<'a> {
-    reports: Vec<&'a Measured>,
+    reports: Vec<&'a Report>,
 }
 
 /// All cases of a comparison.
@@ -85,7 +114,7 @@ pub struct Cases<'a> {
 
 impl<'a> Cases<'a> {
     /// Sorts reports into cases.
-    pub fn of(reports: &'a [Measured]) -> Self {
+    pub fn of(reports: &'a [Report]) -> Self {
         let mut cases = BTreeMap::<Place, Case<'a>>::new();
         for report in reports {
             cases.entry(Place::of(report)).or_default().reports.push(report);
@@ -96,6 +125,15 @@ impl<'a> Cases<'a> {
     /// Returns the case at a place; without reports if none was measured there.
     pub fn at(&self, place: &Place) -> Case<'a> {
         self.cases.get(place).cloned().unwrap_or_default()
+    }
+
+    /// Returns the strategies of the city at street level, of any of these sizes, in the order of
+    /// the palette.
+    pub fn street_strategies(&self, sizes: &[u64]) -> Vec<&'a str> {
+        let cases = sizes.iter().map(|size| self.at(&Place::street(*size)));
+        let mut names = distinct(cases.flat_map(|case| case.strategies()));
+        names.sort_by_key(|name| palette::place_of(name));
+        names
     }
 
     /// Returns every case, by its place.
@@ -117,19 +155,19 @@ impl<'a> Cases<'a> {
 
 impl<'a> Case<'a> {
     /// Returns all reports, in the order of their files.
-    pub fn reports(&self) -> &[&'a Measured] {
+    pub fn reports(&self) -> &[&'a Report] {
         &self.reports
     }
 
     /// Returns the reports whose times count: those without compared frames, if there are such.
-    pub fn timed(&self) -> Vec<&'a Measured> {
+    pub fn timed(&self) -> Vec<&'a Report> {
         let quiet: Vec<_> = self.reports.iter().copied().filter(|r| !r.is_verified()).collect();
         if quiet.is_empty() { self.reports.clone() } else { quiet }
     }
 
     /// Returns the runs of a strategy in the widest walks it took part in, so that they compare
     /// with most.
-    pub fn runs(&self, strategy: &str) -> Vec<&'a MeasuredRun> {
+    pub fn runs(&self, strategy: &str) -> Vec<&'a RunReport> {
         let mut with: Vec<_> =
             self.timed().into_iter().filter(|r| r.run(strategy).is_some()).collect();
         let most = with.iter().map(|report| report.runs.len()).max().unwrap_or(0);
@@ -139,7 +177,7 @@ impl<'a> Case<'a> {
 
     /// Returns the runs of a strategy where it walked alone; elsewhere, if it never did. Runs of
     /// other strategies in the same walk affect the caches and so the CPU times.
-    fn runs_alone(&self, strategy: &str) -> Vec<&'a MeasuredRun> {
+    fn runs_alone(&self, strategy: &str) -> Vec<&'a RunReport> {
         let alone = self.timed().into_iter().filter(|report| report.runs.len() == 1);
         let runs: Vec<_> = alone.filter_map(|report| report.run(strategy)).collect();
         if runs.is_empty() { self.runs(strategy) } else { runs }
@@ -147,13 +185,8 @@ impl<'a> Case<'a> {
 
     /// Returns the names of the strategies, in the order in which they first appear.
     pub fn strategies(&self) -> Vec<&'a str> {
-        let mut names: Vec<&str> = Vec::new();
-        for run in self.timed().iter().flat_map(|report| &report.runs) {
-            if !names.contains(&run.strategy.as_str()) {
-                names.push(&run.strategy);
-            }
-        }
-        names
+        let reports = self.timed().into_iter();
+        distinct(reports.flat_map(|report| &report.runs).map(|run| run.strategy.as_str()))
     }
 
     /// Returns A's frame time over B's: the median of the ratios frame by frame (of the medians, in
@@ -176,7 +209,7 @@ impl<'a> Case<'a> {
             return self.timed().iter().any(|r| r.run(a).is_some()).then(|| Spread::of([1.0]))?;
         }
         let pair = format!("{a}/{b}");
-        let of = |report: &&Measured| -> Option<f64> {
+        let of = |report: &&Report| -> Option<f64> {
             let paired = report.paired_ratios.get(&pair).copied().flatten();
             paired.or_else(|| report.ratios.get(&pair).copied().flatten())
         };
@@ -185,7 +218,7 @@ impl<'a> Case<'a> {
 
     /// Returns A's 95th percentile over B's, from walks that both took part in.
     pub fn p95_ratio(&self, a: &str, b: &str) -> Option<Spread> {
-        let of = |report: &&Measured| -> Option<f64> {
+        let of = |report: &&Report| -> Option<f64> {
             Some(report.run(a)?.frame_ms.p95? / report.run(b)?.frame_ms.p95?)
         };
         Spread::of(self.timed().iter().filter_map(of))
@@ -197,7 +230,7 @@ impl<'a> Case<'a> {
     /// A time is taken when the CPU may go on, so a frame's work on the device shows as many places
     /// later as frames are in flight. Of these places the one with the largest ratio counts.
     pub fn after_cut_ratio(&self, a: &str, b: &str) -> Option<Spread> {
-        let of = |report: &&Measured| -> Option<f64> {
+        let of = |report: &&Report| -> Option<f64> {
             let a = &report.run(a)?.frame_times_ms;
             let b = &report.run(b)?.frame_times_ms;
             let late = usize::try_from(report.frames_in_flight).ok()?;
@@ -217,11 +250,7 @@ impl<'a> Case<'a> {
     }
 
     /// Returns the median over repetitions of a count that every run has.
-    pub fn count(
-        &self,
-        strategy: &str,
-        of: impl Fn(&MeasuredRun) -> Option<u64>,
-    ) -> Option<Spread> {
+    pub fn count(&self, strategy: &str, of: impl Fn(&RunReport) -> Option<u64>) -> Option<Spread> {
         Spread::of(self.runs(strategy).iter().filter_map(|run| of(run)).map(|count| count as f64))
     }
 

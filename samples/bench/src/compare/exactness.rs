@@ -1,6 +1,6 @@
 //! Wrong pixels of every strategy: the number of compared frames, and the result.
 
-use super::cases::{Cases, Place};
+use super::cases::{Cases, Place, distinct};
 use super::palette;
 use crate::strategy::{Strategy, named};
 
@@ -68,14 +68,9 @@ pub struct Book {
 /// Returns a book for every strategy of the reports and every setting, by setting and then in the
 /// order of the palette. A strategy that was not compared has 0 frames.
 pub fn books(cases: &Cases<'_>) -> Vec<Book> {
-    let mut names: Vec<&str> = Vec::new();
-    for (_, case) in cases.iter() {
-        for run in case.reports().iter().flat_map(|report| &report.runs) {
-            if !names.contains(&run.strategy.as_str()) {
-                names.push(&run.strategy);
-            }
-        }
-    }
+    let reports = cases.iter().flat_map(|(_, case)| case.reports());
+    let runs = reports.flat_map(|report| &report.runs);
+    let mut names = distinct(runs.map(|run| run.strategy.as_str()));
     names.sort_by_key(|name| palette::place_of(name));
     let book = |setting: Setting| {
         move |name: &&str| Book {

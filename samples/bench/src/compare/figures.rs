@@ -4,7 +4,8 @@
 use super::cases::{ANTUMBRA, Case, Cases, FRUSTUM, IDEAL, Place, Ratio};
 use super::exactness::{self, Setting};
 use super::noise::{self, NOISE_MAX};
-use super::spread::{Spread, objects, short};
+use super::spread::{Spread, short};
+use crate::statistics::thousands;
 
 /// The goals of `antumbra` on `street`, as multiples of the ideal's time, by the number of objects.
 pub const STREET_GOALS: [(u64, f64); 4] =
@@ -137,12 +138,15 @@ impl Figure {
         found.to_string()
     }
 
-    fn new(case: &str, what: impl Into<String>, asked: Asked, found: Option<Spread>) -> Self {
-        let case = case.to_owned();
-        let what = what.into();
+    fn new(
+        case: impl Into<String>,
+        what: impl Into<String>,
+        asked: Asked,
+        found: Option<Spread>,
+    ) -> Self {
         Self {
-            case,
-            what,
+            case: case.into(),
+            what: what.into(),
             asked,
             found,
             is_partial: false,
@@ -172,84 +176,62 @@ impl Figure {
 
 /// Returns every figure that is asked for, in the order of the table.
 pub fn all(cases: &Cases<'_>) -> Vec<Figure> {
+    let streets = STREET_GOALS.map(|(size, _)| Place::street(size));
     let mut figures = Vec::new();
-    for (size, goal) in STREET_GOALS {
-        figures.push(ratio_at(cases, "city", "street", size, IDEAL, goal));
+    for (place, (_, goal)) in streets.iter().zip(STREET_GOALS) {
+        figures.push(ratio_at(cases, place, IDEAL, goal));
     }
-    for (size, _) in STREET_GOALS {
-        figures.push(against_rivals(cases, size));
-    }
+    figures.extend(streets.iter().map(|place| against_rivals(cases, place)));
     for (rival, times) in [(FRUSTUM, 4.0), ("stop_and_wait", 2.6)] {
-        for (size, _) in STREET_GOALS {
-            let case = street(cases, size);
-            let ratio = case.ratio(rival, ANTUMBRA);
+        for place in &streets {
+            let case = cases.at(place);
             let what = format!("{rival} / antumbra");
-            let name = case_name("city", "street", size);
-            let figure = tied(&name, what, Asked::MoreThan(times), ratio);
+            let ratio = case.ratio(rival, ANTUMBRA);
+            let figure = tied(place, what, Asked::MoreThan(times), ratio);
             figures.push(figure.measured_in(&case, &[rival, ANTUMBRA]));
         }
     }
-    for (size, _) in STREET_GOALS {
-        let case = street(cases, size);
-        let found = case.p95_ratio(ANTUMBRA, IDEAL);
-        let name = case_name("city", "street", size);
+    for place in &streets {
         let what = "95th percentile, antumbra / ideal";
-        let figure = Figure::new(&name, what, Asked::AtMost(1.4), found);
-        figures.push(figure.measured_in(&case, &[ANTUMBRA]));
+        let found = cases.at(place).p95_ratio(ANTUMBRA, IDEAL);
+        let figure = Figure::new(place.name(), what, Asked::AtMost(1.4), found);
+        figures.push(figure.measured_in(&cases.at(place), &[ANTUMBRA]));
     }
-    figures.push(ratio_at(cases, "city", "cut", 10_000, IDEAL, 1.4));
-    figures.push(after_cut(cases));
-    figures.push(ratio_at(cases, "city", "fly", 10_000, IDEAL, 1.15));
-    figures.push(ratio_at(cases, "city", "fly", 40_000, IDEAL, 1.15));
+    let cut = Place::still("city", "cut", 10_000);
+    figures.push(ratio_at(cases, &cut, IDEAL, 1.4));
+    let what = "frame after a cut, antumbra / ideal";
+    let found = cases.at(&cut).after_cut_ratio(ANTUMBRA, IDEAL);
+    let figure = Figure::new(cut.name(), what, Asked::AtMost(2.5), found);
+    figures.push(figure.measured_in(&cases.at(&cut), &[ANTUMBRA]));
+    for objects in [10_000, 40_000] {
+        figures.push(ratio_at(cases, &Place::still("city", "fly", objects), IDEAL, 1.15));
+    }
     for path in ["fly", "street"] {
-        figures.push(ratio_at(cases, "field", path, 10_000, FRUSTUM, 1.02));
+        figures.push(ratio_at(cases, &Place::still("field", path, 10_000), FRUSTUM, 1.02));
     }
     figures.push(cpu_growth(cases));
     figures.extend(wrong_pixels(cases));
     figures
 }
 
-fn street<'a>(cases: &Cases<'a>, size: u64) -> Case<'a> {
-    cases.at(&Place::still("city", "street", size))
-}
-
-/// Returns the case's name, as "street 10k"; the scene is named where it is not the city.
-pub fn case_name(scene: &str, path: &str, size: u64) -> String {
-    let size = objects(size as f64);
-    match (scene, path) {
-        ("city", _) => format!("{path} {size}"),
-        ("field", "fly") => format!("field {size}, from above"),
-        ("field", "street") => format!("field {size}, from the side"),
-        _ => format!("{scene} {path} {size}"),
-    }
-}
-
-fn tied(case: &str, what: String, asked: Asked, ratio: Option<Ratio>) -> Figure {
+fn tied(place: &Place, what: String, asked: Asked, ratio: Option<Ratio>) -> Figure {
     let note = match ratio.as_ref().and_then(|ratio| ratio.through.as_ref()) {
         Some(through) => format!("not in one walk: tied through {through}"),
         None => String::new(),
     };
-    Figure::new(case, what, asked, ratio.map(|ratio| ratio.spread)).noted(note)
+    Figure::new(place.name(), what, asked, ratio.map(|ratio| ratio.spread)).noted(note)
 }
 
-fn ratio_at(
-    cases: &Cases<'_>,
-    scene: &str,
-    path: &str,
-    size: u64,
-    over: &str,
-    most: f64,
-) -> Figure {
-    let case = cases.at(&Place::still(scene, path, size));
-    let ratio = case.ratio(ANTUMBRA, over);
+fn ratio_at(cases: &Cases<'_>, place: &Place, over: &str, most: f64) -> Figure {
+    let case = cases.at(place);
     let what = format!("antumbra / {over}");
-    let figure = tied(&case_name(scene, path, size), what, Asked::AtMost(most), ratio);
+    let figure = tied(place, what, Asked::AtMost(most), case.ratio(ANTUMBRA, over));
     figure.measured_in(&case, &[ANTUMBRA, over])
 }
 
 /// Returns the nearest of the rivals, as a multiple of the time of `antumbra`.
-fn against_rivals(cases: &Cases<'_>, size: u64) -> Figure {
-    let case = street(cases, size);
+fn against_rivals(cases: &Cases<'_>, place: &Place) -> Figure {
+    let case = cases.at(place);
     let mut nearest = None::<(&str, Spread)>;
     let mut missing = Vec::new();
     for rival in RIVALS {
@@ -272,23 +254,14 @@ fn against_rivals(cases: &Cases<'_>, size: u64) -> Figure {
     let what = "nearest rival / antumbra";
     let names: Vec<&str> = nearest.iter().map(|(rival, _)| *rival).chain([ANTUMBRA]).collect();
     let found = nearest.map(|(_, spread)| spread);
-    let name = case_name("city", "street", size);
-    let figure = Figure::new(&name, what, Asked::MoreThan(1.0), found).noted(notes.join("; "));
-    let figure = figure.measured_in(&case, &names);
+    let figure = Figure::new(place.name(), what, Asked::MoreThan(1.0), found);
+    let figure = figure.noted(notes.join("; ")).measured_in(&case, &names);
     Figure { is_partial: !missing.is_empty(), ..figure }
 }
 
-fn after_cut(cases: &Cases<'_>) -> Figure {
-    let case = cases.at(&Place::still("city", "cut", 10_000));
-    let found = case.after_cut_ratio(ANTUMBRA, IDEAL);
-    let what = "frame after a cut, antumbra / ideal";
-    let figure = Figure::new(&case_name("city", "cut", 10_000), what, Asked::AtMost(2.5), found);
-    figure.measured_in(&case, &[ANTUMBRA])
-}
-
 fn cpu_growth(cases: &Cases<'_>) -> Figure {
-    let small = street(cases, 10_000);
-    let large = street(cases, 1_000_000);
+    let small = cases.at(&Place::street(10_000));
+    let large = cases.at(&Place::street(1_000_000));
     let growth = |of: &dyn Fn(&Case<'_>) -> Option<Spread>| of(&large)?.over(&of(&small)?);
     let times = |case: &Case<'_>| case.cpu_ms(ANTUMBRA);
     let visited = |case: &Case<'_>| case.count(ANTUMBRA, |run| run.nodes_visited);
@@ -321,7 +294,7 @@ fn wrong_pixels(cases: &Cases<'_>) -> Vec<Figure> {
             .filter(|book| book.frames_compared == 0 && !book.is_refused)
             .map(|book| book.strategy.as_str())
             .collect();
-        let mut note = format!("{} frames compared", super::spread::thousands(frames as f64));
+        let mut note = format!("{} frames compared", thousands(frames as f64));
         if !left.is_empty() {
             note.push_str(&format!("; not compared: {}", left.join(", ")));
         }

@@ -13,7 +13,8 @@ use plotters::prelude::{
 use super::cases::{ANTUMBRA, IDEAL};
 use super::palette::{self, FAINT, GOAL, GRID, INK};
 use super::picture::{Area, DrawError, label, picture, title};
-use super::spread::thousands;
+use super::spread::objects;
+use crate::statistics::thousands;
 
 /// The ratio of the ends of a logarithmic axis below which its ticks are equally far apart, and the
 /// one above which only powers of ten have ticks.
@@ -117,7 +118,13 @@ fn dot(strategy: &str) -> ShapeStyle {
     if palette::is_dashed(strategy) { style } else { style.filled() }
 }
 
-impl LineChart<'_> {
+impl<'a> LineChart<'a> {
+    /// Creates a chart of few points over numbers of objects, without goals.
+    pub fn over_sizes(title: &'a str, y_label: &'a str, series: &'a [Series]) -> Self {
+        let labels = ["objects in the scene", y_label];
+        Self { title, labels, x_text: objects, series, goals: Vec::new(), marks: Marks::Dots }
+    }
+
     /// Draws the chart all over an area, without its legend.
     ///
     /// # Errors

@@ -6,8 +6,7 @@
 use std::collections::BTreeMap;
 
 use super::cases::{Case, Cases, IDEAL, Place};
-use super::figures::case_name;
-use super::input::Measured;
+use crate::report::Report;
 
 /// The largest spread of the ideal's time, as a part of its median, with which figures are judged.
 pub const NOISE_MAX: f64 = 0.1;
@@ -30,13 +29,13 @@ fn noise(times: impl Iterator<Item = f64>) -> Option<f64> {
 
 /// Returns the noise of each of a case's walks: those of the same strategies are repetitions. Walks
 /// without the ideal are none.
-fn walks<'a>(case: &Case<'a>) -> Vec<(&'a Measured, Option<f64>)> {
-    let mut walks = BTreeMap::<Vec<&str>, Vec<&Measured>>::new();
+fn walks<'a>(case: &Case<'a>) -> Vec<(&'a Report, Option<f64>)> {
+    let mut walks = BTreeMap::<Vec<&str>, Vec<&Report>>::new();
     for report in case.timed().into_iter().filter(|report| report.run(IDEAL).is_some()) {
         let names = report.runs.iter().map(|run| run.strategy.as_str()).collect();
         walks.entry(names).or_default().push(report);
     }
-    let of = |reports: Vec<&'a Measured>| {
+    let of = |reports: Vec<&'a Report>| {
         let times = reports.iter().filter_map(|report| report.run(IDEAL)?.frame_ms.median);
         Some((*reports.first()?, noise(times)))
     };
@@ -79,9 +78,7 @@ fn stem_of(file: &str) -> &str {
 
 /// Returns a sentence about the noise of the machine, for the reader.
 pub fn verdict(cases: &Cases<'_>) -> String {
-    let known = |(place, case): (&Place, &Case<'_>)| {
-        Some((case_name(&place.scene, &place.path, place.objects), of_case(case)?))
-    };
+    let known = |(place, case): (&Place, &Case<'_>)| Some((place.name(), of_case(case)?));
     let mut noises: Vec<(String, f64)> = cases.iter().filter_map(known).collect();
     noises.sort_by(|(_, a), (_, b)| b.total_cmp(a));
     let percent = |noise: f64| format!("{:.0} %", noise * 100.0);
@@ -116,7 +113,7 @@ mod tests {
     use super::super::testing::measured;
     use super::*;
 
-    fn repeated(times: &[f64]) -> Vec<Measured> {
+    fn repeated(times: &[f64]) -> Vec<Report> {
         let report = |(number, time): (usize, &f64)| {
             let walked = [(IDEAL, *time), ("antumbra", 1.1 * time)];
             let mut report = measured("city", "street", 10_000, &walked);

@@ -1,45 +1,98 @@
-//! The comparison as one HTML page that needs no other file: plots, tables, and the conditions of
+//! The comparison as a page: the tables, and in HTML pictures, plots and the conditions of
 //! the measurement.
 
-use super::cases::ANTUMBRA;
-use super::content::{Content, MethodRow};
+use super::cases::Place;
+use super::comparison::ReportComparison;
 use super::exactness::{Book, Setting};
 use super::figures::{Figure, Verdict};
+use super::noise;
 use super::palette;
-use super::picture::escaped;
-use super::plots::Plot;
-use super::spread::{Spread, objects, short, thousands};
+use super::picture::DrawError;
+use super::plots::{self, Plot};
+use super::spread::{Spread, objects, short};
 use super::thumbnails::Thumbnail;
+use crate::report::Report;
+use crate::result_page::{Cell, ResultPage, Table, Tone, escaped};
+use crate::statistics::thousands;
 
-/// Returns the page.
-pub fn render(content: &Content) -> String {
-    let mut body = head(content);
-    body.push_str(&scenes(&content.thumbnails));
-    if let Some(plot) = &content.ratios {
-        body.push_str(&figure(plot));
+/// The paths whose frame times are plotted, with their sizes.
+const SHOWN_PATHS: [(&str, u64); 4] =
+    [("street", 10_000), ("cut", 10_000), ("fly", 10_000), ("street", 40_000)];
+
+/// Returns the comparison as a page.
+///
+/// # Errors
+/// When a plot cannot be drawn.
+pub fn page(comparison: &ReportComparison<'_>) -> Result<ResultPage, DrawError> {
+    let mut page = ResultPage::new("Every method side by side");
+    if let Some(headline) = comparison.headline() {
+        page.text(Tone::Lead, &headline);
     }
-    body.push_str(&methods(content));
-    body.push_str(&figures(content));
-    if !content.plots.is_empty() {
-        body.push_str("<h2>Frame by frame, CPU, tests, queries and draws</h2>\n");
+    let conditions = [comparison.device(), comparison.frames(), comparison.days()];
+    page.text(Tone::Faint, &(conditions.join("; ") + "."));
+    page.text(Tone::Plain, &(noise::verdict(&comparison.cases) + "."));
+    for warning in comparison.warnings() {
+        page.text(Tone::Warning, &warning);
     }
-    for plot in &content.plots {
-        body.push_str(&figure(plot));
+    page.html_only(&cards(comparison));
+    page.html_only(&scenes(&comparison.thumbnails));
+    page.html_only(&plots::ratios(&comparison.cases)?.iter().map(plot).collect::<String>());
+    let table = methods(comparison);
+    if let Some(detail) = comparison.detail_size.filter(|_| !table.rows.is_empty()) {
+        page.heading("The methods");
+        page.text(
+            Tone::Plain,
+            &format!(
+                "Frame time on `street` in times of `{}`, by the number of objects; CPU time, \
+                 draws, boxes tested by all mechanisms and occlusion queries of a frame at {} \
+                 objects.",
+                comparison.yardstick,
+                objects(detail as f64)
+            ),
+        );
+        page.table(&table);
+        if !comparison.left_out.is_empty() {
+            page.text(Tone::Faint, &(comparison.left_out.join(". ") + "."));
+        }
     }
-    body.push_str(&exactness(&content.books));
-    body.push_str(&how_measured(content));
-    format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>Antumbra: every method side by side</title>\n<style>\n{}{}</style>\n</head>\n\
-         <body>\n{body}</body>\n</html>\n",
-        include_str!("page.css"),
-        swatches(),
-    )
+    page.heading("Goals and results");
+    page.text(
+        Tone::Plain,
+        "Found: the median of the repetitions and, in brackets, their spread. Ratios are medians \
+         of the ratios frame by frame.",
+    );
+    page.table(&figures(&comparison.figures));
+    page.html_only(&plots_of_frames(comparison)?);
+    page.heading("Wrong pixels");
+    page.text(
+        Tone::Plain,
+        "Pixels that differ from the picture of plain frustum culling, bit for bit, in all \
+         compared frames together.",
+    );
+    page.table(&exactness(&comparison.books));
+    page.html_only(&commands(comparison.reports));
+    Ok(page)
+}
+
+fn plots_of_frames(comparison: &ReportComparison<'_>) -> Result<String, DrawError> {
+    let cases = &comparison.cases;
+    let mut plots = Vec::new();
+    for (path, size) in SHOWN_PATHS {
+        plots.extend(plots::frame_times(cases, &Place::still("city", path, size))?);
+    }
+    plots.extend(plots::cpu_times(cases)?);
+    if let Some(size) = comparison.detail_size {
+        plots.extend(plots::counts(cases, &Place::street(size))?);
+    }
+    if plots.is_empty() {
+        return Ok(String::new());
+    }
+    let plots: String = plots.iter().map(plot).collect();
+    Ok(format!("<h2>Frame by frame, CPU, tests, queries and draws</h2>\n{plots}"))
 }
 
 /// Returns the strategies' colours as the backgrounds of swatches, light and dark.
-fn swatches() -> String {
+pub fn swatches() -> String {
     let rule = |name: &str, hex: String| format!(".s-{name}{{background:{hex}}}");
     let names = || palette::names();
     let light: String = names().map(|n| rule(n, palette::of_strategy(n).light_hex())).collect();
@@ -47,50 +100,34 @@ fn swatches() -> String {
     format!("{light}\n@media(prefers-color-scheme:dark){{{dark}}}\n")
 }
 
-fn head(content: &Content) -> String {
-    let mut text = "<h1>Every method side by side</h1>\n".to_owned();
-    if let Some(headline) = content.headline() {
-        text.push_str(&format!("<p class=\"lead\">{}</p>\n", escaped(&headline)));
-    }
-    text.push_str(&format!(
-        "<p class=\"faint\">{}; {}; {}</p>\n",
-        escaped(&content.device),
-        escaped(&content.frames),
-        escaped(&content.days)
-    ));
-    text.push_str(&format!("<p class=\"steadiness\">{}.</p>\n", escaped(&content.steadiness)));
-    for warning in &content.warnings {
-        text.push_str(&format!("<p class=\"warning\">{}</p>\n", escaped(warning)));
-    }
-    text.push_str("<div class=\"cards\">\n");
-    for (verdict, count) in content.verdicts().into_iter().filter(|(_, count)| *count > 0) {
+/// Returns the number of figures with each verdict, and that of wrong pixels, as cards.
+fn cards(comparison: &ReportComparison<'_>) -> String {
+    let card = |count: &str, class: &str, what: &str| {
+        format!("<div class=\"card\"><b class=\"{class}\">{count}</b>{what}</div>\n")
+    };
+    let mut cards = String::new();
+    for (verdict, count) in comparison.verdicts().into_iter().filter(|(_, count)| *count > 0) {
         let what = match verdict {
             Verdict::Reached => "figures reached",
             Verdict::ReachedInMedian => "reached in the median",
             Verdict::Missed => "not reached",
             Verdict::Impossible => "impossible",
             Verdict::TooNoisy => "not judged: machine too busy",
-            _ => "not measured",
+            Verdict::NotMeasured | Verdict::Shown => "not measured",
         };
-        let class = class_of(verdict);
-        text.push_str(&format!(
-            "<div class=\"card\"><b class=\"{class}\">{count}</b>{what}</div>\n"
-        ));
+        cards += &card(&count.to_string(), class_of(verdict), what);
     }
-    let exact = |book: &&Book| book.is_exact && book.frames_compared > 0;
-    let compared = || content.books.iter().filter(exact);
-    let frames: u64 = compared().map(|book| book.frames_compared).sum();
+    let exact = comparison.books.iter().filter(|book| book.is_exact && book.frames_compared > 0);
+    let [frames, pixels] = exact.fold([0, 0], |[frames, pixels], book| {
+        [frames + book.frames_compared, pixels + book.pixels_wrong]
+    });
     if frames > 0 {
-        let pixels: u64 = compared().map(|book| book.pixels_wrong).sum();
         let class = if pixels == 0 { "reached" } else { "missed" };
-        text.push_str(&format!(
-            "<div class=\"card\"><b class=\"{class}\">{}</b>wrong pixels of exact strategies<br>\
-             in {} compared frames</div>\n",
-            thousands(pixels as f64),
-            thousands(frames as f64)
-        ));
+        let frames = thousands(frames as f64);
+        let what = format!("wrong pixels of exact strategies<br>in {frames} compared frames");
+        cards += &card(&thousands(pixels as f64), class, &what);
     }
-    text + "</div>\n"
+    format!("<div class=\"cards\">\n{cards}</div>\n")
 }
 
 /// Returns a picture of each scene and path, side by side.
@@ -106,184 +143,128 @@ fn scenes(thumbnails: &[Thumbnail]) -> String {
     if figures.is_empty() { figures } else { format!("<div class=\"scenes\">\n{figures}</div>\n") }
 }
 
-fn figure(plot: &Plot) -> String {
+fn plot(plot: &Plot) -> String {
     let caption = escaped(&plot.caption);
     format!("<figure>\n{}\n<figcaption>{caption}</figcaption>\n</figure>\n", plot.svg.trim())
 }
 
-fn swatch(name: &str) -> String {
-    let name = escaped(name);
-    format!("<span class=\"swatch s-{name}\"></span>{name}")
-}
-
-fn number(value: Option<&Spread>, text: impl Fn(&Spread) -> String) -> String {
-    let text = value.map_or("-".to_owned(), text);
-    format!("<td class=\"number\">{}</td>", escaped(&text))
-}
-
-/// Returns the median, and below it the spread.
-fn ratio_cell(ratio: Option<&Spread>) -> String {
-    let Some(ratio) = ratio.filter(|ratio| ratio.least() < ratio.most()) else {
-        return number(ratio, Spread::to_string);
+/// Returns the table of every strategy on `street`: over all sizes, and details at one.
+pub fn methods(comparison: &ReportComparison<'_>) -> Table {
+    let ReportComparison { cases, sizes, detail_size, .. } = comparison;
+    let detail = detail_size.map(|size| cases.at(&Place::street(size))).unwrap_or_default();
+    let number = |value: Option<Spread>, text: fn(f64) -> String| -> Cell {
+        value.map_or("-".to_owned(), |value| text(value.median())).into()
     };
+    let row = |name: &str| {
+        let mut cells = vec![Cell::strategy(name)];
+        cells.extend(sizes.iter().map(|size| ratio(comparison, name, *size)));
+        cells.push(number(detail.cpu_ms(name), short));
+        cells.push(number(detail.count(name, |run| run.draws), thousands));
+        cells.push(number(detail.count(name, |run| run.tests), thousands));
+        cells.push(number(detail.count(name, |run| run.queries), thousands));
+        let wrong = comparison.pixels_wrong(name).map(|pixels| thousands(pixels as f64));
+        cells.push(wrong.unwrap_or_else(|| "not compared".to_owned()).into());
+        cells
+    };
+    let mut columns = vec!["strategy".to_owned()];
+    columns.extend(sizes.iter().map(|size| objects(*size as f64)));
+    columns
+        .extend(["CPU ms", "draws", "boxes tested", "queries", "wrong pixels"].map(str::to_owned));
+    let rows = cases.street_strategies(sizes).into_iter().map(row).collect();
+    Table { numbers: 1..columns.len(), columns, rows }
+}
+
+fn ratio(comparison: &ReportComparison<'_>, strategy: &str, size: u64) -> Cell {
+    let Some(ratio) = comparison.ratio(strategy, size) else { return "-".to_owned().into() };
     let [median, least, most] = [ratio.median(), ratio.least(), ratio.most()].map(short);
-    format!("<td class=\"number\">{median}<span class=\"faint\">{least} to {most}</span></td>")
-}
-
-fn methods(content: &Content) -> String {
-    let (Some(detail), false) = (content.detail_size, content.methods.is_empty()) else {
-        return String::new();
-    };
-    let detail = objects(detail as f64);
-    let mut text = format!(
-        "<h2>The methods</h2>\n<p>Frame time on <i>street</i> in times of {}, by the number of \
-         objects; CPU time, draws, boxes tested by all mechanisms and occlusion queries of a frame at \
-         {detail} objects.</p>\n\
-         <div class=\"scroll\"><table>\n<tr><th>strategy</th>",
-        content.yardstick
-    );
-    for size in &content.sizes {
-        text.push_str(&format!("<th class=\"number\">{}</th>", objects(*size as f64)));
+    let mut detail = Vec::new();
+    if ratio.count() > 1 {
+        detail.push(format!("({least} to {most})"));
     }
-    for column in ["CPU ms", "draws", "boxes tested", "queries", "wrong pixels"] {
-        text.push_str(&format!("<th class=\"number\">{column}</th>"));
+    let case = comparison.cases.at(&Place::street(size));
+    let is_impossible = noise::is_below_ideal(&case, strategy);
+    if is_impossible {
+        detail.push("(impossible)".to_owned());
     }
-    text.push_str("</tr>\n");
-    for row in &content.methods {
-        text.push_str(&method(row));
-    }
-    text.push_str("</table></div>\n");
-    if !content.left_out.is_empty() {
-        text.push_str(&format!(
-            "<p class=\"faint\">{}.</p>\n",
-            escaped(&content.left_out.join(". "))
-        ));
-    }
-    text
-}
-
-fn method(row: &MethodRow) -> String {
-    let class = if row.strategy == ANTUMBRA { " class=\"ours\"" } else { "" };
-    let mut text = format!("<tr{class}><td>{}</td>", swatch(&row.strategy));
-    for (ratio, is_impossible) in row.ratios.iter().zip(&row.impossible) {
-        let cell = ratio_cell(ratio.as_ref());
-        let mark =
-            if *is_impossible { "<span class=\"missed\">impossible</span></td>" } else { "</td>" };
-        text.push_str(&cell.replace("</td>", mark));
-    }
-    text.push_str(&number(row.cpu_ms.as_ref(), |ms| short(ms.median())));
-    text.push_str(&number(row.draws.as_ref(), |count| thousands(count.median())));
-    text.push_str(&number(row.tests.as_ref(), |count| thousands(count.median())));
-    text.push_str(&number(row.queries.as_ref(), |count| thousands(count.median())));
-    let wrong =
-        row.pixels_wrong.map_or("not compared".to_owned(), |pixels| thousands(pixels as f64));
-    text + &format!("<td class=\"number\">{wrong}</td></tr>\n")
+    let class = if is_impossible { "missed" } else { "" };
+    Cell { text: median, detail: detail.join(" "), class }
 }
 
 fn class_of(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Reached => "reached",
         Verdict::ReachedInMedian => "nearly",
-        Verdict::Missed => "missed",
-        Verdict::Impossible => "missed",
+        Verdict::Missed | Verdict::Impossible => "missed",
         Verdict::TooNoisy | Verdict::NotMeasured | Verdict::Shown => "open",
     }
 }
 
-fn figures(content: &Content) -> String {
-    let mut text = "<h2>Goals and results</h2>\n\
-        <p>Found: the median of the repetitions and, in brackets, their spread. Ratios are medians of \
-        the ratios frame by frame.</p>\n<div class=\"scroll\"><table>\n\
-        <tr><th>case</th><th>figure</th><th>asked</th><th class=\"number\">found</th><th></th></tr>\n"
-        .to_owned();
-    for figure in &content.figures {
-        text.push_str(&figure_row(figure));
-    }
-    text + "</table></div>\n"
-}
-
-fn figure_row(figure: &Figure) -> String {
-    let note = if figure.note.is_empty() {
-        String::new()
-    } else {
-        format!("<span class=\"faint\">{}</span>", escaped(&figure.note))
+fn figures(figures: &[Figure]) -> Table {
+    let row = |figure: &Figure| {
+        let verdict = figure.verdict();
+        let note =
+            if figure.note.is_empty() { String::new() } else { format!("({})", figure.note) };
+        vec![
+            figure.case.clone().into(),
+            Cell { text: figure.what.clone(), detail: note, class: "" },
+            figure.asked_words().into(),
+            figure.found_words().into(),
+            Cell { class: class_of(verdict), ..verdict.words().to_owned().into() },
+        ]
     };
-    let verdict = figure.verdict();
-    format!(
-        "<tr><td>{}</td><td>{}{note}</td><td>{}</td><td class=\"number\">{}</td>\
-         <td class=\"mark {}\">{}</td></tr>\n",
-        escaped(&figure.case),
-        escaped(&figure.what),
-        figure.asked_words(),
-        figure.found_words(),
-        class_of(verdict),
-        verdict.words(),
-    )
+    let columns = ["case", "figure", "asked", "found", ""].map(str::to_owned).to_vec();
+    Table { columns, numbers: 3..4, rows: figures.iter().map(row).collect() }
 }
 
-fn exactness(books: &[Book]) -> String {
-    let mut text =
-        "<h2>Wrong pixels</h2>\n<p>Pixels that differ from the picture of plain frustum \
-        culling, bit for bit, in all compared frames together.</p>\n<div class=\"scroll\"><table>\n\
-        <tr><th>strategy</th><th>promises</th>"
-            .to_owned();
-    for setting in Setting::ALL {
-        text.push_str(&format!("<th class=\"number\">{}</th>", setting.name()));
-    }
-    text.push_str("</tr>\n");
-    for book in books.iter().filter(|book| book.setting == Setting::Still) {
+fn exactness(books: &[Book]) -> Table {
+    let row = |book: &Book| {
         let promise = if book.is_exact { "exact" } else { "nothing" };
-        text.push_str(&format!("<tr><td>{}</td><td>{promise}</td>", swatch(&book.strategy)));
-        for setting in Setting::ALL {
-            let same = |other: &&Book| other.strategy == book.strategy && other.setting == setting;
-            text.push_str(&wrong_pixels(books.iter().find(same)));
+        let at = |setting: Setting| {
+            let mut same = books.iter().filter(|other| other.strategy == book.strategy);
+            wrong_pixels(same.find(|other| other.setting == setting))
+        };
+        let named = [Cell::strategy(&book.strategy), promise.to_owned().into()];
+        named.into_iter().chain(Setting::ALL.map(at)).collect()
+    };
+    let still = books.iter().filter(|book| book.setting == Setting::Still);
+    let settings = Setting::ALL.map(Setting::name);
+    let columns = ["strategy", "promises"].into_iter().chain(settings).map(str::to_owned);
+    Table { columns: columns.collect(), numbers: 2..6, rows: still.map(row).collect() }
+}
+
+fn wrong_pixels(book: Option<&Book>) -> Cell {
+    let open = |text: &str| Cell { class: "open", ..text.to_owned().into() };
+    match book {
+        Some(book) if book.is_refused => open("refused by design"),
+        Some(book) if book.frames_compared > 0 => {
+            let class = match (book.pixels_wrong, book.is_exact) {
+                (0, _) => "reached",
+                (_, true) => "missed",
+                (_, false) => "open",
+            };
+            let text = thousands(book.pixels_wrong as f64);
+            let detail = format!("in {} frames", thousands(book.frames_compared as f64));
+            Cell { text, detail, class }
         }
-        text.push_str("</tr>\n");
+        _ => open("not compared"),
     }
-    text + "</table></div>\n"
 }
 
-fn wrong_pixels(book: Option<&Book>) -> String {
-    if book.is_some_and(|book| book.is_refused) {
-        return "<td class=\"number open\">refused by design</td>".to_owned();
-    }
-    let Some(book) = book.filter(|book| book.frames_compared > 0) else {
-        return "<td class=\"number open\">not compared</td>".to_owned();
+fn commands(reports: &[Report]) -> String {
+    let line = |report: &Report| {
+        let command = report.provenance.command.join(" ");
+        let command = if command.is_empty() { "not recorded" } else { &command };
+        format!("{}: {}\n", escaped(&report.file), escaped(command))
     };
-    let class = match (book.pixels_wrong, book.is_exact) {
-        (0, _) => "reached",
-        (_, true) => "missed",
-        (_, false) => "open",
-    };
+    let lines: String = reports.iter().map(line).collect();
     format!(
-        "<td class=\"number\"><b class=\"{class}\">{}</b> \
-         <span class=\"faint\">in {} frames</span></td>",
-        thousands(book.pixels_wrong as f64),
-        thousands(book.frames_compared as f64)
-    )
-}
-
-fn how_measured(content: &Content) -> String {
-    let lines: Vec<String> = content
-        .commands
-        .iter()
-        .map(|(file, command)| {
-            let command = if command.is_empty() { "not recorded" } else { command };
-            format!("{}: {}", escaped(file), escaped(command))
-        })
-        .collect();
-    format!(
-        "<h2>Measurement</h2>\n<p>{}. {}. {}.</p>\n\
+        "<h2>Measurement</h2>\n\
          <p>The strategies of a walk take turns in short rounds of consecutive frames, each after \
          some frames that do not count. A case is measured in two walks: plain frustum culling \
          leaves the caches cold for those that follow it, so it has one of its own with the ideal, \
          which ties the two together.</p>\n\
-         <details><summary>The {} command lines</summary>\n<pre>{}</pre></details>\n",
-        escaped(&content.device),
-        escaped(&content.frames),
-        escaped(&content.days),
-        lines.len(),
-        lines.join("\n")
+         <details><summary>The {} command lines</summary>\n<pre>{lines}</pre></details>\n",
+        reports.len()
     )
 }
 
@@ -299,7 +280,8 @@ mod tests {
         odd.provenance.command = vec!["walkthrough".to_owned(), "--report=<x>".to_owned()];
         let reports =
             [odd, verified("city", "street", 500, &[("antumbra", 9, 0), ("guess", 9, 5)])];
-        let page = render(&Content::of(&reports).unwrap());
+        let page = page(&ReportComparison::of(&reports)).unwrap();
+        let page = page.html(&swatches());
         for text in [
             "A &lt;fast&gt; &amp; new GPU",
             "--report=&lt;x&gt;",
@@ -320,6 +302,34 @@ mod tests {
             let opened = page.matches(&format!("<{tag}>")).count()
                 + page.matches(&format!("<{tag} ")).count();
             assert_eq!(opened, page.matches(&format!("</{tag}>")).count(), "{tag}");
+        }
+    }
+
+    #[test]
+    fn tables_have_as_many_cells_in_every_row() {
+        let reports = [
+            measured("city", "street", 10_000, &[("ideal", 1.0), ("antumbra", 1.25)]),
+            verified("city", "street", 500, &[("antumbra", 9, 0), ("ideal", 9, 0)]),
+        ];
+        let page = page(&ReportComparison::of(&reports)).unwrap();
+        let text = page.markdown();
+        let mut columns = 0;
+        for line in text.lines() {
+            let cells = line.matches(" |").count();
+            if columns > 0 && cells > 0 {
+                assert_eq!(cells, columns, "{line}");
+            }
+            columns = cells;
+        }
+        for row in [
+            "| `antumbra` | 1.25 |",
+            "| street 10k | antumbra / ideal | at most 1.22 | 1.25 | ✗ not reached |",
+            "| street 40k | antumbra / ideal | at most 1.32 | not measured | – not measured |",
+            "| 50 | 300 | 120 | 0 |",
+            "| `antumbra` | exact | 0 in 9 frames | not compared | not compared | not compared |",
+            "| `ideal` | exact | 0 in 9 frames | refused by design | not compared | refused by design |",
+        ] {
+            assert!(text.contains(row), "{row} is missing in\n{text}");
         }
     }
 }

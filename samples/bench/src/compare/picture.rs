@@ -7,6 +7,8 @@ use plotters::prelude::{
 use thiserror::Error;
 
 use super::palette::{self, Colour};
+use crate::result_page::escaped;
+use crate::run_error::RunError;
 
 /// A part of a picture that is drawn on.
 pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -15,6 +17,12 @@ pub type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 #[derive(Debug, Error)]
 #[error("a plot could not be drawn: {0}")]
 pub struct DrawError(#[from] DrawingAreaErrorKind<std::io::Error>);
+
+impl From<DrawError> for RunError {
+    fn from(error: DrawError) -> Self {
+        Self::machine(error)
+    }
+}
 
 /// Draws a picture of `size` in pixels and returns its SVG.
 ///
@@ -34,11 +42,6 @@ pub fn picture(
     let title = escaped(description);
     let style = palette::style_sheet();
     Ok(svg.replacen('>', &format!(">\n<title>{title}</title>\n<style>{style}</style>"), 1))
-}
-
-/// Returns the text escaped for XML and HTML.
-pub fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// Returns the style of labels in a colour.

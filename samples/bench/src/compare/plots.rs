@@ -5,14 +5,14 @@ use plotters::prelude::{AsRelative, BindKeyPoints, IntoLogRange};
 
 use super::bar_chart::BarChart;
 use super::cases::{ANTUMBRA, Case, Cases, FRUSTUM, IDEAL, Place};
-use super::figures::{STREET_GOALS, case_name};
-use super::input::{Measured, MeasuredRun};
+use super::figures::STREET_GOALS;
 use super::line_chart::{
     Axis, LineChart, Marks, Point, Series, logarithmic, picture_with_legend, plain,
 };
 use super::palette;
 use super::picture::{DrawError, picture};
-use super::spread::{Spread, objects};
+use super::spread::Spread;
+use crate::report::{Report, RunReport};
 use crate::strategy::{Strategy, named};
 
 /// The width of a plot over the whole page, in pixels.
@@ -50,20 +50,12 @@ pub fn ratios(cases: &Cases<'_>) -> Result<Option<Plot>, DrawError> {
     };
     let sizes = sizes_of(&series);
     let label = format!("frame time, times that of {over}");
-    let all = LineChart {
-        title: &format!("Frame time over that of {over}"),
-        labels: ["objects in the scene", &format!("{label} (logarithmic)")],
-        x_text: objects,
-        series: &series,
-        goals: vec![],
-        marks: Marks::Dots,
-    };
-    let near = LineChart {
-        title: &format!("The same, near {over}"),
-        labels: ["objects in the scene", &label],
-        goals: goals(&sizes),
-        ..all.clone()
-    };
+    let title = format!("Frame time over that of {over}");
+    let wide_label = format!("{label} (logarithmic)");
+    let all = LineChart::over_sizes(&title, &wide_label, &series);
+    let near_title = format!("The same, near {over}");
+    let near =
+        LineChart { goals: goals(&sizes), ..LineChart::over_sizes(&near_title, &label, &series) };
     let describe = format!("Frame time of every strategy over that of {over}, by scene size");
     let mut caption = format!(
         "City at street level. Each dot is the median of the ratios frame by frame to {over}, each \
@@ -94,8 +86,7 @@ fn goals(sizes: &[f64]) -> Vec<(f64, f64)> {
 
 /// Returns the strategy that ratios are taken to.
 pub fn yardstick(cases: &Cases<'_>, sizes: &[u64]) -> &'static str {
-    let measured =
-        |size: &u64| cases.at(&Place::still("city", "street", *size)).strategies().contains(&IDEAL);
+    let measured = |size: &u64| cases.at(&Place::street(*size)).strategies().contains(&IDEAL);
     if sizes.iter().any(measured) { IDEAL } else { FRUSTUM }
 }
 
@@ -110,14 +101,8 @@ pub fn cpu_times(cases: &Cases<'_>) -> Result<Option<Plot>, DrawError> {
     let Some([least, most]) = range(&series) else {
         return Ok(None);
     };
-    let chart = LineChart {
-        title: "CPU time over scene size",
-        labels: ["objects in the scene", "CPU time of the engine in a frame, ms (logarithmic)"],
-        x_text: objects,
-        series: &series,
-        goals: vec![],
-        marks: Marks::Dots,
-    };
+    let label = "CPU time of the engine in a frame, ms (logarithmic)";
+    let chart = LineChart::over_sizes("CPU time over scene size", label, &series);
     let svg = picture_with_legend(chart.title, &series, chart.marks, |area| {
         let y = logarithmic(least * 0.8, most * 1.25);
         chart.draw(area, size_axis(&sizes_of(&series)), y)
@@ -147,7 +132,7 @@ pub fn frame_times(cases: &Cases<'_>, place: &Place) -> Result<Option<Plot>, Dra
     let last =
         series.iter().flat_map(|line| line.points.last()).map(|end| end.x).fold(1.0, f64::max);
     let is_wide = most / least > WIDE;
-    let name = case_name(&place.scene, &place.path, place.objects);
+    let name = place.name();
     let chart = LineChart {
         title: &format!("Frame time over the path: {name}"),
         labels: ["frame", if is_wide { "frame time, ms (logarithmic)" } else { "frame time, ms" }],
@@ -168,7 +153,7 @@ pub fn frame_times(cases: &Cases<'_>, place: &Place) -> Result<Option<Plot>, Dra
         "cut" => caption_of_cuts(&case.strategies(), late),
         _ => "Medians of the repetitions, frame by frame.".to_owned(),
     };
-    let both = |report: &&Measured| report.run(ANTUMBRA).is_some() && report.run(FRUSTUM).is_some();
+    let both = |report: &&Report| report.run(ANTUMBRA).is_some() && report.run(FRUSTUM).is_some();
     if case.strategies().contains(&FRUSTUM) && !case.reports().iter().any(both) {
         caption.push_str(" Plain frustum culling walked apart from the others.");
     }
@@ -201,7 +186,7 @@ pub fn counts(cases: &Cases<'_>, place: &Place) -> Result<Option<Plot>, DrawErro
     if names.is_empty() {
         return Ok(None);
     }
-    let chart = |title: &str, of: fn(&MeasuredRun) -> Option<u64>| BarChart {
+    let chart = |title: &str, of: fn(&RunReport) -> Option<u64>| BarChart {
         title: title.to_owned(),
         bars: names
             .iter()
@@ -220,7 +205,7 @@ pub fn counts(cases: &Cases<'_>, place: &Place) -> Result<Option<Plot>, DrawErro
         }
         Ok(())
     })?;
-    let name = case_name(&place.scene, &place.path, place.objects);
+    let name = place.name();
     let caption = format!(
         "{name}; medians of all frames; logarithmic. Boxes are tested by queries, flags or compute \
          shaders: one tested by a query is in both counts, and a visible object may be queried by its \
@@ -243,22 +228,16 @@ fn over_sizes(
     sizes: &[u64],
     value: &dyn Fn(&Case<'_>, &str) -> Option<Spread>,
 ) -> Vec<Series> {
-    let at = |size: u64| cases.at(&Place::still("city", "street", size));
-    let mut names = Vec::new();
-    for case in sizes.iter().map(|size| at(*size)) {
-        for name in case.strategies() {
-            if !names.contains(&name) {
-                names.push(name);
-            }
-        }
-    }
+    let at = |size: u64| cases.at(&Place::street(size));
     let point = |name: &str, size: u64| {
         let spread = value(&at(size), name)?;
         let least = spread.least();
         let most = spread.most();
         Some(Point { x: size as f64, y: spread.median(), least, most })
     };
-    lines(names, |name| sizes.iter().filter_map(|size| point(name, *size)).collect())
+    lines(cases.street_strategies(sizes), |name| {
+        sizes.iter().filter_map(|size| point(name, *size)).collect()
+    })
 }
 
 /// Returns the sizes at which something was measured, in ascending order.
@@ -345,7 +324,7 @@ mod tests {
         };
         let reports = [walk(0), walk(10_000), walk(u64::MAX)];
         let cases = Cases::of(&reports);
-        let place = Place::still("city", "street", 10_000);
+        let place = Place::street(10_000);
         let plots = [
             ratios(&cases),
             cpu_times(&cases),

@@ -1,7 +1,8 @@
 //! Tables about lights and shadows: filters, the cache of maps, the culling of casters, maps beside
 //! volumes, and the number of lights.
 
-use super::input::{Measured, MeasuredRun};
+use crate::report::{Report, RunReport};
+use crate::result_page::{ResultPage, Table, Tone};
 use crate::statistics::ratio;
 
 /// The labels of the passes that draw shadow maps, or count volumes.
@@ -24,67 +25,111 @@ const AFRESH: [&str; 2] = ["maps_uncached", "maps_unculled"];
 /// The filter that others are compared with.
 const FIXED: &str = "fixed64";
 
-/// Returns the tables as Markdown; `None` where no report has lights.
-pub fn tables(reports: &[Measured]) -> Option<String> {
-    let lit: Vec<&Measured> = reports.iter().filter(|report| is_lit(report)).collect();
+/// Returns the tables; `None` where no report has lights.
+pub fn tables(reports: &[Report]) -> Option<ResultPage> {
+    let lit: Vec<&Report> = reports.iter().filter(|report| is_lit(report)).collect();
     let first = lit.first()?;
     let [width, height] = first.size;
     let device = &first.device;
-    let head = format!(
-        "# Shadows\n\n{} ({}), {width}x{height}; times in milliseconds are medians.\n",
-        device.name, device.driver
+    let mut page = ResultPage::new("Shadows");
+    page.text(
+        Tone::Plain,
+        &format!(
+            "{} ({}), {width}x{height}; times in milliseconds are medians.",
+            device.name, device.driver
+        ),
     );
-    let parts = [filters(&lit), cache(&lit), culling(&lit), ways(&lit), lights(&lit)];
-    Some(parts.into_iter().flatten().fold(head, |text, part| text + "\n" + &part))
+    let tables = [
+        ("Filters", filters(&lit)),
+        ("Cached maps and maps drawn afresh", cache(&lit)),
+        ("Culled casters and all casters, nothing kept", culling(&lit)),
+        ("Maps and volumes", ways(&lit)),
+        ("Number of lights", lights(&lit)),
+    ];
+    for (title, table) in tables.into_iter().filter(|(_, table)| !table.rows.is_empty()) {
+        page.heading(title);
+        page.table(&table);
+    }
+    Some(page)
 }
 
-fn is_lit(report: &Measured) -> bool {
+fn is_lit(report: &Report) -> bool {
     !report.cut_short && report.runs.iter().any(|run| run.shadows.is_some())
 }
 
 /// Returns what was drawn: scene, objects, path, lights.
-fn place(report: &Measured) -> String {
+fn place(report: &Report) -> String {
     let lights = report.light_words().unwrap_or_else(|| "its own lights".to_owned());
     format!("{} of {}, {}, {lights}", report.scene.name, report.scene.objects, report.path)
 }
 
-/// Returns the runs of one filter for each with the run of 64 samples beside it.
-fn filters(reports: &[&Measured]) -> Option<String> {
-    let mut rows = Vec::new();
-    for report in reports {
-        for run in report.runs.iter().filter(|run| has_maps(run)) {
-            let is_fixed = |other: &&MeasuredRun| {
-                other.filter.as_deref() == Some(FIXED)
-                    && (&other.strategy, &other.shadows) == (&run.strategy, &run.shadows)
-            };
-            let Some(fixed) = report.runs.iter().find(is_fixed) else { continue };
-            let without = report.runs.iter().find(|other| {
-                other.shadows.as_deref() == Some("off") && other.strategy == run.strategy
-            });
-            let is_single = |other: &&MeasuredRun| {
-                other.filter.as_deref() == Some("single")
-                    && (&other.strategy, &other.shadows) == (&run.strategy, &run.shadows)
-            };
-            let single = report.runs.iter().find(is_single);
-            // What the filter adds to the frame, and what its samples beyond the first one add.
-            let beyond = |run: &MeasuredRun, base: Option<&MeasuredRun>| {
-                Some(run.frame_ms.median? - base?.frame_ms.median?)
-            };
-            let added = |run| beyond(run, without);
-            let of_samples = |run| beyond(run, single);
-            rows.push(vec![
-                place(report),
-                run.filter.clone().unwrap_or_default(),
-                number(run.frame_ms.median, 2),
-                number(ratio(fixed.frame_ms.median, run.frame_ms.median), 2),
-                number(added(run), 2),
-                number(ratio(added(fixed), added(run)), 2),
-                number(ratio(of_samples(fixed), of_samples(run).filter(|more| *more > 0.0)), 2),
-                number(run.fixed64_difference_mean, 3),
-                run.fixed64_difference_max.map_or("-".to_owned(), |most| most.to_string()),
-            ]);
-        }
+/// A run with shadows, and the report that has it.
+#[derive(Clone, Copy)]
+struct Lit<'a> {
+    report: &'a Report,
+    run: &'a RunReport,
+}
+
+impl<'a> Lit<'a> {
+    /// Returns the runs of all reports.
+    fn all(reports: &[&'a Report]) -> impl Iterator<Item = Self> {
+        let runs = |report: &&'a Report| {
+            let report = *report;
+            report.runs.iter().map(move |run| Self { report, run })
+        };
+        reports.iter().flat_map(runs)
     }
+
+    /// Returns the way in which its shadows are made.
+    fn way(&self) -> Option<&'a str> {
+        self.run.shadows.as_deref()
+    }
+
+    /// Returns the run beside it of the same strategy and filter with shadows made in this way.
+    /// Without shadows all filters are one.
+    fn with_way(&self, way: &str) -> Option<&'a RunReport> {
+        self.report.runs.iter().find(|other| {
+            other.shadows.as_deref() == Some(way)
+                && other.strategy == self.run.strategy
+                && (way == "off" || other.filter == self.run.filter)
+        })
+    }
+
+    /// Returns the run beside it of the same strategy and way with this filter.
+    fn with_filter(&self, filter: &str) -> Option<&'a RunReport> {
+        self.report.runs.iter().find(|other| {
+            other.filter.as_deref() == Some(filter)
+                && other.strategy == self.run.strategy
+                && other.shadows == self.run.shadows
+        })
+    }
+}
+
+/// Returns the runs of one filter for each with the run of 64 samples beside it.
+fn filters(reports: &[&Report]) -> Table {
+    let row = |lit: Lit<'_>| {
+        let fixed = lit.with_filter(FIXED)?;
+        let without = lit.with_way("off");
+        let single = lit.with_filter("single");
+        // What the filter adds to the frame, and what its samples beyond the first one add.
+        let beyond = |run: &RunReport, base: Option<&RunReport>| {
+            Some(run.frame_ms.median? - base?.frame_ms.median?)
+        };
+        let added = |run| beyond(run, without);
+        let of_samples = |run| beyond(run, single);
+        let run = lit.run;
+        Some(vec![
+            place(lit.report),
+            run.filter.clone().unwrap_or_default(),
+            number(run.frame_ms.median, 2),
+            number(ratio(fixed.frame_ms.median, run.frame_ms.median), 2),
+            number(added(run), 2),
+            number(ratio(added(fixed), added(run)), 2),
+            number(ratio(of_samples(fixed), of_samples(run).filter(|more| *more > 0.0)), 2),
+            number(run.fixed64_difference_mean, 3),
+            count(run.fixed64_difference_max),
+        ])
+    };
     let columns = [
         "scene",
         "filter",
@@ -96,36 +141,29 @@ fn filters(reports: &[&Measured]) -> Option<String> {
         "mean difference, of 255",
         "greatest difference, of 255",
     ];
-    table("Filters", &columns, rows)
+    let with_maps = Lit::all(reports).filter(|lit| has_maps(lit.run));
+    Table::of(&columns, with_maps.filter_map(row).collect())
 }
 
 /// Returns the runs with a cache beside those without: with the casters that matter, and with all.
-fn cache(reports: &[&Measured]) -> Option<String> {
-    let mut rows = Vec::new();
-    for report in reports {
-        for run in report.runs.iter().filter(|run| run.shadows.as_deref() == Some("maps")) {
-            let is_afresh = |other: &&MeasuredRun| {
-                let way = other.shadows.as_deref();
-                AFRESH.iter().any(|afresh| way == Some(afresh))
-                    && (&other.strategy, &other.filter) == (&run.strategy, &run.filter)
-            };
-            for afresh in report.runs.iter().filter(is_afresh) {
-                let both = |of: fn(&MeasuredRun) -> Option<f64>, digits| {
-                    format!("{} / {}", number(of(run), digits), number(of(afresh), digits))
-                };
-                rows.push(vec![
-                    place(report),
-                    format!("{} %", report.moving_percent),
-                    afresh.shadows.clone().unwrap_or_default(),
-                    both(|run| run.shadow_faces.map(|faces| faces as f64), 0),
-                    both(|run| run.shadow_casters.map(|casters| casters as f64), 0),
-                    both(shadows_ms, 2),
-                    number(ratio(shadows_ms(afresh), shadows_ms(run)), 1),
-                    number(ratio(afresh.frame_ms.median, run.frame_ms.median), 2),
-                ]);
-            }
-        }
-    }
+fn cache(reports: &[&Report]) -> Table {
+    let row = |lit: Lit<'_>, way: &str| {
+        let afresh = lit.with_way(way)?;
+        let run = lit.run;
+        let both = |of: fn(&RunReport) -> Option<u64>| {
+            format!("{} / {}", count(of(run)), count(of(afresh)))
+        };
+        Some(vec![
+            place(lit.report),
+            format!("{} %", lit.report.moving_percent),
+            way.to_owned(),
+            both(|run| run.shadow_faces),
+            both(|run| run.shadow_casters),
+            format!("{} / {}", number(shadows_ms(run), 2), number(shadows_ms(afresh), 2)),
+            number(ratio(shadows_ms(afresh), shadows_ms(run)), 1),
+            number(ratio(afresh.frame_ms.median, run.frame_ms.median), 2),
+        ])
+    };
     let columns = [
         "scene",
         "objects that move",
@@ -136,36 +174,28 @@ fn cache(reports: &[&Measured]) -> Option<String> {
         "times as fast",
         "whole frame, times as fast",
     ];
-    table("Cached maps and maps drawn afresh", &columns, rows)
+    let cached = Lit::all(reports).filter(|lit| lit.way() == Some("maps"));
+    let rows = cached.flat_map(|lit| AFRESH.into_iter().filter_map(move |way| row(lit, way)));
+    Table::of(&columns, rows.collect())
 }
 
 /// Returns the runs with the casters that matter beside those with all casters, nothing kept.
-fn culling(reports: &[&Measured]) -> Option<String> {
-    let mut rows = Vec::new();
-    for report in reports {
-        for run in &report.runs {
-            let way = run.shadows.as_deref();
-            let pair = CULLED.iter().find(|[culled, _]| way == Some(culled));
-            let Some([_, whole]) = pair else { continue };
-            let has_all = |other: &&MeasuredRun| {
-                other.shadows.as_deref() == Some(whole)
-                    && (&other.strategy, &other.filter) == (&run.strategy, &run.filter)
-            };
-            let Some(all) = report.runs.iter().find(has_all) else { continue };
-            let triangles = |run: &MeasuredRun| {
-                run.shadow_triangles.map(|shadow_triangle| shadow_triangle as f64)
-            };
-            rows.push(vec![
-                place(report),
-                run.shadows.clone().unwrap_or_default(),
-                format!("{} / {}", number(triangles(run), 0), number(triangles(all), 0)),
-                number(ratio(triangles(all), triangles(run)), 1),
-                format!("{} / {}", number(shadows_ms(run), 2), number(shadows_ms(all), 2)),
-                number(ratio(shadows_ms(all), shadows_ms(run)), 2),
-                number(ratio(all.frame_ms.median, run.frame_ms.median), 2),
-            ]);
-        }
-    }
+fn culling(reports: &[&Report]) -> Table {
+    let row = |lit: Lit<'_>| {
+        let [culled, whole] = CULLED.into_iter().find(|[culled, _]| lit.way() == Some(culled))?;
+        let all = lit.with_way(whole)?;
+        let run = lit.run;
+        let triangles = |run: &RunReport| run.shadow_triangles.map(|triangles| triangles as f64);
+        Some(vec![
+            place(lit.report),
+            culled.to_owned(),
+            format!("{} / {}", count(run.shadow_triangles), count(all.shadow_triangles)),
+            number(ratio(triangles(all), triangles(run)), 1),
+            format!("{} / {}", number(shadows_ms(run), 2), number(shadows_ms(all), 2)),
+            number(ratio(shadows_ms(all), shadows_ms(run)), 2),
+            number(ratio(all.frame_ms.median, run.frame_ms.median), 2),
+        ])
+    };
     let columns = [
         "scene",
         "shadows",
@@ -175,38 +205,25 @@ fn culling(reports: &[&Measured]) -> Option<String> {
         "times as fast",
         "whole frame, times as fast",
     ];
-    table("Culled casters and all casters, nothing kept", &columns, rows)
+    Table::of(&columns, Lit::all(reports).filter_map(row).collect())
 }
 
 /// Returns the runs with maps beside those with volumes, the smallest scenes first.
-fn ways(reports: &[&Measured]) -> Option<String> {
+fn ways(reports: &[&Report]) -> Table {
     let mut sorted = reports.to_vec();
     sorted.sort_by_key(|report| report.scene.objects);
-    let mut rows = Vec::new();
-    for report in sorted {
-        for volumes in report.runs.iter().filter(|run| run.shadows.as_deref() == Some("volumes")) {
-            let of_way = |way: &str| {
-                report.runs.iter().find(|other| {
-                    other.shadows.as_deref() == Some(way)
-                        && (&other.strategy, &other.filter) == (&volumes.strategy, &volumes.filter)
-                })
-            };
-            let time = |way| of_way(way).and_then(|run| run.frame_ms.median);
-            // Without shadows all filters are one.
-            let without = report.runs.iter().find(|run| {
-                run.shadows.as_deref() == Some("off") && run.strategy == volumes.strategy
-            });
-            let maps = time("maps").or(time("maps_uncached"));
-            rows.push(vec![
-                place(report),
-                number(without.and_then(|run| run.frame_ms.median), 2),
-                number(time("maps"), 2),
-                number(time("maps_uncached"), 2),
-                number(volumes.frame_ms.median, 2),
-                number(ratio(volumes.frame_ms.median, maps), 2),
-            ]);
-        }
-    }
+    let row = |lit: Lit<'_>| {
+        let time = |way| lit.with_way(way).and_then(|run| run.frame_ms.median);
+        let volumes = lit.run.frame_ms.median;
+        vec![
+            place(lit.report),
+            number(time("off"), 2),
+            number(time("maps"), 2),
+            number(time("maps_uncached"), 2),
+            number(volumes, 2),
+            number(ratio(volumes, time("maps").or(time("maps_uncached"))), 2),
+        ]
+    };
     let columns = [
         "scene",
         "frame ms without shadows",
@@ -215,35 +232,28 @@ fn ways(reports: &[&Measured]) -> Option<String> {
         "volumes",
         "volumes take so many times as long as maps",
     ];
-    table("Maps and volumes", &columns, rows)
+    let with_volumes = Lit::all(&sorted).filter(|lit| lit.way() == Some("volumes"));
+    Table::of(&columns, with_volumes.map(row).collect())
 }
 
 /// Returns the runs with street lamps by their number.
-fn lights(reports: &[&Measured]) -> Option<String> {
-    let mut numbered: Vec<(u32, &Measured)> = Vec::new();
-    for report in reports {
-        numbered.extend(
-            report.lights.as_deref().and_then(|lights| lights.parse().ok()).zip(Some(*report)),
-        );
-    }
-    numbered.sort_by_key(|(lamps, _)| *lamps);
-    let mut rows = Vec::new();
-    for (lamps, report) in numbered {
-        // Those of the other tables have no pass times, or other filters.
-        let is_timed = |run: &&MeasuredRun| has_maps(run) && shadows_ms(run).is_some();
-        for run in report.runs.iter().filter(is_timed) {
-            rows.push(vec![
-                lamps.to_string(),
-                place(report),
-                run.shadows.clone().unwrap_or_default(),
-                run.filter.clone().unwrap_or_default(),
-                number(run.frame_ms.median, 2),
-                number(run.cpu_ms.median, 2),
-                number(shadows_ms(run), 2),
-                number(run.shadow_faces.map(|faces| faces as f64), 0),
-            ]);
-        }
-    }
+fn lights(reports: &[&Report]) -> Table {
+    let lamps = |report: &Report| report.lights.as_deref()?.parse::<u32>().ok();
+    let mut sorted: Vec<&Report> =
+        reports.iter().copied().filter(|report| lamps(report).is_some()).collect();
+    sorted.sort_by_key(|report| lamps(report));
+    let row = |Lit { report, run }: Lit<'_>| {
+        vec![
+            report.lights.clone().unwrap_or_default(),
+            place(report),
+            run.shadows.clone().unwrap_or_default(),
+            run.filter.clone().unwrap_or_default(),
+            number(run.frame_ms.median, 2),
+            number(run.cpu_ms.median, 2),
+            number(shadows_ms(run), 2),
+            count(run.shadow_faces),
+        ]
+    };
     let columns = [
         "lamps",
         "scene",
@@ -254,16 +264,18 @@ fn lights(reports: &[&Measured]) -> Option<String> {
         "GPU ms of the maps",
         "maps drawn",
     ];
-    table("Number of lights", &columns, rows)
+    // Those of the other tables have no pass times, or other filters.
+    let is_timed = |lit: &Lit<'_>| has_maps(lit.run) && shadows_ms(lit.run).is_some();
+    Table::of(&columns, Lit::all(&sorted).filter(is_timed).map(row).collect())
 }
 
-fn has_maps(run: &MeasuredRun) -> bool {
+fn has_maps(run: &RunReport) -> bool {
     run.shadows.as_deref().is_some_and(|shadows| shadows.starts_with("maps"))
 }
 
 /// Returns the GPU time of drawing shadow maps or volumes per frame, tests of casters included, if
 /// passes were timed.
-fn shadows_ms(run: &MeasuredRun) -> Option<f64> {
+fn shadows_ms(run: &RunReport) -> Option<f64> {
     let times = SHADOW_PASSES.iter().filter_map(|pass| run.passes_ms.get(*pass)?.median);
     times.reduce(|sum, time| sum + time)
 }
@@ -272,21 +284,12 @@ fn number(value: Option<f64>, digits: usize) -> String {
     value.map_or("-".to_owned(), |value| format!("{value:.digits$}"))
 }
 
-/// Returns a table under its title; `None` without rows.
-fn table(title: &str, columns: &[&str], rows: Vec<Vec<String>>) -> Option<String> {
-    if rows.is_empty() {
-        return None;
-    }
-    let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
-    let head: Vec<String> = columns.iter().map(|&column| column.to_owned()).collect();
-    let rule = vec!["---".to_owned(); columns.len()];
-    let lines = [head, rule].into_iter().chain(rows).map(|cells| line(&cells));
-    Some(format!("## {title}\n\n{}", lines.collect::<String>()))
+fn count(value: Option<u64>) -> String {
+    value.map_or("-".to_owned(), |value| value.to_string())
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::input::parse;
     use super::*;
     use serde_json::json;
 
@@ -302,13 +305,13 @@ mod tests {
         })
     }
 
-    fn report(lights: &str, runs: &[serde_json::Value]) -> Measured {
+    fn report(lights: &str, runs: &[serde_json::Value]) -> Report {
         let report = json!({
             "device": {"name": "gpu", "driver": "driver 1"}, "lights": lights,
             "scene": {"name": "city", "objects": 100}, "path": "street", "size": [640, 360],
             "moving_percent": 1, "runs": runs,
         });
-        parse(&report.to_string()).unwrap()
+        Report::parse(&report.to_string()).unwrap()
     }
 
     #[test]
@@ -335,7 +338,8 @@ mod tests {
                 ],
             ),
         ];
-        let text = tables(&reports).unwrap();
+        let tables = tables(&reports).unwrap();
+        let text = tables.markdown();
         for expected in [
             "gpu (driver 1), 640x360",
             "| city of 100, street, 8 lamps | adaptive | 5.00 | 3.00 | 4.00 | 3.50 | 6.00 | 0.250 | 9 |",

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::statistics::TimeSummary;
+use crate::statistics::{TimeSummary, thousands};
 
 /// At least one finite value, in ascending order.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,19 +75,6 @@ pub fn short(value: f64) -> String {
         size if size < 99.95 => format!("{value:.1}"),
         _ => thousands(value),
     }
-}
-
-/// Returns a whole number with a comma between each three digits.
-pub fn thousands(value: f64) -> String {
-    let digits = format!("{:.0}", value.abs());
-    let mut text = if value < 0.0 { "-".to_owned() } else { String::new() };
-    for (place, digit) in digits.chars().enumerate() {
-        if place > 0 && (digits.len() - place).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
 }
 
 /// Returns a number of objects as on an axis: "2k", "1M", "500".

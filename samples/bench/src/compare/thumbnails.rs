@@ -9,7 +9,6 @@ use base64::engine::general_purpose::STANDARD;
 use image::{ImageFormat, ImageReader};
 
 use super::cases::{Case, Cases, Place};
-use super::figures::case_name;
 use crate::input_file;
 
 /// The most pixels of a thumbnail, horizontally and vertically.
@@ -38,10 +37,10 @@ pub fn thumbnails(folder: &Path, cases: &Cases<'_>) -> (Vec<Thumbnail>, Vec<Stri
         let Some(file) = picture_of(folder, case) else { continue };
         match shrunk(&file) {
             Ok((size, uri)) => {
-                let Place { scene, path, objects, .. } = place;
+                let Place { scene, path, .. } = place;
                 // More objects come later, and show more.
                 found.retain(|(of, _)| *of != (scene, path));
-                let caption = case_name(scene, path, *objects);
+                let caption = place.name();
                 found.push(((scene, path), Thumbnail { caption, size, uri }));
             }
             Err(error) => missing.push(format!("{}: {error}", crate::terminal::shown(&file))),

@@ -32,11 +32,11 @@ const PLOT_WIDTH: u32 = 900;
 pub fn run(arguments: &Arguments) -> Result<Ending, RunError> {
     let _outputs = Outputs::prepare(Some(&arguments.out), None)?;
     let reports = match &arguments.reports {
-        Some(folder) => read_folder(folder).map_err(RunError::user)?,
+        Some(folder) => read_folder(folder)?,
         None => Vec::new(),
     };
     let left_out = arguments.left_out.as_deref().map(read_notes).transpose();
-    let left_out = left_out.map_err(RunError::user)?.unwrap_or_default();
+    let left_out = left_out?.unwrap_or_default();
     let instance = open_instance(arguments.device.validation, None)?;
     let adapter = pick_adapter(&instance, &arguments.device.choice())?;
     if let Some(other) = reports.iter().find(|report| report.device.name != adapter.name) {
@@ -62,7 +62,6 @@ pub fn run(arguments: &Arguments) -> Result<Ending, RunError> {
     let stem = file_stem(&adapter.name);
     let page = DevicePage {
         adapter: &adapter,
-        is_software: adapter.is_software(),
         provenance: &Provenance::of_this_process(),
         commit: arguments.commit.as_deref(),
         has_changes: arguments.uncommitted,
@@ -78,10 +77,9 @@ pub fn run(arguments: &Arguments) -> Result<Ending, RunError> {
         bars: page.bars(),
         names_px: 250,
     };
-    let plot = picture((PLOT_WIDTH, chart.height()), &chart.title, |area| chart.draw(area));
-    let plot = plot.map_err(RunError::machine)?;
+    let plot = picture((PLOT_WIDTH, chart.height()), &chart.title, |area| chart.draw(area))?;
     let mut ending = Ending::default();
-    for (extension, text) in [("svg", plot), ("md", page.render())] {
+    for (extension, text) in [("svg", plot), ("md", page.page().markdown().to_owned())] {
         let file = arguments.out.join(format!("{stem}.{extension}"));
         if ending.attempt(write_file(&file, text.as_bytes())).is_some() {
             say_wrote(&file);

@@ -1,20 +1,17 @@
 //! The text of the page of a device, as Markdown.
 
-use std::fmt::Write;
-
 use antumbra::gpu::Adapter;
 use antumbra::render::{CheckResult, CostItem, CostListOptions, ItemCost, SelfTest};
 
-use crate::compare::input::Measured;
 use crate::gpu_page::walks;
 use crate::provenance::Provenance;
+use crate::report::Report;
+use crate::result_page::{ResultPage, Table, Tone};
 
 /// The contents of the page of a device.
 pub struct DevicePage<'a> {
     /// The device.
     pub adapter: &'a Adapter,
-    /// True if the device draws on the CPU.
-    pub is_software: bool,
     /// The command line and the time of the measurement.
     pub provenance: &'a Provenance,
     /// The commit of the code.
@@ -28,7 +25,7 @@ pub struct DevicePage<'a> {
     /// The costs.
     pub device_costs: &'a [ItemCost],
     /// The walks on this device.
-    pub reports: &'a [Measured],
+    pub reports: &'a [Report],
     /// The walks that it cannot do, a sentence each.
     pub left_out: &'a [String],
     /// The file of the plot, beside the page.
@@ -65,19 +62,24 @@ fn purpose(name: &str, is_software: bool) -> &'static str {
 
 impl DevicePage<'_> {
     /// Returns the page.
-    pub fn render(&self) -> String {
+    pub fn page(&self) -> ResultPage {
         let Adapter { name, driver, api, .. } = self.adapter;
         let command = self.provenance.command.join(" ");
         let changes = if self.has_changes { " and changes that are not committed" } else { "" };
         let commit =
             self.commit.map_or(String::new(), |commit| format!(", commit {commit}{changes}"));
-        let head = format!(
-            "# {name}\n\n{driver}, Vulkan {api}; {}{commit}. Made by `ci/gpu` (`{command}`).\n\n{}\n",
-            self.provenance.day(),
-            purpose(name, self.is_software)
+        let day = self.provenance.day();
+        let mut page = ResultPage::new(name);
+        page.text(
+            Tone::Faint,
+            &format!("{driver}, Vulkan {api}; {day}{commit}. Made by `ci/gpu` (`{command}`)."),
         );
-        let exactness = walks::exactness(self.reports, self.left_out);
-        head + &self.trusted() + &exactness + &self.cost_table() + &walks::timed(self.reports)
+        page.text(Tone::Plain, purpose(name, self.adapter.is_software()));
+        self.trusted(&mut page);
+        walks::exactness(&mut page, self.reports, self.left_out);
+        self.cost_table(&mut page);
+        walks::timed(&mut page, self.reports);
+        page
     }
 
     /// Returns the cost of each item in the largest number that was measured.
@@ -89,63 +91,58 @@ impl DevicePage<'_> {
         CostItem::all().into_iter().filter_map(bar).collect()
     }
 
-    fn trusted(&self) -> String {
-        let mut text = "\n## What the driver is trusted with\n\n".to_owned();
-        text += "The [self-test](../drivers.md#what-a-driver-is-trusted-with) found:\n\n";
-        text += &head(&["assumption", "verdict", "seen"]);
-        for (assumption, finding) in &self.quirks.findings {
-            text += &row(&[assumption.name(), finding.word(), finding.detail()]);
-        }
+    fn trusted(&self, page: &mut ResultPage) {
+        page.heading("What the driver is trusted with");
+        page.text(
+            Tone::Plain,
+            "The [self-test](../drivers.md#what-a-driver-is-trusted-with) found:",
+        );
+        let findings = self.quirks.findings.iter();
+        let rows = findings.map(|(assumption, finding)| {
+            [assumption.name(), finding.word(), finding.detail()].map(str::to_owned).to_vec()
+        });
+        page.table(&Table::of(&["assumption", "verdict", "seen"], rows.collect()));
         let broken = |(_, finding): &&(_, CheckResult)| matches!(finding, CheckResult::Failed(_));
-        match (self.quirks.findings.iter().filter(broken).count(), self.quirks.safest) {
-            (0, _) => text + "\nNothing is broken.\n",
-            (_, Some(strategy)) => text + &format!("\nThe safest strategy is `{strategy}`.\n"),
-            (_, None) => text + "\nOnly plain frustum culling is safe.\n",
-        }
+        let verdict = match (self.quirks.findings.iter().filter(broken).count(), self.quirks.safest)
+        {
+            (0, _) => "Nothing is broken.".to_owned(),
+            (_, Some(strategy)) => format!("The safest strategy is `{strategy}`."),
+            (_, None) => "Only plain frustum culling is safe.".to_owned(),
+        };
+        page.text(Tone::Plain, &verdict);
     }
 
-    fn cost_table(&self) -> String {
+    fn cost_table(&self, page: &mut ResultPage) {
         let CostListOptions { size: [width, height], rounds, .. } = self.options;
-        let mut text = format!(
-            "\n## Costs\n\nNanoseconds of one, of so many in a frame of {width}x{height}: medians of \
-             {rounds} rounds in which all take turns, above a frame without any; by the GPU's \
-             timestamps where it has them, resets by the CPU's clock. `-`: not measured, since it \
-             would take too long, or no frame has so many. Below 0: less than the noise.\n\n![Costs]({})\n\n",
-            self.plot
+        page.heading("Costs");
+        page.text(
+            Tone::Plain,
+            &format!(
+                "Nanoseconds of one, of so many in a frame of {width}x{height}: medians of {rounds} \
+                 rounds in which all take turns, above a frame without any; by the GPU's timestamps \
+                 where it has them, resets by the CPU's clock. `-`: not measured, since it would take \
+                 too long, or no frame has so many. Below 0: less than the noise."
+            ),
         );
+        page.text(Tone::Plain, &format!("![Costs]({})", self.plot));
         let mut counts: Vec<u32> = self.device_costs.iter().map(|cost| cost.count).collect();
         counts.sort_unstable();
         counts.dedup();
-        let mut columns = vec!["item".to_owned()];
-        columns.extend(counts.iter().map(u32::to_string));
-        text += &head(&columns);
+        let heads: Vec<String> = counts.iter().map(u32::to_string).collect();
+        let columns: Vec<&str> =
+            ["item"].into_iter().chain(heads.iter().map(String::as_str)).collect();
         let is_measured = |item: &CostItem| self.device_costs.iter().any(|cost| cost.item == *item);
-        for item in CostItem::all().into_iter().filter(is_measured) {
-            let mut cells = vec![item.name()];
-            cells.extend(counts.iter().map(|count| {
+        let row = |item: CostItem| {
+            let each_ns = |count: &u32| {
                 let same = |cost: &&ItemCost| cost.item == item && cost.count == *count;
                 let cost = self.device_costs.iter().find(same);
                 cost.map_or("-".to_owned(), |cost| format!("{:.0}", cost.each_ns()))
-            }));
-            text += &row(&cells);
-        }
-        text
+            };
+            [item.name()].into_iter().chain(counts.iter().map(each_ns)).collect()
+        };
+        let rows = CostItem::all().into_iter().filter(is_measured).map(row).collect();
+        page.table(&Table::of(&columns, rows));
     }
-}
-
-/// Returns a row of a table.
-pub(super) fn row<T: AsRef<str>>(cells: &[T]) -> String {
-    let mut text = "|".to_owned();
-    for cell in cells {
-        // Writing to a String cannot fail.
-        let _ok = write!(text, " {} |", cell.as_ref().replace('|', "\\|"));
-    }
-    text + "\n"
-}
-
-/// Returns the head of a table.
-pub(super) fn head<T: AsRef<str>>(columns: &[T]) -> String {
-    row(columns) + &"|---".repeat(columns.len()) + "|\n"
 }
 
 #[cfg(test)]
@@ -166,11 +163,5 @@ mod tests {
         for name in ["AMD Radeon RX 7900", "NVIDIA RTX A1000"] {
             assert!(purpose(name, false).starts_with("This is a GPU:"), "{name}");
         }
-    }
-
-    #[test]
-    fn rows_have_as_many_cells_as_heads() {
-        let text = head(&["a", "b"]) + &row(&["x|y", "2"]);
-        assert_eq!(text, "| a | b |\n|---|---|\n| x\\|y | 2 |\n");
     }
 }

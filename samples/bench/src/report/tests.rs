@@ -5,36 +5,34 @@ use crate::measurement::{FrameMeasurement, RunMeasurement};
 use crate::shadow_choice::{ShadowChoice, ShadowWay};
 use crate::strategy::Strategy;
 use antumbra::cull;
-use antumbra::render::FragmentCounts;
+use antumbra::render::FrameReport;
 use antumbra::shadows::ShadowFilter;
 use serde_json::{Value, json};
 
 fn run(strategy: Strategy, frame_ms: &[f64]) -> RunReport {
     let mut run = RunMeasurement::new(strategy);
     for &frame_ms in frame_ms {
-        run.push(FrameMeasurement {
-            frame_ms,
-            cpu_ms: frame_ms / 10.0,
-            draws: 3,
-            triangles: 3000,
-            tests: 3,
-            queries: 2,
-            shadow_faces: 0,
-            shadow_casters: 0,
-            shadow_triangles: 0,
-            predicated_draws: 1,
+        let plan = cull::PlanStats {
             nodes_visited: 9,
             untested_by_cost: 4,
             rounds_by_compute: 1,
             retest_interval_frames: 16,
             expected_saving_ns: 5,
-            corrections: Some(cull::Corrections { tests: 1.5, frames: 7, ..Default::default() }),
-            result_age_frames: Some(2),
-            blocking_waits: 0,
-            samples_below_threshold: 0,
-            fragments: FragmentCounts::default(),
-            is_compared: false,
-        });
+            ..Default::default()
+        };
+        let corrections = cull::Corrections { tests: 1.5, frames: 7, ..Default::default() };
+        let report = FrameReport {
+            tests: 3,
+            queries: 2,
+            predicated_draws: 1,
+            plan,
+            corrections: Some(corrections),
+            oldest_answer_frames: Some(2),
+            ..Default::default()
+        };
+        let cpu_ms = frame_ms / 10.0;
+        let counts = FrameMeasurement { draws: 3, triangles: 3000, ..Default::default() };
+        run.push(FrameMeasurement { frame_ms, cpu_ms, report, ..counts });
     }
     run.verified(0);
     run.report()
@@ -56,15 +54,12 @@ pub(crate) fn example() -> Report {
             seed: 1,
             file: None,
         },
-        lights: None,
-        section: None,
         path: "street".into(),
         views: 1,
         projection: "perspective".into(),
         moving_percent: 10,
         moving_objects: 1_002,
         frames: 2,
-        cut_short: false,
         size: [1280, 720],
         samples_per_pixel: 1,
         frames_in_flight: 2,
@@ -72,18 +67,15 @@ pub(crate) fn example() -> Report {
         skip_ns: [("conditional".to_owned(), Some(50_000.0))].into(),
         tester: "flags".into(),
         reset_ns: [("cpu".to_owned(), None), ("command".to_owned(), Some(2.5))].into(),
-        threshold_pixels: 0,
         costs_ns: [("draw_ns".to_owned(), Some(1_400.0))].into(),
-        validation_messages: 0,
         memory: MemoryReport { peak_resident_mib: Some(123.4), gpu_allocated_mib: Some(56.0) },
         build_ms: BuildReport { scene: Some(1.5), hierarchy: Some(2.5), upload: Some(3.5) },
         ratios: ratios(&runs),
         paired_ratios: paired_ratios(&runs),
-        driver_quirks: vec![],
-        transparency: None,
         left_out: vec![LeftOut { strategy: "ideal".into(), reason: "things move".into() }],
         provenance: Provenance { command: vec!["walkthrough".into()], unix_s: 1_795_230_000 },
         runs,
+        ..Report::default()
     }
 }
 
@@ -91,6 +83,7 @@ pub(crate) fn example() -> Report {
 fn the_keys_are_the_contract() {
     let json: Value = serde_json::from_str(&example().to_json().unwrap()).unwrap();
     let run = |strategy: &str, low: f64, high: f64| {
+        let learned = json!({"draws": 1.0, "tests": 1.5, "proportion": 1.0, "frames": 7});
         json!({
             "strategy": strategy,
             "frame_ms": {"median": (low + high) / 2.0, "p95": high, "max": high},
@@ -98,7 +91,7 @@ fn the_keys_are_the_contract() {
             "cpu_ms": {"median": (low + high) / 20.0, "p95": high / 10.0, "max": high / 10.0},
             "draws": 3, "triangles": 3000, "tests": 3, "queries": 2, "predicated_draws": 1, "nodes_visited": 9,
             "untested_by_cost": 4, "rounds_by_compute": 1, "retest_interval_frames": 16, "expected_saving_ns": 5,
-            "corrections": {"draws": 1.0, "tests": 1.5, "proportion": 1.0, "frames": 7},
+            "corrections": if strategy == "antumbra" { learned } else { Value::Null },
             "passes_ms": {},
             "result_age_frames": {"median": 2, "max": 2},
             "waits": 0, "blocking_waits": 0, "frames_timed": 2, "frames_verified": 1,
@@ -152,7 +145,9 @@ fn runs_with_shadows_say_which_and_have_ratios_by_them() {
     let with = |filter| {
         let choice = ShadowChoice { way: ShadowWay::Maps, filter, ..ShadowChoice::OFF };
         let mut run = RunMeasurement::new(Strategy::ANTUMBRA).with_shadows(Some(choice));
-        run.push(FrameMeasurement { frame_ms: 2.0, shadow_faces: 4, ..Default::default() });
+        let mut frame = FrameMeasurement { frame_ms: 2.0, ..Default::default() };
+        frame.report.shadows.drawn_faces = 4;
+        run.push(frame);
         run.report()
     };
     report.runs = vec![with(ShadowFilter::Pcf3), with(ShadowFilter::Adaptive)];

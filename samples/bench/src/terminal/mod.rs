@@ -13,4 +13,4 @@ pub mod style;
 pub use ending::Ending;
 pub use names::shown;
 pub use output::{print, say};
-pub use start::start;
+pub use start::{run_program, start};

@@ -7,14 +7,31 @@ use clap::{CommandFactory, FromArgMatches, Parser};
 use tracing_subscriber::filter::Targets;
 use tracing_subscriber::prelude::*;
 
-use super::ending::Ending;
+use super::ending::{Ending, refuse};
 use super::names::harmless;
 use super::output::print;
 use super::style::{has_colour, width};
+use crate::run_error::RunError;
 use crate::signals::survive_file_limits;
 
 /// The most columns of help: longer lines are hard to read.
 const HELP_WIDTH_MAX: usize = 100;
+
+/// Runs a program: reads its command line, starts the log as [`start`] does, does its work, and
+/// says why where that is impossible. Returns its exit code.
+pub fn run_program<A: Parser>(
+    level: &str,
+    work: impl FnOnce(&A) -> Result<Ending, RunError>,
+) -> ExitCode {
+    let arguments = match start::<A>(level) {
+        Ok(arguments) => arguments,
+        Err(code) => return code,
+    };
+    match work(&arguments) {
+        Ok(ending) => ending.exit(),
+        Err(error) => refuse(&error, error.exit_code()),
+    }
+}
 
 /// Reads the command line and starts the log at `level` unless `RUST_LOG` sets another. From then
 /// on a limit of file sizes fails writes instead of the process.

@@ -1,16 +1,17 @@
 //! Runs `compare` as a user does: a page of reports, and one sentence on failure.
 
 use std::fs;
-use std::process::{Command, Output};
+use std::process::Command;
 
 use harness::{Scratch, stderr};
 use serde_json::{Value, json};
 
-use crate::walkthrough;
+use crate::{refusal, stdout, succeeded, walkthrough};
 
-fn compare(scratch: &Scratch, arguments: &[&str]) -> Output {
+fn compare(scratch: &Scratch, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_compare"));
-    command.current_dir(&scratch.0).args(arguments).output().expect("it starts")
+    command.current_dir(&scratch.0).args(arguments);
+    command
 }
 
 /// Returns a report as `walkthrough` writes it, of strategies that take these times in each of 24
@@ -60,10 +61,8 @@ fn assert_image(svg: &str, strategies: &[&str]) {
     }
 }
 
-fn assert_refused(output: &Output, parts: &[&str]) {
-    let message = stderr(output);
-    assert_eq!(output.status.code(), Some(2), "{message}");
-    assert!(message.starts_with("error: ") && message.lines().count() == 1, "{message}");
+fn assert_refused(mut command: Command, parts: &[&str]) {
+    let message = refusal(&mut command, 2);
     for part in parts {
         assert!(message.contains(part), "{part} is missing in {message}");
     }
@@ -80,9 +79,8 @@ fn page_table_and_image_are_written() {
     fs::write(scratch.0.join("reports/left.txt"), "x: no <y>.\nx: no <y>.\n").expect("writable");
     let outputs = ["--page", "page.html", "--table", "table.md", "--svg", "ratios.svg"];
     let notes = ["reports", "--notes", "reports/left.txt"];
-    let output = compare(&scratch, &[&notes[..], &outputs].concat());
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    let output = succeeded(&mut compare(&scratch, &[&notes[..], &outputs].concat()));
+    let told = stdout(&output);
     assert!(
         told.contains("antumbra takes 1.21 times") && stderr(&output).contains("wrote page.html"),
         "{told}"
@@ -143,9 +141,9 @@ fn the_page_shows_what_was_walked_through_and_how_steady_the_machine_was() {
         fs::create_dir_all(scratch.0.join("images").join(folder)).expect("writable");
         fs::write(scratch.0.join("images").join(folder).join(file), bytes).expect("writable");
     }
-    let output = compare(&scratch, &["reports", "--images=images", "--page=page.html"]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    let output =
+        succeeded(&mut compare(&scratch, &["reports", "--images=images", "--page=page.html"]));
+    let told = stdout(&output);
     assert!(told.contains("The machine was steady: the ideal's own time spreads by 2 %"), "{told}");
     let page = fs::read_to_string(scratch.0.join("page.html")).expect("it is there");
     assert_eq!(page.matches("<img ").count(), 1);
@@ -153,8 +151,8 @@ fn the_page_shows_what_was_walked_through_and_how_steady_the_machine_was() {
     assert!(page.contains("src=\"data:image/png;base64,iVBORw0KGgo"), "no image in it");
     assert!(page.contains("images/b.1/frame_00000.png: "), "what is no image is named");
     // Walks that were measured once, or differ too much, are to be repeated.
-    let noisy = compare(&scratch, &["reports", "--noisy"]);
-    assert_eq!(String::from_utf8_lossy(&noisy.stdout), "b\n");
+    let noisy = succeeded(&mut compare(&scratch, &["reports", "--noisy"]));
+    assert_eq!(stdout(&noisy), "b\n");
 }
 
 /// Checks that the result is printed if the files fail, and that each file is tried.
@@ -163,10 +161,10 @@ fn a_full_disk_costs_its_file_only() {
     let scratch = Scratch::new("compare-full");
     write(&scratch, "a.json", &report("street", 10_000, &[("ideal", 1.0), ("antumbra", 1.2)]));
     let outputs = ["reports", "--page", "/dev/full", "--table", "/dev/full", "--svg", "x.svg"];
-    let output = compare(&scratch, &outputs);
+    let output = compare(&scratch, &outputs).output().expect("it starts");
     let message = stderr(&output);
     assert_eq!(output.status.code(), Some(1), "{message}");
-    assert!(String::from_utf8_lossy(&output.stdout).contains("antumbra takes 1.20 times"));
+    assert!(stdout(&output).contains("antumbra takes 1.20 times"));
     assert_eq!(message.matches("error: cannot write '/dev/full'").count(), 2, "{message}");
     assert!(message.contains("wrote x.svg"), "{message}");
     assert_eq!(scratch.names("."), ["reports", "x.svg"]);
@@ -184,8 +182,8 @@ fn a_broken_report_is_named_and_nothing_is_written() {
         let scratch = Scratch::new(&format!("compare-broken-{case}"));
         write(&scratch, "good.json", &good);
         fs::write(scratch.0.join("reports/bad.json"), text).expect("writable");
-        let output = compare(&scratch, &["reports", "--page", "page.html"]);
-        assert_refused(&output, &["bad.json", reason, "measure it again"]);
+        let refused = compare(&scratch, &["reports", "--page", "page.html"]);
+        assert_refused(refused, &["bad.json", reason, "measure it again"]);
         assert_eq!(scratch.names("."), ["reports"]);
     }
 }
@@ -194,11 +192,11 @@ fn a_broken_report_is_named_and_nothing_is_written() {
 fn a_folder_without_reports_says_what_to_do() {
     let scratch = Scratch::new("compare-empty");
     fs::create_dir(scratch.0.join("reports")).expect("writable");
-    assert_refused(&compare(&scratch, &["reports"]), &["no report in 'reports'", "run ci/compare"]);
+    assert_refused(compare(&scratch, &["reports"]), &["no report in 'reports'", "run ci/compare"]);
     write(&scratch, "a.json", &report("fly", 10_000, &[("antumbra", 1.2)]));
     let refused = compare(&scratch, &["reports", "--notes", "none.txt"]);
-    assert_refused(&refused, &["cannot read the notes 'none.txt'"]);
-    assert_refused(&compare(&scratch, &["nowhere"]), &["cannot read the folder 'nowhere'"]);
+    assert_refused(refused, &["cannot read the notes 'none.txt'"]);
+    assert_refused(compare(&scratch, &["nowhere"]), &["cannot read the folder 'nowhere'"]);
 }
 
 #[test]
@@ -209,16 +207,15 @@ fn reports_of_two_devices_are_not_mixed() {
     other["device"]["name"] = json!("GeForce");
     write(&scratch, "two.json", &other);
     let refused = compare(&scratch, &["reports"]);
-    assert_refused(&refused, &["llvmpipe and GeForce", "a folder of its own"]);
+    assert_refused(refused, &["llvmpipe and GeForce", "a folder of its own"]);
 }
 
 #[test]
 fn without_anything_to_compare_there_is_a_page_but_no_image() {
     let scratch = Scratch::new("compare-alone");
     write(&scratch, "fly.json", &report("fly", 10_000, &[("antumbra", 1.2)]));
-    assert_refused(&compare(&scratch, &["reports", "--svg", "x.svg"]), &["nothing to show"]);
-    let output = compare(&scratch, &["reports", "--page", "page.html"]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_refused(compare(&scratch, &["reports", "--svg", "x.svg"]), &["nothing to show"]);
+    succeeded(&mut compare(&scratch, &["reports", "--page", "page.html"]));
 }
 
 #[test]
@@ -226,7 +223,7 @@ fn a_file_in_no_folder_is_refused_before_any_work() {
     let scratch = Scratch::new("compare-unwritable");
     for option in ["--page", "--table", "--svg", "--shadows"] {
         let refused = compare(&scratch, &["no-reports", option, "nowhere/file"]);
-        assert_refused(&refused, &[option, "cannot write 'nowhere/file'", "no folder 'nowhere'"]);
+        assert_refused(refused, &[option, "cannot write 'nowhere/file'", "no folder 'nowhere'"]);
     }
     assert!(scratch.names(".").is_empty());
 }
@@ -237,11 +234,8 @@ fn what_walkthrough_writes_is_read() {
     fs::create_dir(scratch.0.join("reports")).expect("writable");
     let small = ["--quiet", "--objects=200", "--frames=12", "--size=64x48", "--device=llvmpipe"];
     let more = ["--path=street", "--strategy=frustum,antumbra", "--report=reports/street.json"];
-    let output = walkthrough(&scratch.0, &[&small[..], &more].concat()).output();
-    let output = output.expect("it starts");
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let output = compare(&scratch, &["reports", "--page", "page.html", "--svg", "ratios.svg"]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    succeeded(&mut walkthrough(&scratch.0, &[&small[..], &more].concat()));
+    succeeded(&mut compare(&scratch, &["reports", "--page", "page.html", "--svg", "ratios.svg"]));
     let page = fs::read_to_string(scratch.0.join("page.html")).expect("it is there");
     assert!(page.contains("times that of frustum"), "there is no ideal");
     assert!(page.contains("frames of 64x48") && page.contains("--objects=200"));
@@ -252,16 +246,13 @@ fn shadows_have_tables_of_their_own() {
     let scratch = Scratch::new("compare-shadows");
     write(&scratch, "plain.json", &report("fly", 10_000, &[("antumbra", 1.2)]));
     let refused = compare(&scratch, &["reports", "--shadows", "shadows.md"]);
-    assert_refused(&refused, &["no report has lights", "ci/compare --shadows"]);
+    assert_refused(refused, &["no report has lights", "ci/compare --shadows"]);
     fs::remove_file(scratch.0.join("reports/plain.json")).expect("it was written");
     let small = ["--quiet", "--objects=200", "--frames=12", "--size=64x48", "--device=llvmpipe"];
     let lights = ["--lights=2", "--shadows=maps,maps_uncached", "--filter=pcf3,fixed64"];
     let more = ["--strategy=antumbra", "--verify=6", "--time-passes", "--report=reports/lit.json"];
-    let output = walkthrough(&scratch.0, &[&small[..], &lights, &more].concat()).output();
-    let output = output.expect("it starts");
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let output = compare(&scratch, &["reports", "--shadows", "shadows.md"]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    succeeded(&mut walkthrough(&scratch.0, &[&small[..], &lights, &more].concat()));
+    succeeded(&mut compare(&scratch, &["reports", "--shadows", "shadows.md"]));
     let tables = fs::read_to_string(scratch.0.join("shadows.md")).expect("it is there");
     for title in ["## Filters", "## Cached maps", "## Number of lights"] {
         assert!(tables.contains(title), "{title} is missing in {tables}");

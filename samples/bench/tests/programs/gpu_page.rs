@@ -1,15 +1,16 @@
 //! Runs `gpu_page` as `ci/gpu` does, with little of everything, on both software drivers.
 
 use std::fs;
-use std::process::{Command, Output};
+use std::process::Command;
 
-use harness::{Scratch, stderr};
+use harness::Scratch;
 
-use crate::walkthrough;
+use crate::{refusal, succeeded, walkthrough};
 
-fn gpu_page(scratch: &Scratch, arguments: &[&str]) -> Output {
+fn gpu_page(scratch: &Scratch, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_gpu_page"));
-    command.current_dir(&scratch.0).args(arguments).output().expect("it starts")
+    command.current_dir(&scratch.0).args(arguments);
+    command
 }
 
 /// Walks with a few small frames, into a report of the folder `reports`.
@@ -17,8 +18,7 @@ fn walk(scratch: &Scratch, device: &str, name: &str, more: &[&str]) {
     let report = format!("reports/{name}.json");
     let common = ["--frames=4", "--size=64x48", "--quiet", "--device", device];
     let all = [&common[..], &["--strategy=frustum,antumbra,ideal", "--report", &report], more];
-    let output = walkthrough(&scratch.0, &all.concat()).output().expect("it starts");
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    succeeded(&mut walkthrough(&scratch.0, &all.concat()));
 }
 
 #[test]
@@ -37,8 +37,7 @@ fn a_page_of_each_driver_is_made() {
         let textured = ["--scene", fences, "--lights=sun", "--shadows=maps", "--msaa=4"];
         walk(&scratch, device, "textured", &[&checked[..], &textured].concat());
         let arguments = ["--device", device, "--reports=reports", "--out=out"];
-        let output = gpu_page(&scratch, &[&arguments[..], &most, &told].concat());
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        succeeded(&mut gpu_page(&scratch, &[&arguments[..], &most, &told].concat()));
         let files = scratch.names("out");
         assert_eq!(files.len(), 2, "{files:?}");
         let page = files.iter().find(|file| file.ends_with(".md")).expect("a page");
@@ -77,7 +76,7 @@ fn reports_of_another_device_are_refused() {
     let scratch = Scratch::new("gpu-page-other");
     fs::create_dir_all(scratch.0.join("reports")).expect("writable");
     walk(&scratch, "swiftshader", "timed", &["--objects=100"]);
-    let output = gpu_page(&scratch, &["--device=llvmpipe", "--reports=reports", "--out=out"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("is a report of SwiftShader"), "{}", stderr(&output));
+    let mut other = gpu_page(&scratch, &["--device=llvmpipe", "--reports=reports", "--out=out"]);
+    let message = refusal(&mut other, 2);
+    assert!(message.contains("is a report of SwiftShader"), "{message}");
 }

@@ -1,5 +1,4 @@
-//! Runs `walkthrough` where results are in danger: full disks, signals, taken names, concurrent
-//! runs.
+//! Runs `walkthrough` where results are in danger: full disks, signals, taken names.
 
 use std::fs;
 use std::io::Read;
@@ -9,7 +8,7 @@ use std::time::{Duration, Instant};
 use harness::{Scratch, signalled_program, stderr};
 use serde_json::Value;
 
-use crate::{WALKTHROUGH, walkthrough};
+use crate::{WALKTHROUGH, report, stdout, succeeded, walkthrough};
 
 const SMALL: [&str; 6] = [
     "--objects=200",
@@ -20,13 +19,8 @@ const SMALL: [&str; 6] = [
     "--cost-model=off",
 ];
 
-fn run(scratch: &Scratch, arguments: &[&str]) -> Output {
-    let all = [&SMALL[..], arguments].concat();
-    walkthrough(&scratch.0, &all).output().expect("it starts")
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stdout).into_owned()
+fn small(scratch: &Scratch, arguments: &[&str]) -> Command {
+    walkthrough(&scratch.0, &[&SMALL[..], arguments].concat())
 }
 
 /// Checks that the table is printed, each of the failures too, and that the exit code is 1.
@@ -44,7 +38,9 @@ fn assert_table_and_failures(output: &Output, failures: &[&str]) {
 #[test]
 fn a_report_that_finds_no_space_costs_nothing_else() {
     let scratch = Scratch::new("results-report");
-    let output = run(&scratch, &["--report=/dev/full", "--out=out", "--images=2"]);
+    let output = small(&scratch, &["--report=/dev/full", "--out=out", "--images=2"])
+        .output()
+        .expect("it starts");
     assert_table_and_failures(&output, &["cannot write '/dev/full'"]);
     assert_eq!(scratch.names("out").len(), 4, "two frames, and one moment twice");
 }
@@ -54,14 +50,14 @@ fn a_pipe_that_nobody_reads_holds_no_walk() {
     let scratch = Scratch::new("results-pipe");
     let pipe = scratch.0.join("pipe");
     assert!(Command::new("mkfifo").arg(pipe).status().expect("it starts").success());
-    let output = run(&scratch, &["--report=pipe"]);
+    let output = small(&scratch, &["--report=pipe"]).output().expect("it starts");
     assert_table_and_failures(&output, &["this pipe has no reader"]);
 }
 
 #[test]
 fn images_that_find_no_space_cost_nothing_else() {
     let scratch = Scratch::new("results-images");
-    let walk = walkthrough(&scratch.0, &SMALL);
+    let walk = small(&scratch, &[]);
     // No file may grow beyond 8 KiB: enough for the report, and for no image.
     let limited = "ulimit -f 16; exec \"$0\" \"$@\"";
     let outputs = ["--size=640x360", "--out=out", "--images=2", "--report=report.json"];
@@ -72,18 +68,7 @@ fn images_that_find_no_space_cost_nothing_else() {
     let lost = ["frame_00000.png", "frame_00002.png", "00002_seen.png", "top_down_00002.png"];
     assert_table_and_failures(&output, &lost);
     assert_eq!(scratch.names("."), ["report.json"], "nothing is half there");
-    let report = fs::read_to_string(scratch.0.join("report.json")).expect("the report");
-    serde_json::from_str::<Value>(&report).expect("all of it");
-}
-
-#[test]
-fn the_longest_name_is_written() {
-    let scratch = Scratch::new("results-long");
-    let name = "x".repeat(250) + ".json";
-    let output = run(&scratch, &["--report", &name]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    assert!(stderr(&output).contains(&format!("wrote {name}")), "{}", stderr(&output));
-    assert_eq!(scratch.names("."), [name]);
+    report(&scratch);
 }
 
 #[test]
@@ -98,12 +83,12 @@ fn what_cannot_be_printed_is_no_success() {
         assert_eq!(output.status.code(), Some(1), "{arguments:?}: {message}");
         assert!(message.contains("cannot write to standard output"), "{arguments:?}: {message}");
     }
-    let mut command = walkthrough(&scratch.0, &[&SMALL[..], &["--report=report.json"]].concat());
+    let mut command = small(&scratch, &["--report=report.json"]);
     let output = command.stdout(full()).output().expect("it starts");
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
     assert_eq!(scratch.names("."), ["report.json"], "what can be written is");
     // Without any working output it ends as it would.
-    let mut command = walkthrough(&scratch.0, &SMALL);
+    let mut command = small(&scratch, &[]);
     assert_eq!(command.stderr(full()).output().expect("it starts").status.code(), Some(0));
 }
 
@@ -137,8 +122,7 @@ fn what_was_measured_before_a_signal_is_kept() {
         assert_eq!(output.status.code(), Some(code), "{said}");
         let table = stdout(&output);
         assert!(table.contains("CUT SHORT") && table.contains("\u{2502} antumbra"), "{table}");
-        let report = fs::read_to_string(scratch.0.join("report.json")).expect("the report");
-        let report: Value = serde_json::from_str(&report).expect("JSON");
+        let report = crate::report(&scratch);
         assert_eq!(report["cut_short"], true);
         let frames = report["runs"][0]["frames_timed"].as_u64().expect("a number");
         assert!((1..600).contains(&frames), "{frames} frames");
@@ -167,33 +151,13 @@ fn before_anything_is_measured_a_signal_is_just_the_end() {
 fn nothing_is_overwritten_that_another_run_wrote() {
     let scratch = Scratch::new("results-again");
     let more = ["--out=out", "--images=1", "--top-down=off"];
-    assert_eq!(run(&scratch, &more).status.code(), Some(0));
+    succeeded(&mut small(&scratch, &more));
     let image = scratch.0.join("out/frame_00000.png");
     fs::write(&image, "mine").expect("ours");
-    let output = run(&scratch, &more);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let output = succeeded(&mut small(&scratch, &more));
     assert!(stderr(&output).contains("wrote out/frame_00000-2.png"), "{}", stderr(&output));
     assert_eq!(fs::read_to_string(&image).expect("it is there"), "mine");
     assert_eq!(scratch.names("out"), ["frame_00000-2.png", "frame_00000.png"]);
-}
-
-#[test]
-fn many_programs_write_into_one_new_folder() {
-    let scratch = Scratch::new("results-crowd");
-    for round in 0..3 {
-        let out = format!("--out=new-{round}/er/out");
-        let arguments = [&SMALL[..], &["--quiet", "--images=1", "--top-down=off", &out]].concat();
-        let start = |_| {
-            let mut command = walkthrough(&scratch.0, &arguments);
-            command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts")
-        };
-        let children: Vec<_> = (0..8).map(start).collect();
-        for child in children {
-            let output = child.wait_with_output().expect("it ends");
-            assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-        }
-        assert_eq!(scratch.names(&format!("new-{round}/er/out")).len(), 8, "an image of each");
-    }
 }
 
 #[test]
@@ -201,15 +165,12 @@ fn a_self_test_prints_a_line_for_each_assumption() {
     let scratch = Scratch::new("results-self-test");
     for device in ["llvmpipe", "swiftshader"] {
         let arguments = ["--self-test", "--device", device, "--validation=sync"];
-        let output = walkthrough(&scratch.0, &arguments).output().expect("it starts");
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let output = succeeded(&mut walkthrough(&scratch.0, &arguments));
         let table = stdout(&output);
         assert!(table.contains("query counts") && table.contains("walk with flags"), "{table}");
         assert!(table.ends_with("safest strategy: antumbra\n") && !table.contains("BROKEN"));
     }
-    let output = run(&scratch, &["--quirks=tested", "--report=report.json"]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let report = fs::read_to_string(scratch.0.join("report.json")).expect("the report");
-    let report: Value = serde_json::from_str(&report).expect("JSON");
+    succeeded(&mut small(&scratch, &["--quirks=tested", "--report=report.json"]));
+    let report = crate::report(&scratch);
     assert_eq!(report["driver_quirks"], Value::Array(Vec::new()));
 }

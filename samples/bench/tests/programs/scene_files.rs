@@ -1,12 +1,11 @@
 //! Runs `walkthrough` over scenes out of files: valid ones and bad ones.
 
 use std::fs;
-use std::process::Output;
 
-use harness::{Scratch, pixels, scene, stderr};
+use harness::{Scratch, pixels, scene};
 use serde_json::Value;
 
-use crate::walkthrough;
+use crate::{refusal, report, stdout, succeeded, walkthrough};
 
 fn scratch(name: &str) -> Scratch {
     let scratch = Scratch::new(name);
@@ -19,10 +18,8 @@ fn walk(scratch: &Scratch, device: &str, more: &[&str]) -> Value {
     let small = ["--quiet", "--frames=24", "--size=128x72", "--validation=sync", "--verify=every"];
     let rest =
         ["--cost-model=off", "--scene=small.glb", "--report=report.json", "--device", device];
-    let output = walkthrough(&scratch.0, &[&small[..], &rest, more].concat()).output().unwrap();
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    let report = fs::read_to_string(scratch.0.join("report.json")).unwrap();
-    serde_json::from_str(&report).unwrap()
+    succeeded(&mut walkthrough(&scratch.0, &[&small[..], &rest, more].concat()));
+    report(scratch)
 }
 
 #[test]
@@ -81,8 +78,7 @@ fn lamps_beyond_those_that_an_object_has_are_told() {
     let scratch = Scratch::new("scene-lamps");
     fs::write(scratch.0.join("lamps.glb"), scene::small_with_lamps(17)).unwrap();
     let small = ["--quiet", "--frames=2", "--size=32x32", "--scene=lamps.glb", "--device=llvmpipe"];
-    let output = walkthrough(&scratch.0, &small).output().unwrap();
-    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    let told = stdout(&succeeded(&mut walkthrough(&scratch.0, &small)));
     assert!(told.contains(&format!("not as in the file: {}", scene::LAMPS_NOTE)), "{told}");
 }
 
@@ -132,22 +128,12 @@ fn without_a_name_it_is_the_first_camera_and_a_still_one_stands() {
     assert!(image(0) != image(23));
 }
 
-/// Returns the message of a refusal: one line that names the file.
-fn refusal(output: &Output) -> String {
-    let message = stderr(output);
-    assert_eq!(output.status.code(), Some(2), "{message}");
-    assert!(message.starts_with("error: ") && !message.contains("panicked"), "{message}");
-    assert_eq!(message.lines().count(), 1, "one sentence: {message}");
-    assert!(output.stdout.is_empty());
-    message
-}
-
 #[test]
 fn files_that_cannot_be_shown_end_with_2_and_are_named() {
     let scratch = scratch("scene-mistakes");
     for file in scene::write_unreadable(&scratch.0) {
         let arguments = ["--quiet", "--scene", file, "--size", "32x32", "--frames", "2"];
-        let message = refusal(&walkthrough(&scratch.0, &arguments).output().unwrap());
+        let message = refusal(&mut walkthrough(&scratch.0, &arguments), 2);
         assert!(message.contains(file), "{message}");
     }
 }
@@ -155,12 +141,10 @@ fn files_that_cannot_be_shown_end_with_2_and_are_named() {
 #[test]
 fn cameras_that_are_not_there_are_refused_with_those_that_are() {
     let scratch = scratch("scene-no-camera");
-    let walked = walkthrough(&scratch.0, &["--quiet", "--scene=small.glb", "--path=wlak"]).output();
-    let message = refusal(&walked.unwrap());
+    let along = |path| walkthrough(&scratch.0, &["--quiet", "--scene=small.glb", path]);
+    let message = refusal(&mut along("--path=wlak"), 2);
     let sentence =
         "small.glb: unknown camera 'wlak': there is walk and still; did you mean 'walk'?";
     assert!(message.contains(sentence), "{message}");
-    let walked =
-        walkthrough(&scratch.0, &["--quiet", "--scene=small.glb", "--path=no/such.txt"]).output();
-    assert!(refusal(&walked.unwrap()).contains("no/such.txt"));
+    assert!(refusal(&mut along("--path=no/such.txt"), 2).contains("no/such.txt"));
 }

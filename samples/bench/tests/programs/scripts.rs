@@ -9,6 +9,8 @@ use std::sync::Mutex;
 
 use harness::{Scratch, stderr};
 
+use crate::stdout;
+
 /// A stand-in that knows some strategies; a walk leaves its options in the place of its report, and
 /// beside the program.
 const WALKTHROUGH: &str = r#"#!/bin/sh
@@ -101,7 +103,7 @@ fn a_folder_takes_reports_of_one_mode_and_device_only() {
     fs::remove_file(scratch.0.join("out/reports/street-2000.1.json")).expect("it is there");
     let again = compare(&[]);
     assert_ends_with(&again, 0);
-    assert!(String::from_utf8_lossy(&again.stdout).contains("1 walks to go"));
+    assert!(stdout(&again).contains("1 walks to go"));
     assert_ends_with(&compare(&["--full", "--fresh"]), 0);
     assert!(scratch.names("out/reports").contains(&"street-2000.3.json".to_owned()));
 }
@@ -162,7 +164,7 @@ fn what_is_verified_is_every_exact_strategy_of_the_program() {
         assert!(walk.contains(&format!("--strategy {strategies} --verify every")), "{walk}");
     }
     assert!(walks.contains("--moving-percent") && walks.contains("--projection orthographic"));
-    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    let told = stdout(&output);
     assert_eq!(told.matches(": 3 images compared, 0 pixels wrong").count(), walks.lines().count());
     // A program that compares nothing is no proof.
     program(&scratch.0.join("target/release/walkthrough"), "#!/bin/sh\n");
@@ -176,7 +178,7 @@ fn options_of_the_demo_come_after_its_own() {
     let scratch = tree("script-demo", "demo");
     let output = run(&scratch, "demo", &["--path", "fly"]);
     assert_ends_with(&output, 0);
-    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    let told = stdout(&output);
     let words = told.lines().next().expect("a call").split(" -- ").nth(1).expect("its options");
     assert!(words.ends_with("--path fly"), "{words}");
     // Read as the program reads them: the last word counts.

@@ -7,7 +7,7 @@ use antumbra::{cull, methods};
 use harness::{Scratch, stderr};
 use serde_json::Value;
 
-use crate::walkthrough;
+use crate::{report, stdout, succeeded, walkthrough};
 
 const FRAMES: u64 = 12;
 const SIZE: [u32; 2] = [96, 64];
@@ -19,42 +19,32 @@ fn walk(scratch: &Scratch, device: &str, more: &[&str]) -> Value {
 }
 
 fn walk_by(scratch: &Scratch, device: &str, more: &[&str]) -> Value {
-    let output = walkthrough(
-        &scratch.0,
-        &[
-            &[
-                "--scene=city",
-                "--objects=1000",
-                "--seed=5",
-                "--path=street",
-                "--frames=12",
-                "--size=96x64",
-                "--strategy=frustum,antumbra",
-                "--verify=every",
-                "--validation=sync",
-                "--frames-in-flight=3",
-                "--out=images",
-                "--images=3",
-                "--report=report.json",
-                "--device",
-                device,
-            ],
-            more,
-        ]
-        .concat(),
-    )
-    .output()
-    .expect("it starts");
+    let small = [
+        "--scene=city",
+        "--objects=1000",
+        "--seed=5",
+        "--path=street",
+        "--frames=12",
+        "--size=96x64",
+        "--strategy=frustum,antumbra",
+        "--verify=every",
+        "--validation=sync",
+        "--frames-in-flight=3",
+        "--out=images",
+        "--images=3",
+        "--report=report.json",
+        "--device",
+        device,
+    ];
+    let output = succeeded(&mut walkthrough(&scratch.0, &[&small[..], more].concat()));
     let messages = stderr(&output);
-    assert_eq!(output.status.code(), Some(0), "needs `ci/setup --tests`, `. ci/env`: {messages}");
     assert!(!messages.contains("error") && !messages.contains("WARN"), "{messages}");
-    let table = String::from_utf8_lossy(&output.stdout).into_owned();
+    let table = stdout(&output);
     for name in ["frustum", "antumbra"] {
         assert!(table.contains(name), "{table}");
     }
     assert_eq!(scratch.names("."), ["images", "report.json"]);
-    let report = fs::read_to_string(scratch.0.join("report.json")).expect("the report");
-    serde_json::from_str(&report).expect("JSON")
+    report(scratch)
 }
 
 fn number(value: &Value) -> f64 {
@@ -233,8 +223,7 @@ fn a_cache_that_cannot_be_written_is_no_reason_to_stop() {
     let scratch = Scratch::new("no-cache");
     let small = ["--quiet", "--objects=50", "--frames=2", "--size=32x32", "--device=llvmpipe"];
     let mut command = walkthrough(&scratch.0, &small);
-    let output = command.env("XDG_CACHE_HOME", "/proc/nowhere").output().expect("it starts");
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let output = succeeded(command.env("XDG_CACHE_HOME", "/proc/nowhere"));
     assert!(stderr(&output).contains("pipeline cache"), "{}", stderr(&output));
 }
 
@@ -256,14 +245,12 @@ fn a_threshold_is_not_exact_and_says_how_wrong_it_can_be() {
             "--device",
             device,
         ];
-        let output = walkthrough(&scratch.0, &asked).output().expect("it starts");
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-        let table = String::from_utf8_lossy(&output.stdout).into_owned();
+        let output = succeeded(&mut walkthrough(&scratch.0, &asked));
+        let table = stdout(&output);
         assert!(table.contains("not exact: objects that show at most 60 pixels"), "{table}");
         assert!(table.contains("without antumbra_flags: ") && !table.contains("WRONG"), "{table}");
         assert!(table.contains("antumbra left out "), "{table}");
-        let report = fs::read_to_string(scratch.0.join("report.json")).expect("the report");
-        let report: Value = serde_json::from_str(&report).expect("JSON");
+        let report = crate::report(&scratch);
         assert_eq!(
             (&report["threshold_pixels"], &report["validation_messages"]),
             (&60.into(), &0.into())
@@ -287,9 +274,7 @@ fn a_threshold_is_not_exact_and_says_how_wrong_it_can_be() {
 fn strategies_are_listed_without_a_device() {
     let scratch = Scratch::new("list-strategies");
     let mut command = walkthrough(&scratch.0, &["--list-strategies"]);
-    let output = command.env("VK_DRIVER_FILES", "/nonexistent").output().expect("it starts");
-    let names = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert_eq!(output.status.code(), Some(0));
+    let names = stdout(&succeeded(command.env("VK_DRIVER_FILES", "/nonexistent")));
     // The first word of a line is for scripts.
     let first = names.lines().map(|line| line.split(' ').next().unwrap_or_default());
     assert!(first.eq(methods::strategies().into_iter().map(cull::Strategy::name)), "{names}");
@@ -314,15 +299,14 @@ fn wrong_pixels_end_with_1_after_the_table_and_the_report() {
         "--shaders",
         &folder,
     ];
-    let output = walkthrough(&scratch.0, &[&small[..], &asked].concat()).output();
-    let output = output.expect("it starts");
+    let output =
+        walkthrough(&scratch.0, &[&small[..], &asked].concat()).output().expect("it starts");
     let message = stderr(&output);
     assert_eq!(output.status.code(), Some(1), "{message}");
     assert_eq!(message.lines().count(), 1, "{message}");
     assert!(message.starts_with("error: ") && message.contains("antumbra has "), "{message}");
-    assert!(String::from_utf8_lossy(&output.stdout).contains("WRONG"));
-    let report = fs::read_to_string(scratch.0.join("report.json")).expect("the report");
-    let report: Value = serde_json::from_str(&report).expect("JSON");
+    assert!(stdout(&output).contains("WRONG"));
+    let report = crate::report(&scratch);
     assert!(number(&report["runs"][1]["pixels_wrong"]) > 0.0);
     assert_eq!(report["runs"][0]["pixels_wrong"], 0);
 }

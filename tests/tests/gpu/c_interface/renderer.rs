@@ -255,6 +255,7 @@ fn image_in_rust(host: &Host, mesh: &Mesh, objects: &[AntumbraMeshObject]) -> Ve
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a whole host in C, in its order")]
 fn images_in_c_are_those_in_rust_and_those_with_all_drawn() {
     for driver in Driver::ALL {
         let host = Host::new(driver, Purpose::Renderer);

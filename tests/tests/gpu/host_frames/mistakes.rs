@@ -18,8 +18,7 @@ fn numbers_that_cannot_be_are_refused_and_change_nothing() {
         for frame in 0..2 {
             walk.draw(Strategy::ANTUMBRA, &camera(frame), Submits::Once).unwrap();
         }
-        // SAFETY: a wait.
-        unsafe { host.device.device_wait_idle() }.unwrap();
+        host.wait_idle();
         let error = walk.refusal(3, 0).unwrap();
         let is_named = matches!(error, Error::TooManyFrames { current: 3, used: 1, slots: 2 });
         assert!(is_named, "{error}");

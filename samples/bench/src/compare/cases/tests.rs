@@ -3,7 +3,7 @@
 use super::super::testing::{measured, verified, walked};
 use super::*;
 
-fn at<'a>(reports: &'a [Measured], path: &str, objects: u64) -> Case<'a> {
+fn at<'a>(reports: &'a [Report], path: &str, objects: u64) -> Case<'a> {
     Cases::of(reports).at(&Place::still("city", path, objects))
 }
 
@@ -68,7 +68,7 @@ fn times_of_compared_walks_do_not_count_beside_others() {
     let mut slow = verified("city", "street", 10_000, &[(ANTUMBRA, 9, 0), (IDEAL, 9, 0)]);
     slow.paired_ratios.insert("antumbra/ideal".into(), Some(7.0));
     let both = [slow, measured("city", "street", 10_000, &[(ANTUMBRA, 3.0), (IDEAL, 2.0)])];
-    let ratio = |reports: &[Measured]| {
+    let ratio = |reports: &[Report]| {
         at(reports, "street", 10_000).ratio(ANTUMBRA, IDEAL).unwrap().spread.median()
     };
     assert_eq!(ratio(&both), 1.5);

@@ -1,15 +1,15 @@
 //! Tests of the figures: reached, missed, not measured.
 
-use super::super::input::Measured;
 use super::super::testing::{measured, verified, walked};
 use super::*;
+use crate::report::Report;
 
 fn find<'a>(figures: &'a [Figure], case: &str, what: &str) -> &'a Figure {
     let fits = |figure: &&Figure| figure.case == case && figure.what.starts_with(what);
     figures.iter().find(fits).unwrap_or_else(|| panic!("no {what} of {case}"))
 }
 
-fn figures(reports: &[Measured]) -> Vec<Figure> {
+fn figures(reports: &[Report]) -> Vec<Figure> {
     all(&Cases::of(reports))
 }
 
@@ -52,7 +52,7 @@ fn a_busy_machine_is_not_judged_and_the_impossible_neither() {
         measured("city", "street", 10_000, &[(ANTUMBRA, antumbra), ("chc", 4.0), (IDEAL, ideal)])
     };
     let verdicts = |times: &[[f64; 2]]| {
-        let reports: Vec<Measured> = times.iter().copied().map(walk).collect();
+        let reports: Vec<Report> = times.iter().copied().map(walk).collect();
         let figures = figures(&reports);
         ["antumbra / ideal", "95th"].map(|what| find(&figures, "street 10k", what).verdict())
     };
