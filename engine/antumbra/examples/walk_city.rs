@@ -1,9 +1,8 @@
 //! Walks down a street of a city of blocks, and prints how many of them each frame drew.
 
 use antumbra::glam::{Affine3A, Quat, vec3};
-use antumbra::render::CostModel;
 use antumbra::scene::{Mesh, Object};
-use antumbra::{Camera, Renderer, RendererOptions, Scene};
+use antumbra::{Camera, Renderer, Scene};
 
 /// Houses along each side of the city.
 const SIDE: u16 = 50;
@@ -29,9 +28,7 @@ fn main() -> antumbra::Result<()> {
             ..first
         }
     }));
-    // Tests are made whether they pay or not: on some devices 12 triangles are drawn faster.
-    let options = RendererOptions { cost_model: CostModel::Off, ..Default::default() };
-    let mut renderer = Renderer::headless(&scene).options(options).build()?;
+    let mut renderer = Renderer::headless(&scene).build()?;
     let mut view = renderer.new_view()?;
     for frame in 0..100_u8 {
         let z = -f32::from(frame);

@@ -2,7 +2,6 @@
 #![forbid(unsafe_code)]
 
 use antumbra::glam::{Affine3A, Vec3, vec3};
-use antumbra::render::CostModel;
 use antumbra::scene::{Mesh, MeshId, Object};
 use antumbra::{Camera, Renderer, RendererOptions, Scene};
 
@@ -36,8 +35,7 @@ fn scene() -> Scene {
 
 fn main() -> antumbra::Result<()> {
     // Everything hidden is tested: times that a busy machine measures decide nothing here.
-    let cost_model = CostModel::Off;
-    let options = RendererOptions { size: SIZE, cost_model, ..Default::default() };
+    let options = RendererOptions { size: SIZE, ..Default::default() };
     let mut renderer = Renderer::headless(&scene()).options(options).build()?;
     let mut view = renderer.new_view()?;
     for frame in 0..30_u8 {

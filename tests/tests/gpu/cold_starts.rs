@@ -57,6 +57,7 @@ fn stand_everywhere(device: &Device, seeds: &[u64], size: [u32; 2]) {
 }
 
 #[test]
+#[ignore = "long walk"]
 fn lavapipe_is_exact_from_the_first_frame_on() {
     run(Driver::Lavapipe, |device| {
         stand_everywhere(device, &[1, 3], [321, 181]);
@@ -65,6 +66,7 @@ fn lavapipe_is_exact_from_the_first_frame_on() {
 }
 
 #[test]
+#[ignore = "long walk"]
 fn swiftshader_is_exact_from_the_first_frame_on() {
     run(Driver::SwiftShader, |device| {
         stand_everywhere(device, &[1, 3], [321, 181]);

@@ -164,6 +164,7 @@ fn lavapipe_ties_do_not_show() {
 }
 
 #[test]
+#[ignore = "long walk"]
 fn swiftshader_ties_do_not_show() {
     run(Driver::SwiftShader, |device| {
         for in_flight in 1..=3 {

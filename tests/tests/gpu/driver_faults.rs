@@ -184,7 +184,10 @@ fn any_call_that_makes_something_may_fail() {
         for number in (0..count.min(3)).chain((3..count).step_by(count.div_ceil(4).max(1))) {
             let fault = Fault { call, fails: number..number + 1, code };
             let sentence = stage.walk_with(fault, &options, Goes::Home);
-            let forgiven = [c"vkAllocateMemory", c"vkCreatePipelineCache"].contains(&call);
+            // A GPU has memory of another kind, which the allocator takes instead.
+            let has_other_memory = call == c"vkMapMemory" && !stage.adapter.is_software();
+            let forgiven =
+                has_other_memory || [c"vkAllocateMemory", c"vkCreatePipelineCache"].contains(&call);
             assert!(sentence.is_some() || forgiven, "call {number} of {call:?} failed unnoticed");
         }
     }
@@ -276,6 +279,7 @@ fn after_a_frame_that_failed_the_next_ones_are_drawn() {
 /// Checks that costs that cannot be measured are no reason to fail: each call fails once, or from
 /// then on, at some point of the measurement.
 #[test]
+#[ignore = "long walk"]
 fn costs_that_cannot_be_measured_are_no_reason_to_fail() {
     let stage = Stage::new();
     let told = options(PredicationMode::Conditional);

@@ -39,6 +39,7 @@ fn walk_everything(device: &Device, objects: u32, size: [u32; 2], frames: u32) {
 }
 
 #[test]
+#[ignore = "long walk"]
 fn lavapipe_500_objects() {
     run(Driver::Lavapipe, |device| walk_everything(device, 500, [320, 180], 24));
 }
@@ -49,11 +50,13 @@ fn swiftshader_500_objects() {
 }
 
 #[test]
+#[ignore = "long walk"]
 fn lavapipe_10_000_objects() {
     run(Driver::Lavapipe, |device| walk_everything(device, 10_000, [256, 144], 6));
 }
 
 #[test]
+#[ignore = "long walk"]
 fn odd_sizes_are_exact() {
     run_on_all(|device| {
         let scene = SceneKind::City.build(400);
@@ -68,6 +71,7 @@ fn odd_sizes_are_exact() {
 }
 
 #[test]
+#[ignore = "long walk"]
 fn eyes_in_walls_and_on_the_ground_are_exact() {
     run_on_all(|device| {
         let scene = SceneKind::City.build(600).scene;

@@ -44,7 +44,7 @@ fn frames_are_learned_from_and_images_are_right() {
             for strategy in
                 [Strategy::ANTUMBRA, Strategy::ANTUMBRA_QUERIES, Strategy::ANTUMBRA_COMPUTE]
             {
-                let cost_model = CostModel::default();
+                let cost_model = CostModel::Measured;
                 let (mut renderer, cameras) = renderer(device, cost_model, frames_in_flight);
                 let images = [0, 1].map(|_| Readback::new(device, SIZE).unwrap());
                 let mut views = [0, 1].map(|_| renderer.new_view().unwrap());
@@ -77,7 +77,7 @@ fn frames_are_learned_from_and_images_are_right() {
 #[test]
 fn views_that_are_drawn_together_learn_the_same() {
     run_on_all(|device| {
-        let (mut renderer, cameras) = renderer(device, CostModel::default(), 2);
+        let (mut renderer, cameras) = renderer(device, CostModel::Measured, 2);
         let mut views = [0, 1].map(|_| renderer.new_view().unwrap());
         let mut learned = [Corrections::default(); 2];
         for camera in cameras {
@@ -113,7 +113,7 @@ fn views_that_are_drawn_together_learn_the_same() {
 #[test]
 fn views_that_take_turns_learn_each_their_own() {
     run_on_all(|device| {
-        let (mut renderer, cameras) = renderer(device, CostModel::default(), 3);
+        let (mut renderer, cameras) = renderer(device, CostModel::Measured, 3);
         let mut views = [0, 1].map(|_| renderer.new_view().unwrap());
         for camera in cameras {
             for view in &mut views {
@@ -129,9 +129,10 @@ fn views_that_take_turns_learn_each_their_own() {
 /// Checks that learning continues while slots and sizes change under frames whose times were not
 /// read back.
 #[test]
+#[ignore = "long walk"]
 fn learning_goes_on_whatever_changes_between_frames() {
     run_on_all(|device| {
-        let (mut renderer, cameras) = renderer(device, CostModel::default(), 2);
+        let (mut renderer, cameras) = renderer(device, CostModel::Measured, 2);
         let mut views = [0, 1].map(|_| renderer.new_view().unwrap());
         let mut known = 0;
         for (frames_in_flight, size) in [(2, SIZE), (4, SIZE), (1, [96, 101]), (3, [201, 64])] {
@@ -164,7 +165,7 @@ fn learning_goes_on_whatever_changes_between_frames() {
 #[test]
 fn what_is_drawn_to_explain_is_not_learned_from() {
     run_on_all(|device| {
-        let (mut renderer, cameras) = renderer(device, CostModel::default(), 2);
+        let (mut renderer, cameras) = renderer(device, CostModel::Measured, 2);
         let mut view = renderer.new_view().unwrap();
         renderer.set_debug_overlay(DebugOverlay { has_boxes: true, ..Default::default() }).unwrap();
         for camera in &cameras {

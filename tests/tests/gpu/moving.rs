@@ -144,6 +144,7 @@ fn swiftshader_is_exact_while_objects_move() {
 }
 
 #[test]
+#[ignore = "long walk"]
 fn every_way_to_skip_draws_is_exact_while_objects_move() {
     run(Driver::Lavapipe, |device| {
         let moving = Moving::new(SceneKind::City.build(1_000), PathKind::Cut, 60);
@@ -157,6 +158,7 @@ fn every_way_to_skip_draws_is_exact_while_objects_move() {
 /// Checks that every tester is exact while objects move: boxes that moved on the GPU, draws taken
 /// over by others, free leaves.
 #[test]
+#[ignore = "long walk"]
 fn every_tester_is_exact_while_objects_move() {
     run_on_all(|device| {
         for (path, percent) in [(PathKind::Street, 10), (PathKind::Cut, 100)] {

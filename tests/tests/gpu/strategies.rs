@@ -72,6 +72,7 @@ fn swiftshader_every_blocking_method_is_exact() {
 }
 
 #[test]
+#[ignore = "long walk"]
 fn coherent_is_exact_with_ten_thousand_objects() {
     run(Driver::Lavapipe, |device| {
         let scene = SceneKind::City.build(10_000);

@@ -71,6 +71,7 @@ fn cameras(routes: &Routes, path: PathKind, frames: u32) -> Vec<Camera> {
 }
 
 #[test]
+#[ignore = "long walk"]
 fn no_frame_is_more_wrong_than_what_was_counted() {
     run_on_all(|device| {
         let GeneratedScene { scene, routes } = SceneKind::City.build(1_500);
@@ -185,6 +186,7 @@ fn moving_scenes_and_costs_keep_the_bound() {
 }
 
 #[test]
+#[ignore = "long walk"]
 fn the_ideal_and_other_methods_stay_exact() {
     run_on_all(|device| {
         let GeneratedScene { scene, routes } = SceneKind::City.build(400);

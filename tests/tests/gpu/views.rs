@@ -121,6 +121,7 @@ fn a_stereo_pair_is_exact() {
 }
 
 #[test]
+#[ignore = "long walk"]
 fn a_stereo_pair_is_exact_with_every_tester() {
     run_on_all(|device| {
         let scene = SceneKind::City.build(1_000);
@@ -191,6 +192,7 @@ fn each_eye_has_an_ideal_of_its_own() {
 }
 
 #[test]
+#[ignore = "long walk"]
 fn a_stereo_pair_is_exact_while_objects_move() {
     run_on_all(|device| {
         let scene = SceneKind::City.build(1_200);

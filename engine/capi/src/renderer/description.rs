@@ -124,11 +124,14 @@ impl AntumbraSunlight {
     }
 }
 
-/// Tests that cost more than they are expected to save are left out, by costs that are measured
-/// when the renderer is made.
-pub const ANTUMBRA_COST_MODEL_MEASURED: u32 = 0;
-/// All that may be hidden is tested.
+/// Tests that cost more than they are expected to save are left out, by a built-in table of costs
+/// that the times of frames correct.
+pub const ANTUMBRA_COST_MODEL_BUILT_IN: u32 = 0;
+/// Everything that may be hidden is tested.
 pub const ANTUMBRA_COST_MODEL_OFF: u32 = 1;
+/// Tests that cost more than they are expected to save are left out, by costs that are measured
+/// when the renderer is made; they also choose the predication mode.
+pub const ANTUMBRA_COST_MODEL_MEASURED: u32 = 2;
 
 /// The options of a renderer, and the scene that it begins with.
 #[repr(C)]
@@ -158,7 +161,7 @@ pub struct AntumbraRendererDesc {
     /// The most occlusion queries of a frame, any number, or `ANTUMBRA_NO_QUERIES`; objects for
     /// which none is left are drawn. Default: 8192.
     pub query_budget: usize,
-    /// An `ANTUMBRA_COST_MODEL_..`. Default: `ANTUMBRA_COST_MODEL_MEASURED`.
+    /// An `ANTUMBRA_COST_MODEL_..`. Default: `ANTUMBRA_COST_MODEL_BUILT_IN`.
     pub cost_model: u32,
     /// Room for objects that are added later. Default: 0.
     pub spare_objects: u32,
@@ -207,6 +210,7 @@ impl AntumbraRendererDesc {
     /// As the rules of the interface.
     pub(crate) unsafe fn options(&self) -> Result<RendererOptions, Failure> {
         let cost_model = match self.cost_model {
+            ANTUMBRA_COST_MODEL_BUILT_IN => CostModel::default(),
             ANTUMBRA_COST_MODEL_MEASURED => CostModel::Measured,
             ANTUMBRA_COST_MODEL_OFF => CostModel::Off,
             other => {

@@ -10,15 +10,23 @@ use cull::{
 use gpu::PredicationMode;
 
 /// The source of costs.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CostModel {
     /// No costs: everything that may be hidden is tested.
     Off,
-    /// The given table. The way that hidden draws are skipped is the device's usual one.
+    /// The given table; the default is the built-in one. The predication mode is the device's usual
+    /// one.
     Table(CostTable),
-    /// Costs that are measured when the renderer is made: half a second on a software driver.
-    #[default]
+    /// Costs that are measured when the renderer is made, which takes half a second on a software
+    /// driver. They also choose the predication mode.
     Measured,
+}
+
+impl Default for CostModel {
+    /// Returns the built-in table, which needs no measurement.
+    fn default() -> Self {
+        Self::Table(CostTable::default())
+    }
 }
 
 /// The measured costs of a device.

