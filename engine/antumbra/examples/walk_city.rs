@@ -1,11 +1,11 @@
-//! Walks down a street of a city of blocks, and prints how many of them each frame drew.
+//! Walks down a street of a city of blocks, and prints the number of blocks that each frame drew.
 
 use antumbra::glam::{Affine3A, Quat, vec3};
 use antumbra::render::CostModel;
 use antumbra::scene::{Mesh, Object};
 use antumbra::{Camera, Renderer, RendererOptions, Scene};
 
-/// Houses along each side of the city.
+/// The number of houses along each side of the city.
 const SIDE: u16 = 50;
 
 /// Returns a cube of 1 m.
@@ -29,14 +29,14 @@ fn main() -> antumbra::Result<()> {
             ..first
         }
     }));
-    // Tests are made whether they pay or not: on some devices 12 triangles are drawn faster.
+    // Tests everything: on some devices, drawing 12 triangles is faster than a test.
     let options = RendererOptions { cost_model: CostModel::Off, ..Default::default() };
     let mut renderer = Renderer::headless(&scene).options(options).build()?;
     let mut view = renderer.new_view()?;
     for frame in 0..100_u8 {
         let z = -f32::from(frame);
         renderer.render(&mut view, Camera::look_at([300.0, 1.7, z], [300.0, 1.7, z - 1.0]))?;
-        // The outcomes of earlier frames, which are known by now.
+        // The outcomes of the earlier frames that are known by now.
         for outcome in view.drain_stats().filter(|outcome| outcome.frame.0 % 10 == 0) {
             println!("frame {}: {} of {} houses", outcome.frame.0, outcome.draws, SIDE.pow(2));
         }

@@ -1,5 +1,5 @@
-//! The costs of a device, and what is decided by them before the first frame: the way that hidden
-//! draws are skipped, and with it the costs by which tests are weighed.
+//! The costs of a device, and the decisions that they make before the first frame: the predication
+//! mode that skips hidden draws, and the costs by which tests are weighed.
 
 use std::fmt::Display;
 
@@ -14,9 +14,9 @@ use gpu::PredicationMode;
 pub enum CostModel {
     /// No costs: everything that may be hidden is tested.
     Off,
-    /// The given table. The way that hidden draws are skipped is the device's usual one.
+    /// The given table. Hidden draws are skipped by the device's usual predication mode.
     Table(CostTable),
-    /// Costs that are measured when the renderer is made: half a second on a software driver.
+    /// Costs that are measured when the renderer is created, in half a second on a software driver.
     #[default]
     Measured,
 }
@@ -24,16 +24,15 @@ pub enum CostModel {
 /// The measured costs of a device.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct DeviceCosts {
-    /// The costs of tests and draws, apart from those of the executor.
+    /// The costs of tests and draws, without the costs of the executor.
     pub table: CostTable,
     /// The costs of each executor that may be used, in the order of preference.
     pub executors: Vec<(PredicationMode, MeasuredSkip)>,
-    /// The time of the reset of a query by a command on the GPU, and by the CPU (nanoseconds); NaN
-    /// where that is not possible.
+    /// The times of resetting a query by a command and by the CPU.
     pub reset_ns: QueryResetCosts,
 }
 
-/// The costs of the reset of a query (nanoseconds).
+/// The costs of resetting a query (nanoseconds); NaN for a way that the device does not support.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct QueryResetCosts {
     /// By a command: GPU time.
@@ -51,29 +50,29 @@ impl Default for QueryResetCosts {
 /// The decisions about a device and a scene before the first frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CullingSetup {
-    /// The way that hidden draws are skipped.
+    /// The predication mode that skips hidden draws.
     pub predication: PredicationMode,
     /// The costs that decide about tests; `None` where costs are ignored.
     pub table: Option<CostTable>,
-    /// The expected time of skipping in a frame by each executor (nanoseconds); empty where none
-    /// was measured.
+    /// The expected time per frame that each executor takes to skip draws (nanoseconds); empty if
+    /// no executor was measured.
     pub skip_ns: Vec<(PredicationMode, f64)>,
     /// The measured costs of resets.
     pub reset_ns: QueryResetCosts,
 }
 
-/// A scene on a device, for which is decided.
+/// A scene on a device, as the input of a [`CullingSetup`].
 #[derive(Debug, Clone, Copy)]
 pub struct ChoiceRequest<'a> {
-    /// The executors that may be used, in the order of preference; the first is the device's usual
-    /// one. Costs of others are left aside.
+    /// The executors that may be used, in the order of preference. The first is the device's usual
+    /// one. Measured costs of other executors are ignored.
     pub executors: &'a [PredicationMode],
     /// The work of a frame of the scene.
     pub work: SkippedWork,
 }
 
 impl CullingSetup {
-    /// Decides by costs, which `measure` measures if that is asked for.
+    /// Decides by a cost model. Calls `measure` for [`CostModel::Measured`].
     pub fn by<E: Display>(
         cost_model: CostModel,
         request: &ChoiceRequest<'_>,
@@ -92,7 +91,7 @@ impl CullingSetup {
         }
     }
 
-    /// Decides by costs that were measured before, on this device.
+    /// Decides by costs that were measured earlier on this device.
     pub fn of_costs(request: &ChoiceRequest<'_>, device_costs: &DeviceCosts) -> Self {
         let of = |wanted| device_costs.executors.iter().find(|(known, _)| known == wanted).cloned();
         let (usable, skips): (Vec<_>, Vec<_>) = request.executors.iter().filter_map(of).unzip();
@@ -112,7 +111,7 @@ impl CullingSetup {
         }
     }
 
-    /// Takes the executor that is usual.
+    /// Takes the usual executor.
     pub(crate) fn usual(request: &ChoiceRequest<'_>, table: Option<CostTable>) -> Self {
         Self {
             predication: request.executors.first().copied().unwrap_or(PredicationMode::Instances),
@@ -141,7 +140,7 @@ impl CullingSetup {
         model.map_or(usual, |model| model.tester_for(work, size, testers))
     }
 
-    /// Lets the culler of a view weigh tests of a scene by these costs, if there are any.
+    /// Sets these costs in the culler of a view, which weighs tests by them, if there are any.
     pub fn steer(&self, culler: &mut Culler, scene: SceneCosts) {
         if let Some(Err(error)) = self.table.map(|table| culler.set_costs(table, scene)) {
             tracing::warn!("{error}");
