@@ -158,7 +158,7 @@ impl MeshSlots {
         }
     }
 
-    /// Refuses to remove a mesh, with the reason.
+    /// Refuses to remove a mesh that is in use or permanent, with the reason.
     pub(crate) fn check_removal(&self, mesh: MeshId) -> Result<(), &'static str> {
         match (self.residency(mesh), self.slots.get(mesh.0 as usize).map_or(0, |slot| slot.users)) {
             (Residency::Free, _) => Err("the renderer has no such mesh"),
