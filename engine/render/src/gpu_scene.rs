@@ -39,9 +39,6 @@ pub(crate) struct GpuSceneOptions<'a> {
 
 impl GpuScene {
     /// Uploads a scene, with a hierarchy over its objects.
-    ///
-    /// # Errors
-    /// A scene beyond the device's limits, no memory, a failed call, [`gpu::Error::Cancelled`].
     pub(crate) fn upload(
         device: &Device,
         scene: &Scene,
@@ -76,9 +73,6 @@ impl GpuScene {
 
     /// Gathers the transparent objects of a view, which its
     /// [shading](occlusion::ShadedObjects::shade) draws. Returns the number in its frustum.
-    ///
-    /// # Errors
-    /// No memory.
     pub(crate) fn gather_transparent(
         &mut self,
         frame: &mut Frame<'_>,

@@ -168,10 +168,6 @@ impl ShadedObjects for SceneRenderer {
 
 impl SceneRenderer {
     /// Compiles the passes that draw an uploaded scene.
-    ///
-    /// # Errors
-    /// Shadows that the scene or the target cannot have, a shader that does not fit its pass, no
-    /// memory, a failed call.
     pub(crate) fn new(
         device: &Device,
         shaders: &ShaderSet,

@@ -190,8 +190,8 @@ pub struct FrameReport {
     /// The number of vertices that the GPU computes only if the test of a proxy passes, once per
     /// such test.
     pub predicated_vertices: u64,
-    /// The number of vertices of skinned meshes that the GPU computed because a test passed, in the
-    /// frames that were read back for this one.
+    /// The number of vertices of skinned meshes that the GPU did compute, in the frames that were
+    /// read back for this one.
     pub revealed_vertices: u64,
     /// The number of ranges of draws under a predicate.
     pub predicated_draws: u32,

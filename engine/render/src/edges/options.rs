@@ -123,9 +123,6 @@ impl ObjectOutline {
 }
 
 /// Refuses impossible options of edges.
-///
-/// # Errors
-/// [`Error::Edges`].
 pub(crate) fn check_edges(options: &EdgeOptions) -> Result<(), Error> {
     let checks = [
         (is_width(options.width_pixels, 64.0), "a line is above 0 and at most 64 pixels wide"),
@@ -141,9 +138,6 @@ pub(crate) fn check_edges(options: &EdgeOptions) -> Result<(), Error> {
 }
 
 /// Refuses impossible outlines.
-///
-/// # Errors
-/// [`Error::Edges`].
 pub(crate) fn check_outlines(outlines: &[ObjectOutline]) -> Result<(), Error> {
     let is_wide = outlines.iter().all(|outline| is_width(outline.width_pixels, 32.0));
     let is_coloured = outlines.iter().all(|outline| is_colour(&outline.colour));

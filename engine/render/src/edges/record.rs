@@ -26,9 +26,6 @@ struct TransparentEdges {
 }
 
 /// Draws the edges of a view, if they are on.
-///
-/// # Errors
-/// No memory.
 pub(crate) fn record_edges(view_pass: &mut ViewPass<'_, '_>) -> Result<(), Error> {
     let ViewPass { passes, frame, scene, view } = view_pass;
     let options = passes.edges.options;

@@ -44,9 +44,6 @@ impl Edges {
 
     /// Records the upload of what changed since the last frame, before anything of `frame` reads
     /// it.
-    ///
-    /// # Errors
-    /// More segments than the device's storage buffers hold; no memory.
     pub(crate) fn upload(
         &mut self,
         frame: &mut Frame<'_>,

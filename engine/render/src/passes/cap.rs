@@ -102,9 +102,6 @@ pub(crate) struct CapPass {
 
 impl CapPass {
     /// Compiles the pass for renderings to `attachments`, which have a stencil.
-    ///
-    /// # Errors
-    /// A failed call.
     pub(crate) fn new(
         device: &Device,
         shaders: &ShaderSet,

@@ -126,9 +126,6 @@ pub(crate) struct MapPasses {
 
 impl MapPasses {
     /// Compiles the passes for a scene.
-    ///
-    /// # Errors
-    /// A failed call.
     pub(crate) fn new(
         device: &Device,
         shaders: &ShaderSet,

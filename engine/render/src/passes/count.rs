@@ -26,9 +26,6 @@ pub struct CountPass {
 
 impl CountPass {
     /// Compiles the pass for renderings to `attachments`.
-    ///
-    /// # Errors
-    /// A failed call.
     pub fn new(
         device: &Device,
         shaders: &ShaderSet,

@@ -179,9 +179,6 @@ pub(crate) struct OutlinePass {
 
 impl EdgePass {
     /// Compiles the pass for renderings to `attachments`.
-    ///
-    /// # Errors
-    /// No memory, a failed call.
     pub(crate) fn new(
         device: &Device,
         shaders: &ShaderSet,
@@ -222,9 +219,6 @@ impl EdgePass {
 
 impl OutlinePass {
     /// Compiles the pass for renderings to the colours of `attachments` with a stencil.
-    ///
-    /// # Errors
-    /// No memory, a failed call.
     pub(crate) fn new(
         device: &Device,
         shaders: &ShaderSet,

@@ -115,9 +115,6 @@ const _: () = assert!(size_of::<FlareSprite>() == 32);
 
 impl FlarePass {
     /// Compiles the pass for renderings to `attachments`.
-    ///
-    /// # Errors
-    /// A failed call.
     pub fn new(
         device: &Device,
         shaders: &ShaderSet,

@@ -28,9 +28,6 @@ pub(crate) struct FragmentPasses {
 impl FragmentPasses {
     /// Compiles the passes for a scene and its shadows, and for renderings to `attachments`, on a
     /// device whose fragment shaders write to buffers.
-    ///
-    /// # Errors
-    /// A failed call.
     pub(crate) fn new(
         device: &Device,
         shaders: &ShaderSet,

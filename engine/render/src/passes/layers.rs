@@ -57,9 +57,6 @@ impl AreaConstants {
 
 impl LayersPass {
     /// Compiles the pass for renderings to `attachments`.
-    ///
-    /// # Errors
-    /// A device whose fragment shaders cannot write to buffers; a failed call.
     pub(crate) fn new(
         device: &Device,
         shaders: &ShaderSet,

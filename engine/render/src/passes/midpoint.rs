@@ -50,9 +50,6 @@ impl MidpointTile {
 
 impl MidpointPass {
     /// Compiles the pass.
-    ///
-    /// # Errors
-    /// A failed call.
     pub(crate) fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
         let info = GraphicsPipelineInfo {
             fragment: Some(shaders.find("midpoint.frag")?),

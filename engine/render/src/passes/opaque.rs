@@ -122,9 +122,6 @@ impl OpaquePass {
 
     /// Compiles a pass that marks the pixels of objects in the stencil of `attachments`, including
     /// hidden ones, and writes nothing else.
-    ///
-    /// # Errors
-    /// A failed call.
     pub(crate) fn marking(
         device: &Device,
         shaders: &ShaderSet,

@@ -50,9 +50,6 @@ const _: () = assert!(size_of::<Constants>() == 80);
 
 impl OverlayPass {
     /// Compiles the pass for renderings to `attachments`.
-    ///
-    /// # Errors
-    /// A failed call.
     pub fn new(
         device: &Device,
         shaders: &ShaderSet,

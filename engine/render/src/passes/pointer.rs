@@ -34,9 +34,6 @@ pub(crate) struct PointerIo {
 impl PointerPass {
     /// Compiles the pass for renderings to `attachments`, on a device whose fragment shaders write
     /// to buffers.
-    ///
-    /// # Errors
-    /// A failed call.
     pub(crate) fn new(
         device: &Device,
         shaders: &ShaderSet,

@@ -52,9 +52,6 @@ impl SeenConstants {
 
 impl SeenPass {
     /// Compiles the pass for renderings to `attachments`.
-    ///
-    /// # Errors
-    /// A device whose fragment shaders cannot write to buffers; a failed call.
     pub fn new(
         device: &Device,
         shaders: &ShaderSet,

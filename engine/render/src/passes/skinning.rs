@@ -67,9 +67,6 @@ const GROUPS_MAX: u32 = 4096;
 
 impl SkinningPass {
     /// Compiles the pass.
-    ///
-    /// # Errors
-    /// A failed call.
     pub(crate) fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
         let storage = StorageLayout::new::<SkinningJob>(6);
         let name = "skinning.comp";

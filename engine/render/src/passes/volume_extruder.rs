@@ -61,9 +61,6 @@ impl Batch {
 
 impl Extruder {
     /// Compiles the pass.
-    ///
-    /// # Errors
-    /// No memory, a failed call.
     pub(super) fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
         let storage = StorageLayout::new::<VolumeConstants>(6);
         let name = "volume_extrude.comp";

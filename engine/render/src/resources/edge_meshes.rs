@@ -53,9 +53,6 @@ pub(crate) struct EdgeMeshes {
 
 impl EdgeMeshes {
     /// Builds the edges of all meshes except sprites. Waits for copies.
-    ///
-    /// # Errors
-    /// More vertices or segments than the device's storage buffers hold; no memory, a failed call.
     pub(crate) fn new(
         device: &Device,
         geometry: &Geometry,
@@ -166,9 +163,6 @@ impl EdgeMeshes {
 
     /// Records the upload of new segments and of changed draws of leaves, before anything of
     /// `frame` reads them.
-    ///
-    /// # Errors
-    /// More segments than the device's storage buffers hold; no memory.
     pub(crate) fn upload(
         &mut self,
         frame: &mut Frame<'_>,

@@ -10,9 +10,6 @@ use crate::resources::mesh_slots::Residency;
 use crate::resources::volume_meshes::copied_back;
 
 /// Reads the meshes that the GPU holds. Waits for copies.
-///
-/// # Errors
-/// No memory, a failed call.
 pub(crate) fn read_meshes(device: &Device, geometry: &Geometry) -> Result<SectionMeshes, Error> {
     let [vertices, indices] = [&geometry.vertices, &geometry.indices].map(Buffer::whole);
     let vertices = copied_back(device, vertices)?;

@@ -37,9 +37,6 @@ pub(crate) const DARK: [f32; 4] = [0.0; 4];
 
 impl Shading {
     /// Compiles the passes for renderings to `attachments`, with shadows if there are any.
-    ///
-    /// # Errors
-    /// A failed call.
     pub(crate) fn new(
         device: &Device,
         shaders: &ShaderSet,

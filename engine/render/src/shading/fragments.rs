@@ -136,9 +136,6 @@ impl Fragments {
     }
 
     /// Begins the counts of a frame.
-    ///
-    /// # Errors
-    /// No memory, a lost device.
     pub(crate) fn begin_frame(&mut self, frame: &Frame<'_>) -> Result<(), Error> {
         self.view = None;
         self.is_counting = false;

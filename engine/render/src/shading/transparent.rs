@@ -187,9 +187,6 @@ impl Transparent {
     }
 
     /// Gathers the objects of a view for the draws of its frame. Returns the number in its frustum.
-    ///
-    /// # Errors
-    /// No memory.
     pub(crate) fn gather(
         &mut self,
         frame: &mut Frame<'_>,

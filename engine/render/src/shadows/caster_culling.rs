@@ -81,9 +81,6 @@ pub(crate) fn can_skip(device: &Device, executor: PredicationMode) -> bool {
 
 impl CasterCulling {
     /// Creates an empty history for every light.
-    ///
-    /// # Errors
-    /// No memory, a failed call.
     pub(super) fn new(device: &Device, frames_in_flight: usize) -> Result<Self, Error> {
         let source = ResultSource::Fragments;
         let capacity = 1024;

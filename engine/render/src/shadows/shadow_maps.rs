@@ -88,9 +88,6 @@ impl MapUses {
 
 impl ShadowMaps {
     /// Creates maps for options that were checked.
-    ///
-    /// # Errors
-    /// A side beyond the device's limits, no memory, a failed call.
     pub(crate) fn new(
         device: &Device,
         options: ShadowOptions,
@@ -140,9 +137,6 @@ impl ShadowMaps {
     }
 
     /// Skips casters by an executor from now on.
-    ///
-    /// # Errors
-    /// No memory, a failed call.
     pub(crate) fn skip_by(
         &mut self,
         executor: PredicationMode,

@@ -6,7 +6,8 @@ use gpu::PredicationMode;
 use occlusion::DriverQuirks;
 
 /// Returns the executor that skips ranges of casters individually: `wanted`, the executor of the
-/// scene, if possible, else another that `can` skip casters. `None` if none of them can be trusted.
+/// scene, if possible, else another that `can` skip casters. `None` if none can be trusted. Casters
+/// are never compacted.
 pub(crate) fn caster_executor(
     quirks: &DriverQuirks,
     wanted: PredicationMode,

@@ -117,9 +117,6 @@ impl VolumeShadows {
     }
 
     /// Skips casters by an executor from now on.
-    ///
-    /// # Errors
-    /// No memory, a failed call.
     pub(super) fn skip_by(
         &mut self,
         executor: PredicationMode,
