@@ -9,7 +9,7 @@
 //!             any
 //! ```
 //!
-//! The results of a batch are read when its tick is over; the driver is not asked about queries.
+//! The results of a batch are read when its tick is over; queries are not read through the driver.
 
 use std::collections::VecDeque;
 use std::ops::Range;

@@ -27,7 +27,7 @@ pub enum Error {
         "the view has no plan for the scene as it is: plan it once before each `execute`, after all changes of the scene"
     )]
     NoPlan,
-    /// The buckets of a draw or method do not match those of the table.
+    /// The buckets of a draw or method do not match the buckets of the table.
     #[error(transparent)]
     Buckets(#[from] BucketError),
     /// A plan has draws among its tests, and the host draws only before and after the tests.

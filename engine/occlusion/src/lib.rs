@@ -9,7 +9,7 @@
 //! |---|---|
 //! | [`CulledScene`] | hierarchy, draws per leaf and passes of a scene; adds, moves, removes objects |
 //! | [`FrameScope`] | a frame of a scene: uploads, plans, records, ends |
-//! | [`OcclusionState`] | one view: its culler, its tests on their way, its newest plan |
+//! | [`OcclusionState`] | one view: its culler, its tests in flight, its newest plan |
 //! | [`ObjectRenderer`] | the seam to the owner of the objects |
 //! | [`TransparentList`] | objects that hide nothing, drawn in their order where they show |
 //! | [`LeafTable`] | box, draws and counts per leaf of the hierarchy, on the CPU and the GPU |

@@ -122,8 +122,9 @@ impl CullingSetup {
     }
 
     /// Returns the tester that is expected to cost least in a frame of this work, on an image of
-    /// this size in pixels; without costs flags, where there are any, else the one that is left.
-    /// [`Strategy::ANTUMBRA`](cull::Strategy::ANTUMBRA) decides again for the boxes of each frame.
+    /// this size in pixels. Without costs it is the flag tester if available, else queries, else
+    /// the compute tester. [`Strategy::ANTUMBRA`](cull::Strategy::ANTUMBRA) decides again for the
+    /// boxes of each frame.
     pub fn tester(
         &self,
         work: &SkippedWork,

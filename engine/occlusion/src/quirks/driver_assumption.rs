@@ -16,7 +16,7 @@ pub enum DriverAssumption {
     /// A proxy covers every sample that its object covers: vertices are snapped as finely as the
     /// device reports.
     ProxyCoverage,
-    /// No fragment of a proxy is farther than that of its object at the same sample.
+    /// No fragment of a proxy is farther than the fragment of its object at the same sample.
     ProxyDepth,
     /// Fragment shaders with early tests write nothing where the depth test fails.
     EarlyTests,

@@ -1,5 +1,5 @@
-//! The volume pass: stencil shadow volumes against a depth that is there, and a mask of the pixels
-//! that are in the shadow of each light.
+//! The volume pass: stencil shadow volumes against an existing depth, and a mask of the pixels that
+//! are in the shadow of each light.
 //!
 //! ```text
 //! copy depth      depth -> depth with a stencil beside it

@@ -33,7 +33,7 @@ impl MeshForms {
 }
 
 impl LodTable {
-    /// Appends the indices and draws of coarser levels to those of the meshes.
+    /// Appends the indices and draws of coarser levels to the indices and draws of the meshes.
     pub(crate) fn join(
         scene: &Scene,
         indices: &mut Vec<u32>,

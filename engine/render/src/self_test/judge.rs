@@ -117,7 +117,7 @@ pub(super) fn hidden_proxies(pixels: &[u32], found: &TestedProxies, of: &str) ->
     CheckResult::of_faults(wrong, pixels.len(), &format!("hidden boxes count as visible by {of}"))
 }
 
-/// Judges the samples of a proxy by the samples of its object, none of which may be missing.
+/// Judges the samples of a proxy by the samples of its object: the proxy must cover all of them.
 pub(super) fn enclosing(
     pixels: &[u32],
     samples: &[u32],

@@ -7,7 +7,7 @@ use gpu::{Device, FrameRing, OptionalFeature, QueryRing, Resubmission};
 use crate::costs::device_costs::QueryResetCosts;
 use crate::error::Error;
 
-/// Queries of the shorter measurement; the longer one has twice as many.
+/// The number of queries in the shorter measurement; the longer one has twice that number.
 const QUERIES: usize = 256;
 
 const ROUNDS: usize = 3;
