@@ -332,8 +332,8 @@ impl Renderer {
         self.scene.testers(&self.passes.target, DrawPhases::PerRound)
     }
 
-    /// Returns the strategy to use in place of a `wanted` one that the device supports: another one
-    /// if the driver cannot be trusted with what the wanted one depends on.
+    /// Returns `wanted`, a strategy that the device supports, or a replacement for it if the driver
+    /// cannot be trusted with its tests.
     pub(crate) fn usable(&self, wanted: Strategy) -> Strategy {
         self.testers().counting(self.threshold_samples).strategy(wanted)
     }
