@@ -1,5 +1,5 @@
-//! Walks past a wall with a field of tiles behind it by every method, and prints what a frame of
-//! each draws, tests and waits for.
+//! Walks past a wall with a field of tiles behind it by every method. Prints the draws, tests and
+//! waits of a frame by each.
 
 use std::error::Error;
 
@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         Object { mesh: MeshId(1), transform, tint: u32::MAX }
     }));
     let device = antumbra::open()?;
-    // Tests are made whether they pay or not: with so few triangles, hardly any does.
+    // Tests everything, since tests hardly ever pay with this number of triangles.
     let methods = antumbra::methods::all();
     let cost_model = CostModel::Off;
     let options = RendererOptions { size: SIZE, methods, cost_model, ..Default::default() };
@@ -52,7 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 projection: Projection::perspective(0.9),
                 near: 0.1,
             };
-            // For the bound of all methods, which draws what is known to be visible.
+            // For the ideal method, which draws the known visible objects.
             let known = renderer.visible_set(&mut beforehand, camera, Rect::whole(SIZE))?;
             let request = FrameRequest::new(strategy, camera);
             let request = FrameRequest { visible: Some(&known), ..request };

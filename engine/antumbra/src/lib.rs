@@ -1,8 +1,8 @@
-//! A Vulkan engine that draws only what can be seen, never waits for the GPU to find out, and never
+//! A Vulkan engine that draws only visible objects, never waits for the GPU to find them, and never
 //! shows a wrong pixel.
 //!
-//! This crate is the one that programs depend on: the crates of the engine under their short names,
-//! and at its root the items that every program needs.
+//! Programs depend on this crate: it has the crates of the engine under short names, and at its
+//! root the items that every program needs.
 //!
 //! ```no_run
 //! use antumbra::{Camera, Renderer, open_scene};
@@ -21,9 +21,9 @@
 //! # Ok(()) }
 //! ```
 //!
-//! A [`FrameRequest`] in place of the camera asks for another strategy, for a copy of the image,
-//! or for a host's commands over it; [`RendererOptions`] has what a renderer can be made with. A
-//! scene needs no file: [`scene::Scene`] is plain data.
+//! Pass a [`FrameRequest`] instead of the camera for another strategy, for a copy of the image, or
+//! for a host's commands over the image. [`RendererOptions`] has the options of a renderer. A scene
+//! needs no file: [`scene::Scene`] is plain data.
 //!
 //! | module | contents |
 //! |---|---|
@@ -69,14 +69,14 @@ pub use gpu::{Device, Readback};
 pub use render::{FrameRequest, RenderView, Renderer, RendererOptions};
 pub use scene::{Scene, SceneUpdate};
 
-/// The result of a program's `main`: any error, with its sentence.
+/// The result of a program's `main`, with any error.
 pub type Result<T> = std::result::Result<T, Box<dyn std::error::Error + Send + Sync>>;
 
-/// Loads the scene of a .gltf, .glb, .stl or .obj file at rest. Deviations of the file are logged
-/// as warnings; [`import::load`] returns them, and what the scene needs to move.
+/// Loads a .gltf, .glb, .stl or .obj file as a scene at rest. Deviations of the file are logged as
+/// warnings. [`import::load`] returns these deviations, and also the animations.
 ///
 /// # Errors
-/// Those of [`import::load`].
+/// The errors of [`import::load`].
 #[cfg(feature = "import")]
 pub fn open_scene(
     file: impl AsRef<std::path::Path>,

@@ -1,4 +1,5 @@
-//! The examples of pages: each is compiled here, and a tidy rule compares.
+//! The examples in documentation pages. They are compiled here, and a tidy rule compares the
+//! copies.
 
 /// From docs/shadows.md.
 ///

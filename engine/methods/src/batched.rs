@@ -1,5 +1,5 @@
-//! Batched occlusion queries (GPU Gems, 29.3): a query per object behind some large occluders, and
-//! a wait for all.
+//! Batched occlusion queries (GPU Gems, 29.3): a query for each object after some large occluders,
+//! and one wait for all queries.
 
 use cull::{BatchedOptions, BlockingKind, Strategy};
 use occlusion::MethodConstructor;

@@ -1,5 +1,5 @@
-//! The frame of a method that needs results before it can go on: batch by batch, each submitted
-//! before the next is decided. A state machine of `cull` decides the draws and tests.
+//! The frame of a method that needs results before it can continue. Each batch is submitted before
+//! the next is decided. A state machine in `cull` decides about the draws and tests.
 //!
 //! ```text
 //! batch       the first clears; draws, some under a query each, then boxes under a query each;
@@ -9,7 +9,7 @@
 //!             any
 //! ```
 //!
-//! The results of a batch are read when its tick is over: no query is read through the driver.
+//! The results of a batch are read when its tick is over; queries are not read through the driver.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -30,7 +30,8 @@ use occlusion::{
 
 const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 
-/// The state of one view, for all of the methods: each keeps its history while another is in use.
+/// The state of one view for all blocking methods. Each method keeps its history while another is
+/// in use.
 struct BlockingState {
     cullers: Vec<(BlockingKind, BlockingCuller)>,
     queries: BlockingQueryPool,
@@ -38,7 +39,7 @@ struct BlockingState {
 
 impl MethodState for BlockingState {}
 
-/// One of the methods.
+/// A blocking method.
 #[derive(Clone, Copy)]
 struct BlockingMethod {
     strategy: [Strategy; 1],
@@ -51,7 +52,7 @@ pub(crate) fn blocking(strategy: Strategy, kind: BlockingKind) -> MethodConstruc
     MethodConstructor::new(move || Box::new(method))
 }
 
-/// A part of a frame that was submitted and has results to come.
+/// A submitted part of a frame with results to come.
 struct Submission {
     queries: Range<u32>,
     tick: Tick,
@@ -127,18 +128,18 @@ impl Method for BlockingMethod {
 }
 
 impl BlockingMethod {
-    /// Returns the kind of queries: they count samples where a threshold needs it.
+    /// Returns the kind of queries. They count samples if a threshold needs it.
     fn counting(&self) -> Counting {
         if self.kind.counts_samples() { Counting::Samples } else { Counting::Some }
     }
 
-    /// Returns true if the batches draw depth alone and the colour comes last, as an option demands
-    /// it in scenes that are not drawn so anyway.
+    /// Returns true if the batches draw only depth and the colour comes last: an option of the
+    /// method, for scenes that are not drawn in this way anyway.
     fn is_depth_first(&self, objects: &dyn ShadedObjects) -> bool {
         self.kind.first_pass() == FirstPass::DepthOnly && !objects.shades_later()
     }
 
-    /// Records a frame up to its last batch, which is not submitted yet.
+    /// Records a frame and submits all its batches except the last.
     fn record_batches(
         &self,
         frame: &mut Frame<'_>,
@@ -229,7 +230,7 @@ impl BlockingMethod {
         });
     }
 
-    /// Draws the image if there is only its depth so far.
+    /// Draws the image if only its depth has been drawn so far.
     fn record_end(
         &self,
         frame: &mut Frame<'_>,
@@ -270,8 +271,8 @@ struct RecordedBatch<'a> {
 }
 
 impl BatchIo {
-    /// Writes `batch` into the memory of `frame`, and takes a query for each of its tests: those of
-    /// a batch have consecutive tokens, and a token is the number of its query.
+    /// Writes `batch` into the memory of `frame`, and takes a query for each of its tests. The
+    /// tests of a batch have consecutive tokens, and a token is the number of its query.
     fn write(
         frame: &mut Frame<'_>,
         batch: &Batch,
@@ -292,7 +293,7 @@ impl BatchIo {
     }
 }
 
-/// Draws in one call from one leaf under a query to the next.
+/// Draws leaves. The leaves between two queried ones share one call.
 fn draw(
     commands: &Commands,
     leaves: &[BatchDraw],
@@ -333,7 +334,7 @@ fn culler_of(
     &mut cullers[place].1
 }
 
-/// Waits for the submission with a query.
+/// Waits for the submission that contains a query.
 fn wait(
     frame: &mut Frame<'_>,
     under_way: &VecDeque<Submission>,
@@ -345,7 +346,7 @@ fn wait(
     }
 }
 
-/// Takes the results of the submissions that are over, in their order.
+/// Reads the results of the submissions that are over, in their order.
 fn collect(
     completed: Tick,
     under_way: &mut VecDeque<Submission>,

@@ -1,5 +1,5 @@
 //! Coherent hierarchical culling as published (CHC; Bittner, Wimmer, Piringer, Purgathofer 2004;
-//! GPU Gems 2, 6.4 and 6.5): queries of the frontier and draws interleave, several submits per
+//! GPU Gems 2, 6.4 and 6.5): queries of the frontier alternate with draws, in several submits per
 //! frame.
 
 use cull::{BlockingKind, ChcOptions, Strategy};

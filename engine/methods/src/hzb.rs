@@ -12,8 +12,8 @@
 //! read back   counts -> mapped memory of this slot
 //! ```
 //!
-//! The image is exact for the reason in `pyramid.glsl`: an object that phase 2 leaves out is, at
-//! each sample it could own, farther than the draws of phase 1.
+//! The proof that the image is exact is in `pyramid.glsl`: an object that phase 2 leaves out is, at
+//! each sample that it could own, farther than the draws of phase 1.
 
 mod build;
 mod cull;
@@ -38,7 +38,7 @@ use state::{COUNTER_BYTES, HzbState};
 pub const HZB: Strategy =
     Strategy::new("hzb", "two phases against a depth pyramid, on the GPU").gpu_driven();
 
-/// The method; its objects on the device are made for the first frame.
+/// The method. Its GPU objects are created for the first frame.
 #[derive(Default)]
 struct HzbMethod {
     frame: Option<HzbFrame>,
@@ -95,7 +95,8 @@ impl Method for HzbMethod {
         Ok(Box::new(Self { frame: frame.transpose()? }))
     }
 
-    /// Drops the pyramid and its buffers, which are of a size; the next frame makes others.
+    /// Drops the pyramid and its buffers, whose size depends on the target; the next frame makes
+    /// new ones.
     fn resized(&mut self) {
         self.frame = None;
     }
@@ -107,19 +108,19 @@ struct HzbFrame {
     cull: HzbCullPass,
     list: Buffer,
     list_kind: ListKind,
-    /// The offset of the second phase's list: over the list of the first, unless both are drawn
+    /// The offset of the second phase's list. It overwrites the first list unless both are drawn
     /// again.
     second_bytes: u64,
     counters: Buffer,
     leaf_count: u32,
 }
 
-/// The lists of the two phases that are kept once a frame is drawn.
+/// The lists that are kept once a frame has been drawn.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Lists {
-    /// The list of the second: the other is not needed any more.
+    /// The list of the second phase; the first list is not needed any more.
     One,
-    /// Both, to be drawn again.
+    /// The lists of both phases, which are drawn again.
     Both,
 }
 
@@ -140,9 +141,6 @@ impl HzbFrame {
     }
 
     /// Compiles the passes and makes room for the leaves of `hierarchy`.
-    ///
-    /// # Errors
-    /// A device that lacks something, too large an image or scene, no memory.
     fn new(
         device: &Device,
         shaders: &ShaderSet,
@@ -179,9 +177,6 @@ impl HzbFrame {
     }
 
     /// Checks that the device can hold the leaves of `hierarchy` and images of `size`.
-    ///
-    /// # Errors
-    /// The name of what is missing or too large.
     fn check(device: &Device, hierarchy: &Hierarchy, size: [u32; 2]) -> Result<(), Error> {
         let limits = &device.adapter().limits;
         let leaf_count = hierarchy.leaf_objects().len() as u32;
@@ -195,9 +190,6 @@ impl HzbFrame {
     }
 
     /// Records a frame of one view.
-    ///
-    /// # Errors
-    /// No memory.
     fn record(
         &self,
         frame: &mut Frame<'_>,
@@ -218,7 +210,8 @@ impl HzbFrame {
         kept.begin(scene.device(), scene.hierarchy(), state.plan().frame, frame.slot())?;
         let commands = frame.commands();
         objects.prepare_draws(commands, UpcomingDraws::All);
-        // The frames before, on this view or another, may still read what is written here.
+        // Earlier frames, of this view or another, may still read the buffers that are written
+        // here.
         let earlier = [Access::ComputeWrite, Access::IndirectRead, Access::CopyRead];
         let between = MemoryBarrier::between;
         commands.barrier(between(&earlier, &[Access::CopyWrite]));
@@ -265,7 +258,7 @@ impl HzbFrame {
             self.pyramid.record(commands, objects.target(), Rect::of(view));
         });
         commands.pass("test boxes", |commands| {
-            // The list of phase 1 has been drawn.
+            // The list of phase 1 has already been drawn.
             let between = MemoryBarrier::between;
             commands.barrier(between(&[Access::IndirectRead], &[Access::ComputeWrite]));
             let io = HzbCullIo { list: self.list(Phase::Second), ..io };
@@ -288,7 +281,7 @@ impl HzbFrame {
         });
     }
 
-    /// Returns the room for the list of `phase`, which is bound in a scene without leaves too.
+    /// Returns the memory for the list of `phase`. It can be bound even in a scene without leaves.
     fn list(&self, phase: Phase) -> BufferSlice {
         let start = if phase == Phase::Second { self.second_bytes } else { 0 };
         self.list.whole().part(start, u64::from(self.leaf_count.max(1)) * DRAW_BYTES)

@@ -1,6 +1,6 @@
 //! The ideal (the optimum of the papers on coherent hierarchical culling): draws exactly the
-//! objects that own a pixel, found beforehand, and tests nothing. The lower bound of every method,
-//! for comparison only.
+//! objects that own a pixel, which were found in advance, and tests nothing. It is the lower bound
+//! of every method, for comparison only.
 
 use cull::Strategy;
 use gpu::{Frame, OptionalFeature};
@@ -26,7 +26,8 @@ impl Method for Ideal {
         &[IDEAL]
     }
 
-    /// Checks that fragment shaders can write to buffers, which finding the visible objects takes.
+    /// Checks that fragment shaders can write to buffers, which the search for visible objects
+    /// needs.
     fn supports(&self, strategy: Strategy, support: &MethodSupport<'_>) -> Result<(), Error> {
         if support.scene.device().capabilities().has(OptionalFeature::FragmentStores) {
             return Ok(());

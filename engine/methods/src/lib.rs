@@ -1,10 +1,11 @@
-//! The methods of the literature and of today's engines, a file each: they run on the same scenes,
-//! frames and passes as Antumbra's own, so that comparisons compare methods and nothing else.
+//! The published methods and the methods of today's engines, a file each. They run on the same
+//! scenes, frames and passes as Antumbra's own method, so that comparisons compare nothing but
+//! methods.
 //!
 //! A renderer supports the methods that it is given ([`all`]). A new method is a file with a type
-//! that implements [`occlusion::Method`], and a line in [`all`]. A method that waits for results
-//! has its decisions in the crate `cull`, as a [`cull::BlockingKind`]: there a simulated GPU tests
-//! them.
+//! that implements [`occlusion::Method`], and a line in [`all`]. The decisions of a method that
+//! waits for results are in the crate `cull`, as a [`cull::BlockingKind`], where a simulated GPU
+//! tests them.
 //!
 //! ```
 //! # use antumbra_methods as methods;
@@ -35,8 +36,8 @@ pub use naive::NAIVE;
 pub use next_frame::NEXT_FRAME;
 pub use stop_and_wait::STOP_AND_WAIT;
 
-/// Returns the constructors of all methods, with their default options. Of several methods with one
-/// strategy a renderer takes the first, so that one with other options goes before these.
+/// Returns the constructors of all methods, with their default options. If several methods have the
+/// same strategy, a renderer takes the first: put a method with other options before these.
 pub fn all() -> Vec<MethodConstructor> {
     vec![
         naive::method(),
@@ -49,8 +50,8 @@ pub fn all() -> Vec<MethodConstructor> {
     ]
 }
 
-/// Returns every strategy of a renderer that is given [`all`] methods: the baseline first, then
-/// those of the literature, ours, and the bound.
+/// Returns every strategy of a renderer with the methods of [`all`]: the baseline, the published
+/// methods, Antumbra's own, and the ideal.
 pub fn strategies() -> Vec<Strategy> {
     let theirs = all().into_iter().flat_map(|method| method.construct().strategies().to_vec());
     let mut all: Vec<Strategy> = theirs.chain(Strategy::PLANNED).collect();

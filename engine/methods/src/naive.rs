@@ -1,5 +1,5 @@
-//! Naive occlusion queries (GPU Gems, 29.2): a query per object, front to back, and a wait for
-//! each.
+//! Naive occlusion queries (GPU Gems, 29.2): a query for each object, front to back, with a wait
+//! after each query.
 
 use cull::{BlockingKind, Strategy};
 use occlusion::MethodConstructor;

@@ -1,5 +1,5 @@
-//! Next-frame occlusion queries (GPU Gems, 29.4): a query per object, read in a later frame to
-//! decide about that one. Never waits, and is wrong until its results are read back.
+//! Next-frame occlusion queries (GPU Gems, 29.4): a query for each object, whose result decides in
+//! a later frame. Never waits, and its images are wrong until results arrive.
 
 use cull::Strategy;
 use gpu::Frame;
@@ -12,7 +12,7 @@ use occlusion::{
 pub const NEXT_FRAME: Strategy =
     Strategy::new("next_frame", "a query per object, used a frame later: it pops").inexact();
 
-/// The method of plans in which no draw depends on the tests of the frame.
+/// The method of plans in which no draw depends on a test of the same frame.
 struct NextFrame;
 
 /// Returns the method's constructor.

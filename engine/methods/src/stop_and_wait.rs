@@ -1,5 +1,5 @@
-//! Hierarchical stop-and-wait (GPU Gems 2, 6.3): the hierarchy from the root down, a wait at each
-//! node.
+//! Hierarchical stop-and-wait (GPU Gems 2, 6.3): traverses the hierarchy from the root down, with a
+//! wait at each node.
 
 use cull::{BlockingKind, Strategy};
 use occlusion::MethodConstructor;

@@ -1,5 +1,5 @@
-//! The method of plans: coherent hierarchical culling (GPU Gems 2, 6.4) whose results come late,
-//! made exact by predicates; and plain frustum culling, which is a plan without tests.
+//! Antumbra's own method: coherent hierarchical culling (GPU Gems 2, 6.4) with results that are
+//! read in later frames, made exact by predicates. Plain frustum culling is a plan without tests.
 
 use cull::Strategy;
 use gpu::{Frame, OptionalFeature};

@@ -19,7 +19,7 @@ use crate::shader_set::ShaderSet;
 /// An object of a host.
 #[derive(Clone, Copy, Debug)]
 pub struct HostObject<'a> {
-    /// The box around all that it draws.
+    /// The box around everything that it draws.
     pub bounds: Aabb,
     /// Its draws, in any order; they are recorded bucket after bucket.
     pub draws: &'a [BucketDraw],
@@ -28,37 +28,37 @@ pub struct HostObject<'a> {
 /// The options of a [`CulledScene`].
 #[derive(Clone, Debug)]
 pub struct CulledSceneOptions<'a> {
-    /// The number of objects that there is room for at first.
+    /// The initial room for objects.
     pub object_capacity: usize,
-    /// The number of draws that there is room for at first.
+    /// The initial room for draws.
     pub draw_capacity: u32,
-    /// The number of buckets, which are the owner's pipelines: at most
+    /// The number of buckets, one per pipeline of the owner: at most
     /// [`MAX_BUCKETS`](crate::MAX_BUCKETS).
     pub bucket_count: u32,
     /// The number of frames that may be in flight at once.
     pub frames_in_flight: usize,
-    /// The predication mode; `None` takes the mode that costs least, or without costs the device's
+    /// The predication mode. `None` takes the mode that costs least, or without costs the device's
     /// usual mode. A mode that `quirks` disable is replaced.
     pub predication: Option<PredicationMode>,
     /// [`DrawPhases::Two`] for a host that draws from [lists](crate::FrameScope::list).
     pub draw_phases: DrawPhases,
     /// The configuration of the cullers of all views.
     pub cull_config: CullConfig,
-    /// The parts of the driver that are not used.
+    /// The parts of the driver that must not be used.
     pub quirks: DriverQuirks,
     /// The [measured](crate::measure) costs of the device. They decide about the predication mode
-    /// for the capacity, and in each frame about the boxes to test and the test of each. Without
-    /// costs everything that may be hidden is tested.
+    /// for the initial room, and in each frame about the boxes to test and the tester of each box.
+    /// Without costs, everything that may be hidden is tested.
     ///
-    /// A device that was adopted without a queue cannot be measured, since nothing submits there:
-    /// before its first frame, measure the same device adopted with a queue. Where a host draws
-    /// from lists, the costs of skipped draws are the costs of
+    /// A device that was adopted without a queue cannot be measured, since the engine cannot submit
+    /// to it: adopt the same device with a queue first, and measure there. Where a host draws from
+    /// lists, the costs of skipped draws are the costs of
     /// [`PredicationMode::Compacted`](gpu::PredicationMode::Compacted).
     pub costs: Option<&'a DeviceCosts>,
 }
 
 impl Default for CulledSceneOptions<'_> {
-    /// Returns the options of a small scene in one bucket, for two frames in flight.
+    /// Returns the options of a small scene with one bucket and two frames in flight.
     fn default() -> Self {
         Self {
             object_capacity: 1024,
@@ -74,12 +74,12 @@ impl Default for CulledSceneOptions<'_> {
     }
 }
 
-/// A scene as the culler and the GPU hold it. All its views share the hierarchy over the boxes,
-/// the table of draws, the passes that test boxes, and the decision how hidden draws are skipped.
+/// The scene as the culler and the GPU hold it. All its views share the hierarchy over the boxes,
+/// the table of draws, the passes that test boxes, and the predication mode.
 ///
-/// A host [adds](CulledScene::add), moves and removes objects that have any number of draws in its
-/// own pipelines, and records [frames](CulledScene::begin) of it. Changes reach the GPU with the
-/// next frame; nothing waits.
+/// A host [adds](CulledScene::add), moves and removes objects. Each object has any number of draws,
+/// in pipelines of the host. The host records [frames](CulledScene::begin) of the scene. Changes
+/// reach the GPU with the next frame; nothing waits.
 pub struct CulledScene {
     pub(crate) device: Device,
     pub(crate) hierarchy: Hierarchy,
@@ -90,12 +90,12 @@ pub struct CulledScene {
     pub(crate) cull_config: CullConfig,
     pub(crate) draw_phases: DrawPhases,
     pub(crate) query_shares: QueryShares,
-    /// The ranges of a change; kept to allocate nothing.
+    /// The ranges of a change; kept to allocate nothing in the steady state.
     reordered: Vec<LeafRange>,
 }
 
-/// The parts of a scene whose owner keeps them in step: a change of the hierarchy marks the leaves
-/// that changed, and the owner uploads them.
+/// The parts of a scene whose owner keeps them consistent: it changes the hierarchy, marks the
+/// leaves that changed, and uploads them.
 pub struct ScenePartsMut<'a> {
     /// The hierarchy over the boxes.
     pub hierarchy: &'a mut Hierarchy,
@@ -106,14 +106,14 @@ pub struct ScenePartsMut<'a> {
 }
 
 impl CulledScene {
-    /// Creates a scene without objects, whose views are drawn to these attachments, and compiles
-    /// the passes that test boxes. The buffers grow where more objects or draws come than there is
-    /// room for.
+    /// Creates a scene without objects and compiles the passes that test boxes. Its views are drawn
+    /// to targets with these attachments. The buffers grow when more objects or draws come than
+    /// they have room for.
     ///
     /// # Errors
-    /// [`gpu::Error::Unsupported`] for a predication mode that the device lacks, or several views
-    /// at once without multiview; [`gpu::Error::TooLarge`] and [`Error::Hierarchy`] for more
-    /// objects or draws than there can be; no memory; a failed call.
+    /// [`gpu::Error::Unsupported`] for a predication mode that the device lacks, or for several
+    /// views at once without multiview; [`gpu::Error::TooLarge`] and [`Error::Hierarchy`] for too
+    /// many objects or draws; no memory; a failed call.
     pub fn new(
         device: &Device,
         attachments: Attachments,
@@ -149,9 +149,9 @@ impl CulledScene {
         Ok(Self { cull_config, draw_phases, ..scene })
     }
 
-    /// Creates a scene with one mesh per object, of a hierarchy that its owner keeps
-    /// [in step](CulledScene::parts_mut) with the draws. `draw_of` returns the mesh of an object.
-    /// Everything that may be hidden is tested, as in [`CulledScene::new`].
+    /// Creates a scene with one mesh per object from a hierarchy. `draw_of` returns the mesh of an
+    /// object. The owner keeps the hierarchy and the draws [consistent](CulledScene::parts_mut).
+    /// Everything that may be hidden is tested until [`CulledScene::with_setup`] sets costs.
     ///
     /// # Errors
     /// [`gpu::Error::Unsupported`] for a predication mode that the device lacks;
@@ -174,7 +174,7 @@ impl CulledScene {
         Ok(Self::of_parts(device, hierarchy, leaves, passes, setup, frames_in_flight))
     }
 
-    /// Decides by `setup`, which the predication mode of the scene was chosen by.
+    /// Sets the decisions of `setup`, which the predication mode of the scene was chosen by.
     #[must_use]
     pub fn with_setup(self, setup: CullingSetup) -> Self {
         Self { setup, ..self }
@@ -203,15 +203,15 @@ impl CulledScene {
     }
 
     /// Returns the visibility tests that plans may use, for views that are drawn to `target` in
-    /// these phases: the tests that the device has and that it can be
-    /// [trusted](OcclusionPasses::with_quirks) with, and none where a mode that skips hidden draws
-    /// is not to be trusted.
+    /// these phases. These are the tests that the device supports and that the driver can be
+    /// [trusted](OcclusionPasses::with_quirks) with. There are none if the predication mode cannot
+    /// be trusted.
     pub fn testers(&self, target: &Target, draw_phases: DrawPhases) -> VisibilityTestSupport {
         let own = self.leaves.predicates.predication();
         let executors: &[PredicationMode] = match draw_phases {
             DrawPhases::PerRound => &[own],
-            // The host draws compacted lists, whose commands lack instances where their number is
-            // not counted; boxes of leaves are drawn by the table.
+            // The host draws compacted lists. Where their commands are not counted, the unused ones
+            // have no instances. Boxes of leaves are drawn from the table.
             DrawPhases::Two => &[own, PredicationMode::Compacted, PredicationMode::Instances],
         };
         let offered = self.passes.testers(&self.device, target);
@@ -220,8 +220,8 @@ impl CulledScene {
         executors.iter().fold(offered, |offered, executor| quirks.testers(offered, *executor))
     }
 
-    /// Refuses a change of the target's size, from the first to the second, that takes away a
-    /// visibility test: views plan with the tests that there were when they were made.
+    /// Refuses a change of the target's size that takes away a visibility test: the plans of
+    /// existing views may use every test that was available when the view was created.
     ///
     /// # Errors
     /// A size that is too large for a test.
@@ -252,7 +252,7 @@ impl CulledScene {
         &self.passes
     }
 
-    /// Returns the parts of the scene, for an owner who changes them in step.
+    /// Returns the parts of the scene, for an owner that changes them consistently.
     pub fn parts_mut(&mut self) -> ScenePartsMut<'_> {
         ScenePartsMut {
             hierarchy: &mut self.hierarchy,
@@ -272,21 +272,21 @@ impl CulledScene {
         self.leaves.set_frames_in_flight(frames_in_flight);
     }
 
-    /// Returns what was decided about the device and the scene when it was made: the predication
-    /// mode, and the costs that decided.
+    /// Returns the decisions that were made at creation: the predication mode, and the costs behind
+    /// it.
     pub fn culling_setup(&self) -> &CullingSetup {
         &self.setup
     }
 
-    /// Adds objects, and their ids, in the same order, to `added`. An id may have belonged to an
-    /// object that is gone. Where there are as many as there were before, the hierarchy is built
-    /// again; else the time depends on their number alone, unless there is no room for them. Then
-    /// room is made for a sixteenth more than all, and the next frame uploads everything to larger
-    /// buffers. A large scene should be created with its capacity.
+    /// Adds objects, and appends their ids to `added` in the same order. An id may have belonged to
+    /// an object that was removed. If the number of objects at least doubles, the hierarchy is
+    /// built again; otherwise the time depends only on the number of new objects, unless there is
+    /// no room for them. Then room is made for a sixteenth more than all objects, and the next
+    /// frame uploads everything to larger buffers. Create a large scene with its capacity.
     ///
     /// # Errors
     /// [`BucketError::Unknown`](crate::BucketError::Unknown); [`Error::Hierarchy`] for the first
-    /// bad box, by its place in `objects`, or more objects than a hierarchy holds. Nothing is
+    /// bad box, by its index in `objects`, or for more objects than a hierarchy holds. Nothing has
     /// changed then.
     pub fn add(
         &mut self,
@@ -307,11 +307,11 @@ impl CulledScene {
         self.leaves.set_draws(&draws.collect::<Vec<_>>())
     }
 
-    /// Takes objects out.
+    /// Removes objects.
     ///
     /// # Errors
     /// [`Error::Hierarchy`] for the first object that is not in the scene; the objects before it
-    /// are gone. [`BucketError::OneDrawPerLeaf`](crate::BucketError::OneDrawPerLeaf).
+    /// are removed. [`BucketError::OneDrawPerLeaf`](crate::BucketError::OneDrawPerLeaf).
     pub fn remove(&mut self, objects: &[ObjectId]) -> Result<(), Error> {
         self.leaves.check_draws(&[])?;
         let mut gone = Vec::with_capacity(objects.len());
@@ -320,20 +320,20 @@ impl CulledScene {
             gone.extend(self.hierarchy.leaf_of(*object).map(|leaf| (leaf, &[][..])));
             Ok(())
         });
-        // Those before a bad one are gone.
+        // The objects before a bad one are removed.
         self.leaves.set_draws(&gone)?;
         outcome
     }
 
-    /// Moves objects: sets their boxes. Their draws stay as they are; where they read the objects'
-    /// new places is the host's concern.
+    /// Sets the boxes of objects that move. Their draws stay as they are: the host updates the
+    /// transforms that they read.
     ///
     /// # Errors
-    /// [`Error::Hierarchy`] for the first object that cannot be moved; those before it have been.
+    /// [`Error::Hierarchy`] for the first object that cannot be moved; the objects before it have
+    /// moved.
     pub fn move_to(&mut self, moved: &[(ObjectId, Aabb)]) -> Result<(), Error> {
         let outcome = self.hierarchy.refit(moved.iter().copied());
-        // Those before a bad one have moved: a leaf is marked once too often rather than not at
-        // all.
+        // The objects before a bad one have moved. Marking a leaf that did not change does no harm.
         let leaves = moved.iter().filter_map(|(object, _)| self.hierarchy.leaf_of(*object));
         leaves.for_each(|leaf| self.leaves.mark_moved(leaf));
         Ok(outcome?)
@@ -342,7 +342,8 @@ impl CulledScene {
     /// Replaces the draws of an object.
     ///
     /// # Errors
-    /// [`Error::Hierarchy`] for an object that is not there; those of [`LeafTable::set_draws`].
+    /// [`Error::Hierarchy`] for an object that is not in the scene; the errors of
+    /// [`LeafTable::set_draws`].
     pub fn set_draws(&mut self, object: ObjectId, draws: &[BucketDraw]) -> Result<(), Error> {
         match self.hierarchy.leaf_of(object).filter(|_| self.hierarchy.contains(object)) {
             Some(leaf) => self.leaves.set_draws(&[(leaf, draws)]),
@@ -353,11 +354,8 @@ impl CulledScene {
     /// Records the upload of all changes since the last frame, before anything of `frame` reads
     /// them, and rebuilds subtrees that movement has degraded. Changes stay marked until a frame
     /// that was [submitted](CulledScene::submitted) is known to have run. The buffers are replaced
-    /// where more objects came than there was room for.
-    ///
-    /// # Errors
-    /// [`gpu::Error::TooLarge`] for more draws than the device takes; no memory, a failed call.
-    /// Nothing is lost: the next upload tries again.
+    /// where more objects came than they had room for. After an error nothing is lost: the next
+    /// upload tries again.
     pub(crate) fn upload(&mut self, frame: &mut Frame<'_>) -> Result<(), Error> {
         if !self.leaves.has_one_draw_per_leaf() {
             self.reordered.clear();
@@ -374,16 +372,13 @@ impl CulledScene {
     }
 }
 
-/// The most memory that an object with a draw takes on the CPU, while the scene is built.
+/// The most CPU memory that an object with a draw takes while the scene is built.
 const BYTES_PER_OBJECT: usize = 640;
 
-/// Refuses more objects than there is memory for.
-///
-/// # Errors
-/// More than a hierarchy holds; no memory.
+/// Refuses more objects than a hierarchy holds or than there is memory for.
 fn check_memory(count: usize) -> Result<(), HierarchyError> {
     Hierarchy::check_capacity(count)?;
-    // All at once, and given back: an allocation that fails half-way would end the program.
+    // Reserves all memory at once and frees it: a failure half-way through would end the program.
     let size_bytes = count.saturating_mul(BYTES_PER_OBJECT);
     let asked = Vec::<u8>::new().try_reserve_exact(size_bytes);
     asked.map_err(|_| HierarchyError::NoMemory { count, size_bytes })

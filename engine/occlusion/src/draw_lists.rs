@@ -1,5 +1,5 @@
-//! The draws of a frame as lists: for hosts that record their draws themselves, where nothing of
-//! ours can be in between, and for rounds whose draws are compacted.
+//! The draws of a frame as lists: for hosts that record their draws themselves, with no commands of
+//! the engine in between, and for rounds whose draws are compacted.
 
 use std::ops::Range;
 
@@ -22,20 +22,20 @@ pub struct DrawList {
     pub bucket: BucketId,
     /// The commands: [`IndirectDraw`]s without gaps.
     pub commands: BufferSlice,
-    /// The most commands that there may be; `commands` has room for so many.
+    /// The highest possible number of commands; `commands` has room for them.
     pub most: u32,
-    /// The number of commands, 32 bits in a buffer. `None` where the device cannot count so many
-    /// ([`OptionalFeature::DrawIndirectCount`]), or cannot be trusted with it: some of all commands
-    /// are empty then.
+    /// The number of commands, 32 bits in a buffer. `None` where the device does not support
+    /// counted draws of this size ([`OptionalFeature::DrawIndirectCount`]) or cannot be trusted
+    /// with them: then draw all `most` commands, some of which are empty.
     pub count: Option<BufferSlice>,
 }
 
-/// The most commands of a list whose number is counted.
+/// The highest number of commands in a list with a count.
 #[derive(Clone, Copy, Debug)]
 struct CountLimit(u32);
 
 impl CountLimit {
-    /// Returns that of a device; 0 where draw counts are missing or not trusted.
+    /// Returns the limit of a device; 0 where draw counts are missing or not trusted.
     fn of(device: &Device, quirks: &DriverQuirks) -> Self {
         let has_counts = device.capabilities().has(OptionalFeature::DrawIndirectCount);
         if has_counts && quirks.allows_executor(PredicationMode::Counts) {
@@ -59,18 +59,18 @@ pub(crate) struct DrawLists {
     /// The bucket of each list of revealed draws, and its place among all commands.
     places: Vec<(BucketId, Range<u32>)>,
     ranges: Vec<ListedRange>,
-    /// The steps whose draws are listed; one where a host records them.
+    /// The steps whose draws are listed; a single step where a host records the draws.
     steps: Vec<ListedStep>,
-    /// One memory per frame in flight.
+    /// The memory of each frame in flight.
     slots: Vec<ListMemory>,
 }
 
 /// The draws that one rendering of a frame reveals.
 #[derive(Clone, Debug)]
 pub(crate) struct ListedStep {
-    /// Its ranges among those of all steps.
+    /// The step's part of the ranges of all steps.
     pub(crate) ranges: Range<u32>,
-    /// Its lists, one per bucket.
+    /// The step's lists, one per bucket.
     lists: Range<usize>,
 }
 
@@ -80,14 +80,14 @@ struct ListMemory {
     commands: Option<Buffer>,
     /// The number of commands of each list.
     counts: Option<Buffer>,
-    /// The number of draws of each range, and of those before it.
+    /// The number of draws of each range, and of the ranges before it.
     sizes: Option<Buffer>,
 }
 
 const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 
 impl DrawLists {
-    /// Creates lists for so many frames in flight.
+    /// Creates the lists for a number of frames in flight.
     pub(crate) fn new(frames_in_flight: usize) -> Self {
         let slots = (0..frames_in_flight.max(1)).map(|_| ListMemory::default()).collect();
         Self { slots, ..Self::default() }
@@ -109,8 +109,9 @@ impl DrawLists {
         Some((step, self.revealed.get(step.lists.clone())?))
     }
 
-    /// Lists the draws of a frame: those that lie in `visible`, and those that its tests may
-    /// reveal. Returns the buffers by which passes write the latter, if there are any.
+    /// Lists the draws of a frame: the visible draws, whose commands are in `visible`, and the
+    /// draws that tests may reveal. Returns the buffers for the passes that write the latter, if
+    /// there are any.
     pub(crate) fn write(
         &mut self,
         frame: &mut Frame<'_>,
@@ -122,7 +123,8 @@ impl DrawLists {
     ) -> Result<Option<ListDrawsIo>, Error> {
         let limit = CountLimit::of(device, quirks);
         self.visible.clear();
-        // Lavapipe (Mesa 22.3) lets a draw without a count take that of the counted one before it.
+        // Each list has its own count: on Lavapipe (Mesa 22.3) a draw without a count takes the
+        // count of the counted draw before it.
         let buckets = layout.visible.buckets();
         let counts =
             frame.uploads().push_iter(buckets.iter().map(|bucket| bucket.draws.len() as u32))?;
@@ -142,8 +144,8 @@ impl DrawLists {
         self.write_revealed(frame, device, leaves, limit)
     }
 
-    /// Lists the draws that the tests of a frame may reveal, step by step. Returns the buffers by
-    /// which passes write them, if there are any.
+    /// Lists the draws that the tests of a frame may reveal, step by step. Returns the buffers for
+    /// the passes that write the lists, if there are any.
     pub(crate) fn compact(
         &mut self,
         frame: &mut Frame<'_>,
@@ -167,7 +169,7 @@ impl DrawLists {
         self.steps.clear();
     }
 
-    /// Makes the memory of the lists that are laid out.
+    /// Reserves the memory of the lists that are laid out.
     fn write_revealed(
         &mut self,
         frame: &mut Frame<'_>,
@@ -178,7 +180,7 @@ impl DrawLists {
         let Some((_, last)) = self.places.last() else { return Ok(None) };
         let slot = frame.slot().0 % self.slots.len();
         let ListMemory { commands: memory, counts, sizes } = &mut self.slots[slot];
-        // Sources of transfers for hosts that look at them.
+        // Hosts may inspect the lists, so they can be the source of copies.
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER
             | vk::BufferUsageFlags::INDIRECT_BUFFER
             | vk::BufferUsageFlags::TRANSFER_SRC
@@ -214,8 +216,8 @@ impl DrawLists {
         }))
     }
 
-    /// Lays out the ranges of a step, bucket by bucket, in the order of their tests: those of the
-    /// leaves that boxes of the round `before` enable, and those that the `known` round reveals.
+    /// Lays out the ranges of a step, bucket by bucket, in the order of their tests: the leaves
+    /// that boxes of the round `before` enable, and the ranges that the `known` round reveals.
     fn lay_out(&mut self, layout: &TestLayout, rounds: StepRounds<'_>) {
         let mut enabled = layout.revealed(rounds.before, Reveal::EnabledDraws);
         let mut whole = layout.revealed(rounds.known, Reveal::Draws);
@@ -262,7 +264,7 @@ fn commands(all: BufferSlice, range: &Range<u32>) -> BufferSlice {
     all.part(u64::from(range.start) * DRAW_BYTES, range.len() as u64 * DRAW_BYTES)
 }
 
-/// Returns memory of so many bytes, made where there is not enough. The frame that used it is over.
+/// Returns a buffer of at least this size, a new one if necessary. The frame that used it is over.
 fn reserve(
     device: &Device,
     memory: &mut Option<Buffer>,

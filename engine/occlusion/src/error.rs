@@ -8,74 +8,74 @@ pub enum Error {
     /// The GPU layer failed.
     #[error(transparent)]
     Gpu(#[from] gpu::Error),
-    /// A box or an object that the hierarchy refuses.
+    /// The hierarchy refuses a box or an object.
     #[error(transparent)]
     Hierarchy(#[from] cull::HierarchyError),
-    /// A strategy that does not count samples, and a threshold.
+    /// A threshold is set, and the strategy does not count samples.
     #[error(transparent)]
     CannotCount(#[from] CannotCount),
-    /// A view and another scene.
+    /// A view is used with a scene that it was not made for.
     #[error(
         "this view was made for another scene: each view goes with the `CulledScene` that it was made for"
     )]
     ForeignView,
-    /// A frame without the changes of the scene that it draws.
+    /// A frame does not upload the changes of the scene that it draws.
     #[error(transparent)]
     NotUploaded(#[from] NotUploaded),
-    /// A view without a plan for the scene as it is.
+    /// The view has no plan for the current state of the scene.
     #[error(
         "the view has no plan for the scene as it is: plan it once before each `execute`, after all changes of the scene"
     )]
     NoPlan,
-    /// Buckets where there are none, or others.
+    /// The buckets of a draw or method do not match the buckets of the table.
     #[error(transparent)]
     Buckets(#[from] BucketError),
-    /// A plan with draws among its tests, and a host that draws before and after them.
+    /// A plan has draws among its tests, and the host draws only before and after the tests.
     #[error(transparent)]
     DrawsAmongTests(#[from] DrawsAmongTests),
-    /// A target that the passes were not compiled for.
+    /// The passes were not compiled for the attachments of the target.
     #[error(transparent)]
     Attachments(#[from] WrongAttachments),
-    /// A target that does not fit the plan.
+    /// The target does not fit the plan.
     #[error(transparent)]
     Target(#[from] TargetError),
-    /// A request for shaders that this build cannot compile.
+    /// The shaders cannot be compiled by this build.
     #[error(
         "this build has no shader compiler, it cannot use the shaders in {0}; build with --features shader-compiler"
     )]
     NoShaderCompiler(String),
 }
 
-/// A strategy that does not count samples, and a threshold.
+/// A threshold with a strategy that does not count samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "the strategy `{strategy}` does not count samples, which a threshold of {threshold_samples} needs: use `antumbra` or `antumbra_queries`, or set the threshold to 0"
 )]
 pub struct CannotCount {
-    /// The strategy that was asked for.
+    /// The requested strategy.
     pub strategy: cull::Strategy,
     /// The threshold in samples.
     pub threshold_samples: u32,
 }
 
-/// A plan with draws among its tests, and a host that draws before and after them.
+/// A plan with draws among its tests, for a host that draws only before and after the tests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "the plan of this frame has draws among its tests, and the host takes them as lists: create the scene with `DrawPhases::Two`"
 )]
 pub struct DrawsAmongTests;
 
-/// A frame without the changes of the scene that it draws.
+/// A frame that does not upload the changes of the scene that it draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "the scene has changes that this frame does not upload: call `LeafTable::upload` once in each frame, and execute no plan in a frame where it fails"
 )]
 pub struct NotUploaded;
 
-/// An error about the buckets of a table.
+/// A mismatch between draws or methods and the buckets of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BucketError {
-    /// A bucket that the table does not have.
+    /// A draw names a bucket that the table does not have.
     #[error(
         "a draw names bucket {} of {bucket_count}: create the scene with as many buckets as there are pipelines",
         bucket.0
@@ -86,25 +86,25 @@ pub enum BucketError {
         /// The number of buckets of the table.
         bucket_count: u32,
     },
-    /// More buckets than a table has room for.
+    /// More buckets are requested than a table can have.
     #[error("{bucket_count} buckets are more than a table has ({MAX_BUCKETS}): share pipelines")]
     TooMany {
         /// The number of buckets.
         bucket_count: u32,
     },
-    /// A change of draws in a table with one draw per leaf.
+    /// Draws are changed in a table with one draw per leaf.
     #[error(
         "this `LeafTable` has one draw per leaf: mark leaves as dirty, or create the scene by `CulledScene::new`"
     )]
     OneDrawPerLeaf,
-    /// A method that works with one draw per leaf, and a table with buckets.
+    /// A method that needs one draw per leaf is used with a table with buckets.
     #[error(
         "the strategy `{0}` needs a `LeafTable` with one draw per leaf, and this one has buckets: use `frustum` or one of the `antumbra` strategies"
     )]
     HasBuckets(cull::Strategy),
 }
 
-/// A target with other attachments than the passes that test boxes were compiled for.
+/// A target with other attachments than those that the passes were compiled for.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "boxes are tested in renderings to {passes}, and the target of the objects has {target}: compile `OcclusionPasses` for `Target::attachments`"
@@ -112,24 +112,24 @@ pub enum BucketError {
 pub struct WrongAttachments {
     /// The attachments of the passes.
     pub passes: Box<gpu::Attachments>,
-    /// Those of the target.
+    /// The attachments of the target.
     pub target: Box<gpu::Attachments>,
 }
 
-/// An error about a plan and the target that it is drawn to.
+/// A mismatch between a plan and the target that it is drawn to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TargetError {
-    /// Several views at once and a target of another number, or of none.
+    /// Several views are drawn at once to a target with another number of views.
     #[error(
         "{views} views are drawn at once to a target of {target}: compile `OcclusionPasses` for a target with a layer per view"
     )]
     Views {
-        /// The views of the plan.
+        /// The number of views of the plan.
         views: usize,
-        /// The views of the target's attachments.
+        /// The number of views of the target's attachments.
         target: u32,
     },
-    /// A view with pixels outside of the target.
+    /// A view has pixels outside of the target.
     #[error(
         "the view has {}x{} pixels from {}, {} on, and the target has {}x{}: make the view for the size of the target",
         size[0], size[1], origin[0], origin[1], target[0], target[1]
@@ -137,12 +137,12 @@ pub enum TargetError {
     ViewSize {
         /// The size of the view.
         size: [u32; 2],
-        /// The place of its upper left corner.
+        /// The position of the view's upper left corner.
         origin: [u32; 2],
         /// The size of the target.
         target: [u32; 2],
     },
-    /// A plan with tests by compute shader, and a depth that cannot be copied.
+    /// A plan has tests by compute shader, and the depth of the target cannot be copied.
     #[error(
         "the plan has tests by compute shader, and the depth of the target cannot be copied: create the view by `CulledScene::new_view`, for this target"
     )]

@@ -15,8 +15,8 @@ use io::FrameIo;
 pub(crate) use listing::{ListedTests, list_draws};
 use recording::Recording;
 
-/// Executes the newest plan of `state`, for the views that it was made for. The owner of the
-/// objects is called with the first of them.
+/// Executes the newest plan of `state` for the views that it was made for. Where several views are
+/// drawn at once, the methods of `objects` receive the first of them.
 ///
 /// # Errors
 /// [`Error::NoPlan`]; a view of another scene; [`Error::NotUploaded`]; a target with other

@@ -14,10 +14,10 @@ use crate::occlusion_state::OcclusionState;
 use crate::shaded_objects::{ShadedObjects, Unshaded};
 use crate::transparent_list::TransparentList;
 
-/// The most occlusion queries of a view that asks for nothing else.
+/// The default limit of occlusion queries per view.
 const QUERY_BUDGET: usize = 4096;
 
-/// Values of the views of a frame: as many as a stereo pair or a cube have need no allocation.
+/// Values per view of a frame, without an allocation for a stereo pair or the faces of a cube.
 pub type PerView<T> = SmallVec<[T; 6]>;
 
 /// The request to draw one view, or several that are drawn at once to the layers of a target.

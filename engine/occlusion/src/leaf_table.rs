@@ -36,13 +36,13 @@ use upload_frames::UploadFrames;
 pub struct LeafTableInfo {
     /// The meshes that leaves can draw.
     pub mesh_draws: Arc<[MeshDraw]>,
-    /// The way that hidden draws are skipped; `None` takes the device's best.
+    /// The predication mode; `None` takes the device's best.
     pub predication: Option<PredicationMode>,
-    /// Frames that may be in flight at once.
+    /// The number of frames that may be in flight at once.
     pub frames_in_flight: usize,
 }
 
-/// The identity of a table: objects made for one fit no other.
+/// The identity of a table. Objects that were made for one table do not fit another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct LeafTableId(u64);
 
@@ -54,15 +54,15 @@ impl LeafTableId {
     }
 }
 
-/// The leaves of one scene. Changed leaves are marked; the next frame uploads them.
+/// The leaves of one scene. Changes mark leaves, and the next frame uploads the marked leaves.
 pub struct LeafTable {
     pub(crate) id: LeafTableId,
-    /// The number of changes, after each of which older plans cannot be executed.
+    /// The number of changes. A plan can only be executed as long as it does not change.
     pub(crate) version: u64,
     device: Device,
     /// One [`ProxyBox`] per leaf, not enlarged.
     boxes: Buffer,
-    /// The first cell of each leaf, where leaves have any number.
+    /// The first cell of each leaf, where leaves have any number of draws.
     firsts: Option<Buffer>,
     pub(crate) predicates: Predicates,
     pub(crate) layout: DrawLayout,
@@ -72,23 +72,23 @@ pub struct LeafTable {
     counts: LeafCounts,
     pub(crate) changes: DrawChanges,
     dirty: DirtyList<LeafIndex>,
-    /// Cells whose command or link changed, where leaves have any number.
+    /// The cells whose command or link changed, where leaves have any number of draws.
     dirty_cells: DirtyList<u32>,
     uploads: UploadFrames,
     /// The frame that uploads everything marked, until it is submitted.
     uploaded_in: Option<RecordingId>,
-    /// The disorders of frames that were seen.
+    /// The device's count of disorders of frames when it was last read.
     disorders: u64,
 }
 
-/// Elements that the owner of the objects keeps per leaf, and uploads with those of the table.
+/// Elements that the owner of the objects keeps per leaf and uploads together with the table.
 #[derive(Clone, Copy)]
 pub struct LeafElements {
-    /// The new elements of the [stale leaves](LeafTable::dirty), in their order.
+    /// The new elements of the [stale leaves](LeafTable::dirty), in the order of these leaves.
     pub elements: BufferSlice,
     /// All elements, by leaf.
     pub array: BufferSlice,
-    /// Size of an element, whole values.
+    /// The size of an element in bytes, a multiple of 4.
     pub element_bytes: usize,
 }
 
@@ -97,8 +97,8 @@ impl LeafTable {
     /// an object.
     ///
     /// # Errors
-    /// [`gpu::Error::Unsupported`] for a way to skip draws that the device lacks;
-    /// [`gpu::Error::TooLarge`] for more leaves than it takes; no memory; a failed call.
+    /// [`gpu::Error::Unsupported`] for a predication mode that the device lacks;
+    /// [`gpu::Error::TooLarge`] for more leaves than the device takes; no memory; a failed call.
     pub fn new(
         device: &Device,
         hierarchy: &Hierarchy,
@@ -138,8 +138,9 @@ impl LeafTable {
         })
     }
 
-    /// Replaces a mesh that no leaf draws now: one that is [marked](LeafTable::mark_dirty) with its
-    /// id from now on draws this. In a table with buckets there are no meshes.
+    /// Replaces a mesh that is not drawn by any leaf at present. Leaves that are
+    /// [marked](LeafTable::mark_dirty) with this id from now on have the new draw. Does nothing in
+    /// a table with buckets, which has no meshes.
     pub fn set_mesh_draw(&mut self, id: MeshDrawId, draw: MeshDraw) {
         if let DrawLayout::OnePerLeaf(draws) = &mut self.layout
             && let Some(there) = Arc::make_mut(&mut draws.meshes).get_mut(id.0 as usize)
@@ -148,8 +149,7 @@ impl LeafTable {
         }
     }
 
-    /// Returns the draw of a leaf in a table with one draw per leaf; an empty one where the leaf is
-    /// free.
+    /// Returns the draw of a leaf in a table with one draw per leaf; an empty draw for a free leaf.
     pub fn draw(&self, leaf: LeafIndex) -> IndirectDraw {
         match &self.layout {
             DrawLayout::OnePerLeaf(draws) => draws.draw(leaf),
@@ -157,7 +157,8 @@ impl LeafTable {
         }
     }
 
-    /// Returns true if each leaf has one draw, of its own number and of one instance.
+    /// Returns true if each leaf has one draw, in the cell of the leaf's number and with one
+    /// instance.
     pub fn has_one_draw_per_leaf(&self) -> bool {
         matches!(self.layout, DrawLayout::OnePerLeaf(_))
     }
@@ -170,8 +171,8 @@ impl LeafTable {
         }
     }
 
-    /// Returns the properties of the scene that costs depend on, as it is now; the usual ones of a
-    /// scene without draws.
+    /// Returns the properties of the present scene that costs depend on; default values for a scene
+    /// without draws.
     pub fn scene_costs(&self, hierarchy: &Hierarchy) -> SceneCosts {
         let all = hierarchy.root().map(|root| self.count(hierarchy.leaves(root)));
         match all.filter(|all| all.draws > 0) {
@@ -190,24 +191,24 @@ impl LeafTable {
         &self.predicates
     }
 
-    /// Makes room for another number of frames in flight.
+    /// Changes the number of frames that may be in flight at once.
     pub fn set_frames_in_flight(&mut self, frames_in_flight: usize) {
         self.predicates.set_frames_in_flight(frames_in_flight);
     }
 
-    /// Returns the lists of draws on the GPU, where leaves have any number.
+    /// Returns the lists of draws per leaf on the GPU, where leaves have any number of draws.
     pub fn links(&self) -> Option<LeafLinks> {
         let firsts = self.firsts.as_ref()?.whole();
         Some(LeafLinks { firsts, links: self.predicates.links()? })
     }
 
-    /// Returns the draws as rings copy them.
+    /// Returns the draws in the form that rings copy.
     pub(crate) fn copied_draws(&self) -> CopiedDraws<'_> {
         CopiedDraws { layout: &self.layout, capacity: self.cell_capacity }
     }
 
-    /// Notes that the object of a leaf was replaced or moved, or has the mesh `now`: the next frame
-    /// uploads it. In a table with buckets the mesh means nothing.
+    /// Notes that the object of a leaf was replaced or moved, or now has the mesh `now`: the next
+    /// frame uploads it. The mesh is ignored in a table with buckets.
     pub fn mark_dirty(&mut self, leaf: LeafIndex, now: MeshDrawId) {
         let before = self.layout.count(leaf);
         if let DrawLayout::OnePerLeaf(draws) = &mut self.layout
@@ -227,8 +228,8 @@ impl LeafTable {
         self.dirty.items()
     }
 
-    /// Begins the uploads of a frame: makes room for what came, and forgets the changes that are
-    /// known to be in GPU memory: those of frames that ran in their order. After frames in another
+    /// Begins the uploads of a frame. Makes room for new leaves and draws, and forgets the changes
+    /// that frames are known to have written to GPU memory in their order. After frames in another
     /// order, which a host may cause, every leaf is uploaded again.
     ///
     /// # Errors
@@ -257,8 +258,8 @@ impl LeafTable {
     }
 
     /// Records the upload of the stale leaves, before anything of `frame` reads them. They stay
-    /// stale until a frame that was [submitted](LeafTable::submitted) is known to have run, and
-    /// plans are executed in no frame that lacks them.
+    /// stale until a frame that was [submitted](LeafTable::submitted) is known to have run. Plans
+    /// cannot be executed in a frame without this upload.
     ///
     /// # Errors
     /// No memory.
@@ -275,9 +276,6 @@ impl LeafTable {
     }
 
     /// Refuses a frame that reads changed leaves and does not upload them.
-    ///
-    /// # Errors
-    /// [`Error::NotUploaded`].
     pub(crate) fn check_uploaded(&self, frame: &Frame<'_>) -> Result<(), Error> {
         let is_changed = !self.dirty().is_empty() || !self.dirty_cells.items().is_empty();
         if is_changed && self.uploaded_in != Some(frame.commands().recording()) {
@@ -345,8 +343,8 @@ impl LeafTable {
         Ok(())
     }
 
-    /// Notes that the frame of the last [`LeafTable::upload`] was submitted. Without an upload that
-    /// succeeded, everything marked stays so.
+    /// Notes that the frame of the last [`LeafTable::upload`] was submitted. If the upload failed,
+    /// all marks stay.
     pub fn submitted(&mut self, tick: Tick) {
         if self.uploaded_in.take().is_some() {
             self.dirty.sent(tick);
@@ -357,7 +355,7 @@ impl LeafTable {
     }
 }
 
-/// Returns the box of an object, not enlarged; an inverted one if it is not there.
+/// Returns the box of an object, not enlarged; an inverted box if the object does not exist.
 fn leaf_box(hierarchy: &Hierarchy, object: ObjectId, count: LeafCount) -> ProxyBox {
     let node = hierarchy.node_of(object);
     let bounds = node.map_or(Aabb::EMPTY, |node| hierarchy.bounds(node));

@@ -1,15 +1,15 @@
-//! Occlusion culling on the GPU, the heart of Antumbra: executes a [`cull::FramePlan`] on a
+//! Occlusion culling on the GPU, the core of Antumbra: executes a [`cull::FramePlan`] on a
 //! [`gpu::Device`] and reads the results back without waiting for them.
 //!
-//! It knows boxes and indirect draws, no materials. The owner of the objects draws them: an
-//! [`ObjectRenderer`] binds pipelines and geometry, and the executor records the draws and their
-//! predicates.
+//! This crate works with boxes and indirect draws, not with materials. The owner of the objects
+//! draws them: its [`ObjectRenderer`] binds pipelines and geometry, and the executor records the
+//! draws with their predicates.
 //!
 //! | type | purpose |
 //! |---|---|
 //! | [`CulledScene`] | hierarchy, draws per leaf and passes of a scene; adds, moves, removes objects |
 //! | [`FrameScope`] | a frame of a scene: uploads, plans, records, ends |
-//! | [`OcclusionState`] | one view: its culler, its tests on their way, its newest plan |
+//! | [`OcclusionState`] | one view: its culler, its tests in flight, its newest plan |
 //! | [`ObjectRenderer`] | the seam to the owner of the objects |
 //! | [`TransparentList`] | objects that hide nothing, drawn in their order where they show |
 //! | [`LeafTable`] | box, draws and counts per leaf of the hierarchy, on the CPU and the GPU |
@@ -17,7 +17,7 @@
 //! | [`CostModel`], [`measure`] | costs of tests and draws on this device |
 //! | [`DriverQuirks`] | the parts of a driver that may be used, after a self-test |
 //!
-//! Frames of somebody's own objects, which draw themselves in one pipeline:
+//! A loop that draws a host's own objects in one pipeline:
 //!
 //! ```no_run
 //! # use antumbra_occlusion as occlusion;

@@ -1,4 +1,4 @@
-//! The trait of all methods that decide what is drawn: Antumbra's own and those of the literature.
+//! The trait of all methods that decide what is drawn: Antumbra's own and the published ones.
 
 use std::fmt;
 use std::sync::Arc;
@@ -12,13 +12,13 @@ use crate::occlusion_state::OcclusionState;
 use crate::shaded_objects::ShadedObjects;
 use crate::shader_set::ShaderSet;
 
-/// A method to decide what a view draws. One method serves all views of a scene; its data per view
-/// is a [`MethodState`](crate::MethodState).
+/// A method that decides what a view draws. One method serves all views of a scene; its data per
+/// view is a [`MethodState`](crate::MethodState).
 pub trait Method: Send {
-    /// Returns the strategies that it carries out.
+    /// Returns the strategies that the method carries out.
     fn strategies(&self) -> &[Strategy];
 
-    /// Refuses a device, scene or threshold that it cannot work with.
+    /// Refuses a device, scene or threshold that the method does not support.
     ///
     /// # Errors
     /// The name of what is missing or too large.
@@ -26,7 +26,7 @@ pub trait Method: Send {
         Ok(())
     }
 
-    /// Creates its objects on the device, before the first frame that it records.
+    /// Creates the GPU objects of the method, before the first frame that it records.
     ///
     /// # Errors
     /// No memory, a shader that does not compile, a failed call.
@@ -39,9 +39,10 @@ pub trait Method: Send {
         Ok(())
     }
 
-    /// Plans one view's frame with at most `query_budget` queries, after all available results were
-    /// read. All views of a frame are planned before the first is recorded, in any order
-    /// ([`QueryShares`](cull::QueryShares)). Methods that decide while they record do nothing here.
+    /// Plans one view's frame with at most `query_budget` queries, after all available results have
+    /// been read. All views of a frame are planned, in any order, before the first is recorded
+    /// ([`QueryShares`](cull::QueryShares)). A method that decides while it records does nothing
+    /// here.
     fn plan(
         &mut self,
         _state: &mut OcclusionState,
@@ -64,7 +65,7 @@ pub trait Method: Send {
         request: &MethodRequest<'_>,
     ) -> Result<MethodStats, Error>;
 
-    /// Returns the same method with other shaders.
+    /// Returns the method with other shaders.
     ///
     /// # Errors
     /// A shader that does not fit its pass, a failed call.
@@ -75,11 +76,11 @@ pub trait Method: Send {
         shaders: &ShaderSet,
     ) -> Result<Box<dyn Method>, Error>;
 
-    /// Drops its objects that depend on the size of the target, after a change of it.
+    /// Drops the objects that depend on the size of the target, after it has changed.
     fn resized(&mut self) {}
 }
 
-/// The constructor of a method, with the options of the method. Nothing of the device is used yet.
+/// The constructor of a method, with the method's options. Constructing does not use the device.
 #[derive(Clone)]
 pub struct MethodConstructor(Arc<dyn Fn() -> Box<dyn Method> + Send + Sync>);
 
@@ -108,12 +109,12 @@ pub struct MethodSupport<'a> {
     pub scene: &'a CulledScene,
     /// Size of the target in pixels.
     pub size: [u32; 2],
-    /// The most samples of a test that still counts as hidden in the plans of the scene's views.
+    /// The highest number of samples of a test that counts as hidden in plans of the scene's views.
     pub threshold_samples: u32,
 }
 
 impl MethodSupport<'_> {
-    /// Refuses a table with buckets, for a strategy that works with one draw per leaf.
+    /// Refuses a table with buckets, for a strategy that needs one draw per leaf.
     ///
     /// # Errors
     /// [`BucketError::HasBuckets`].
@@ -125,7 +126,7 @@ impl MethodSupport<'_> {
         }
     }
 
-    /// Returns the error for a strategy that the device lacks something for.
+    /// Returns the error for a strategy that needs a feature which the device lacks.
     pub fn missing(&self, missing: OptionalFeature, strategy: Strategy) -> Error {
         let device = self.scene.device.adapter().name.clone();
         gpu::Error::Unsupported { device, missing: missing.name(), wanted: strategy.name() }.into()
@@ -135,12 +136,12 @@ impl MethodSupport<'_> {
 /// The request for a frame of one view.
 #[derive(Clone, Copy)]
 pub struct MethodRequest<'a> {
-    /// The strategy to use, one of the method's.
+    /// The strategy to use, one of the strategies of the method.
     pub strategy: Strategy,
-    /// The camera's matrix, its volumes and its part of the image.
+    /// The view: matrix, frustum, and part of the image.
     pub view: &'a CullView,
-    /// The leaves that own a pixel, for strategies with [objects found
-    /// beforehand](Strategy::needs_still_scene); empty for others.
+    /// The leaves that own a pixel, for strategies that [need to know them in
+    /// advance](Strategy::needs_still_scene); empty for others.
     pub visible: &'a [LeafIndex],
     /// The tick of a host's timeline that the frame waits for on the GPU.
     pub after: Option<(&'a Timeline, Tick)>,
@@ -149,14 +150,14 @@ pub struct MethodRequest<'a> {
 /// The counts of a method in a frame of one view.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MethodStats {
-    /// Proxies tested, by any tester.
+    /// The number of proxies tested, by any tester.
     pub tests: u32,
-    /// Occlusion queries recorded, those on draws included.
+    /// The number of occlusion queries recorded, including queries on draws.
     pub queries: u32,
 }
 
 impl MethodStats {
-    /// Returns those of a plan that is executed.
+    /// Returns the counts of a plan that is executed.
     pub fn of(plan: &FramePlan) -> Self {
         Self { tests: plan.tests.len() as u32, queries: plan.query_count() as u32 }
     }

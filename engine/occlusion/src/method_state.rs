@@ -9,14 +9,14 @@ use crate::outcomes::Outcomes;
 
 /// The state of a method per view.
 pub trait MethodState: Any + Send {
-    /// Reads available results into the outcomes of their frames. Returns the newest frame whose
-    /// outcome is known now. Never waits.
+    /// Writes available results into the outcomes of their frames. Returns the newest frame with a
+    /// known outcome. Never waits.
     fn collect(&mut self, _completed: Tick, _outcomes: &mut Outcomes) -> Option<FrameId> {
         None
     }
 
-    /// Notes that the newest frame was submitted. Returns true if the state will know the frame's
-    /// outcome.
+    /// Notes that the newest frame was submitted. Returns true if this state will report the
+    /// outcome of the frame.
     fn submitted(&mut self, _tick: Tick, _frame: FrameId) -> bool {
         false
     }

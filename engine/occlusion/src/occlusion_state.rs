@@ -1,5 +1,5 @@
-//! One view of a scene with its own visibility history: its culler, its tests on their way, and the
-//! plan of its newest frame.
+//! A view of a scene with its own visibility history: its culler, its tests in flight, and the plan
+//! of its newest frame.
 
 mod api;
 
@@ -25,10 +25,10 @@ use crate::passes::ListDrawsIo;
 use crate::quirks::DriverQuirks;
 use crate::test_layout::{PendingTest, TestLayout};
 
-/// One view of a scene: its culler, its tests on their way, and the plan of its newest frame.
-/// Several views may look at one scene; each has its own history.
+/// A view of a scene: its culler, its tests in flight, and the plan of its newest frame. A scene
+/// may have several views, each with its own history.
 pub struct OcclusionState {
-    /// The table of its scene.
+    /// The table of the view's scene.
     table: LeafTableId,
     device: Device,
     culler: Culler,
@@ -37,16 +37,16 @@ pub struct OcclusionState {
     plan: FramePlan,
     /// The generation of the hierarchy that the plan is for.
     generation: Generation,
-    /// The number of changes of the scene that the plan was made after, until it is executed.
+    /// The scene's number of changes when the plan was made. `None` once the plan is executed.
     planned: Option<u64>,
-    /// The views that it was made for.
+    /// The views that the plan was made for.
     planned_views: Vec<CullView>,
     pub(crate) layout: TestLayout,
     /// The state of methods without plans.
     method_states: Vec<Box<dyn MethodState>>,
-    /// The frames whose time is not known, with their contents.
+    /// The frames whose time is not known yet, with their contents.
     pub(crate) sent: SentFrames,
-    /// The number of changes of draws that the rings have followed.
+    /// The number of changes of draws that the rings have copied.
     seen_changes: u64,
     /// The samples below the threshold in the newest frame of a method without a plan.
     samples_below_threshold: u64,
@@ -56,7 +56,7 @@ pub struct OcclusionState {
     lists: DrawLists,
 }
 
-/// The data on its way between a view and the GPU, a slot per frame in flight.
+/// The data in flight between a view and the GPU, in a slot per frame in flight.
 pub(crate) struct Rings {
     pub(crate) queries: QueryRing<PendingTest>,
     pub(crate) flags: FlagRing<PendingTest>,
@@ -85,7 +85,7 @@ impl Rings {
 }
 
 impl OcclusionState {
-    /// Creates a view of a scene that knows nothing yet.
+    /// Creates a view of a scene, without history.
     pub(crate) fn new(scene: &CulledScene, mut culler: Culler) -> Result<Self, Error> {
         let CulledScene { device, hierarchy, leaves, .. } = scene;
         let frames_in_flight = scene.frames_in_flight();
@@ -112,8 +112,8 @@ impl OcclusionState {
         })
     }
 
-    /// Creates the rings again where another number of frames is in flight in the scene. Tests on
-    /// their way never have a result then, and the culler tests again.
+    /// Creates the rings again if the number of frames in flight of the scene has changed. Tests in
+    /// flight then never have a result, and the culler tests again.
     ///
     /// # Errors
     /// [`Error::ForeignView`], a failed call.
@@ -133,7 +133,7 @@ impl OcclusionState {
         Ok(())
     }
 
-    /// Refuses another scene than the view's own, whose leaves the rings have room for.
+    /// Refuses a scene other than the view's own, whose leaves the rings have room for.
     ///
     /// # Errors
     /// [`Error::ForeignView`].
@@ -161,8 +161,7 @@ impl OcclusionState {
         &self.plan
     }
 
-    /// Returns the plan of the newest frame, for a method without plans that reports its draws in
-    /// it.
+    /// Returns the plan of the newest frame, into which a method without plans writes its draws.
     pub fn plan_mut(&mut self) -> &mut FramePlan {
         &mut self.plan
     }
@@ -176,18 +175,20 @@ impl OcclusionState {
         self.culler.reset();
     }
 
-    /// Takes the outcomes of the frames whose results were read since the last call: the latest
-    /// 1024, if there are more.
+    /// Takes the outcomes of the frames whose results were read since the last call, at most the
+    /// latest 1024.
     pub fn drain_stats(&mut self) -> std::collections::vec_deque::Drain<'_, FrameStats> {
         self.outcomes.take()
     }
 
-    /// Returns the outcome of the newest frame whose results were read, taken or not.
+    /// Returns the outcome of the newest frame whose results were read, even if it was already
+    /// taken.
     pub fn newest_stats(&self) -> Option<FrameStats> {
         self.outcomes.newest()
     }
 
-    /// Begins the newest plan in the rings of `frame`, for so many views at once.
+    /// Begins the newest plan in the rings of `frame`, for a number of views that are drawn at
+    /// once.
     pub(crate) fn begin(
         &mut self,
         frame: &mut Frame<'_>,
@@ -212,9 +213,9 @@ impl OcclusionState {
         Ok(())
     }
 
-    /// Lists the draws of the newest plan, of which the visible ones lie in `visible`. Returns the
-    /// buffers by which passes write the others, if there are any. Counts are used where they can
-    /// be trusted.
+    /// Lists the draws of the newest plan. Its visible draws are in `visible`. Returns the buffers
+    /// for the passes that write the revealed draws, if there are any. Counts are used where they
+    /// can be trusted.
     pub(crate) fn list(
         &mut self,
         frame: &mut Frame<'_>,
@@ -226,7 +227,7 @@ impl OcclusionState {
     }
 
     /// Lists the draws that the tests of the newest plan may reveal, step by step. Returns the
-    /// buffers by which passes write them, if there are any.
+    /// buffers for the passes that write the lists, if there are any.
     pub(crate) fn compact(
         &mut self,
         frame: &mut Frame<'_>,
@@ -252,7 +253,7 @@ impl OcclusionState {
         self.lists.revealed()
     }
 
-    /// Updates the copies of draws to a scene that changed.
+    /// Updates the rings' copies of draws after changes of the scene.
     fn follow_draws(&mut self, leaves: &LeafTable) {
         let changes = &leaves.changes;
         match changes.since(self.seen_changes) {
@@ -287,7 +288,7 @@ impl OcclusionState {
         culler.ingest(hierarchy, answers);
     }
 
-    /// Reads the results of frames that are over out of mapped memory.
+    /// Reads the results of frames that are over from mapped memory.
     fn read(&mut self, completed: Tick, hierarchy: &Hierarchy, leaves: &LeafTable) {
         let Self { rings: Rings { queries, flags, computed, leaf_draws }, reader, .. } = self;
         reader.clear();
@@ -304,20 +305,20 @@ impl OcclusionState {
         reader.finish();
     }
 
-    /// Returns all answers about the newest frame that has any.
+    /// Returns all answers about the newest frame that has answers.
     pub fn newest_answers(&self) -> &[Answer] {
         &self.newest
     }
 
-    /// Returns the age in frames of each answer used for the newest plan.
+    /// Returns the age in frames of each answer that the newest plan used.
     pub fn answer_ages(&self) -> impl Iterator<Item = u64> {
         let now = self.plan.frame.0;
         let frames = self.reader.results().iter().map(|result| result.answer.tag.frame.0);
         frames.map(move |frame| now.saturating_sub(frame))
     }
 
-    /// Takes the state of a method for this view, if it was
-    /// [put](OcclusionState::put_method_state) there.
+    /// Takes the state of a method for this view, if one was
+    /// [stored](OcclusionState::put_method_state).
     pub fn take_method_state<S: MethodState>(&mut self) -> Option<Box<S>> {
         let place = self.method_states.iter().position(|state| {
             let state: &dyn Any = &**state;
@@ -327,36 +328,36 @@ impl OcclusionState {
         state.downcast().ok()
     }
 
-    /// Keeps the state of a method for this view, until another number of frames is in flight.
+    /// Stores the state of a method for this view, until the number of frames in flight changes.
     pub fn put_method_state(&mut self, state: Box<dyn MethodState>) {
         self.method_states.push(state);
     }
 
-    /// Notes the number of samples below the threshold in the newest frame, which has no plan.
+    /// Notes the number of samples below the threshold in the newest frame, for a method without
+    /// plans.
     pub fn note_samples_below_threshold(&mut self, samples: u64) {
         self.samples_below_threshold = samples;
     }
 
-    /// Returns the corrections of the costs in this view's cost model; `None` without one.
+    /// Returns the corrections that this view's cost model makes; `None` without a cost model.
     pub fn corrections(&self) -> Option<Corrections> {
         self.culler.learned_costs().map(LearnedCosts::corrections)
     }
 
-    /// Returns true if there is a cost model that learns from the times of frames.
+    /// Returns true if the view has a cost model that learns from the times of frames.
     pub fn has_cost_model(&self) -> bool {
         self.culler.learned_costs().is_some()
     }
 
-    /// Passes the time of a frame of this view, with others that were drawn in it, to the cost
-    /// model.
+    /// Passes the time of a frame to the cost model, with the contents of all views in it.
     pub(crate) fn took(&mut self, time: &FrameTime, contents: &FrameContents) {
         if let Some(costs) = self.culler.cost_model_mut() {
             costs.observe(time.gpu_ms * 1.0e6, contents);
         }
     }
 
-    /// Notes that the newest frame was submitted; it is timed if `timed_views` holds the number of
-    /// views that it showed.
+    /// Notes that the newest frame was submitted. `timed_views` is the number of views that the
+    /// frame showed if it is timed.
     pub fn submitted(&mut self, tick: Tick, scene: &CulledScene, timed_views: Option<usize>) {
         if let Some(views) = timed_views {
             self.sent.submitted(tick, &self.plan, views);

@@ -11,31 +11,32 @@ use crate::leaf_table::LeafCount;
 pub struct FrameStats {
     /// The number of the frame in its view.
     pub frame: FrameId,
-    /// Objects the GPU drew: those taken as visible and those whose proxy showed.
+    /// The number of objects that the GPU drew, either taken as visible or revealed by a test.
     pub draws: u64,
-    /// Triangles of those objects. Where leaves were drawn one by one, their triangles at the time
-    /// of the readback count: those of other objects, if the leaves were reused meanwhile.
+    /// The number of triangles of these objects. For leaves that were tested individually,
+    /// triangles are counted when results are read: if a leaf was reused meanwhile, the triangles
+    /// of its new object count.
     pub triangles: u64,
-    /// Objects among `draws` that were drawn because a proxy showed.
+    /// The objects among `draws` that a test revealed.
     pub revealed: u64,
-    /// Samples of tests that showed, but not more than the threshold, so that their leaves were
-    /// left out: at most so many pixels are wrong. 0 without a threshold.
+    /// The number of samples in tests that passed but not above the threshold, so that their leaves
+    /// were not drawn: at most this number of pixels is wrong. 0 without a threshold.
     pub samples_below_threshold: u64,
 }
 
-/// An outcome that is not known yet: frames are reported in their order.
+/// An outcome that is not reported yet, since frames are reported in their order.
 #[derive(Clone, Copy, Debug)]
 struct Pending {
     outcome: FrameStats,
-    /// True if nothing was tested, so that no result is to come.
+    /// True if nothing was tested, so no results are to come.
     is_known: bool,
 }
 
-/// The most outcomes kept for a caller that takes them seldom, or never.
+/// The highest number of outcomes kept until the caller takes them.
 const OUTCOMES_KEPT: usize = 1024;
 
-/// The outcomes of one view's frames: those with results to come, and known ones that were not
-/// taken yet.
+/// The outcomes of one view's frames: outcomes that wait for results, and known ones that have not
+/// been taken yet.
 #[derive(Debug, Default)]
 pub struct Outcomes {
     pending: VecDeque<Pending>,
@@ -44,7 +45,7 @@ pub struct Outcomes {
 }
 
 impl Outcomes {
-    /// Adds a frame that was submitted. Returns its outcome if that and all earlier ones are known.
+    /// Adds a submitted frame. Returns its outcome if this and all earlier outcomes are known.
     pub(crate) fn push(&mut self, outcome: FrameStats, is_known: bool) -> Option<FrameStats> {
         if is_known && self.pending.is_empty() {
             self.keep(outcome);
@@ -54,14 +55,13 @@ impl Outcomes {
         None
     }
 
-    /// Returns the outcome of a frame that is not known yet.
+    /// Returns the outcome of a frame that is not reported yet.
     pub fn of(&mut self, frame: FrameId) -> Option<&mut FrameStats> {
         let mut outcomes = self.pending.iter_mut().map(|pending| &mut pending.outcome);
         outcomes.find(|outcome| outcome.frame == frame)
     }
 
-    /// Adds the draws of a result to the outcome of its frame, or the samples below the
-    /// threshold.
+    /// Adds the draws of a result to the outcome of its frame, or its samples below the threshold.
     pub(crate) fn add(&mut self, result: &TestResult<LeafCount>) {
         let Answer { tag, samples } = result.answer;
         let is_drawn = matches!(tag.kind, QueryKind::Proxy | QueryKind::Leaf);
@@ -76,7 +76,7 @@ impl Outcomes {
         }
     }
 
-    /// Takes the next known outcome: the results of all frames up to `newest` have been read.
+    /// Takes the next known outcome. The results of all frames up to `newest` have been read.
     pub(crate) fn settle(&mut self, newest: Option<FrameId>) -> Option<FrameStats> {
         let is_over = |pending: &mut Pending| {
             pending.is_known || newest.is_some_and(|newest| pending.outcome.frame <= newest)
@@ -91,7 +91,7 @@ impl Outcomes {
         self.pending.clear();
     }
 
-    /// Takes all known outcomes: the latest 1024, if there are more.
+    /// Takes all known outcomes, at most the latest 1024.
     pub(crate) fn take(&mut self) -> std::collections::vec_deque::Drain<'_, FrameStats> {
         self.known.drain(..)
     }
@@ -104,7 +104,7 @@ impl Outcomes {
         self.newest = Some(outcome);
     }
 
-    /// Returns the newest known outcome, taken or not.
+    /// Returns the newest known outcome, even if it was already taken.
     pub(crate) fn newest(&self) -> Option<FrameStats> {
         self.newest
     }

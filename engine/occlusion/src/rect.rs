@@ -2,22 +2,22 @@
 
 use cull::CullView;
 
-/// A part of the image.
+/// A rectangle of pixels in an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rect {
-    /// Its upper left corner (pixels from the image's).
+    /// The upper left corner (pixels from the upper left corner of the image).
     pub origin: [u32; 2],
-    /// Its width and height (pixels).
+    /// The width and height (pixels).
     pub size: [u32; 2],
 }
 
 impl Rect {
-    /// Returns all of an image of `size` pixels.
+    /// Returns the whole of an image of `size` pixels.
     pub fn whole(size: [u32; 2]) -> Self {
         Self { origin: [0, 0], size }
     }
 
-    /// Returns true if it is at least a pixel, and within an image of `size` pixels.
+    /// Returns true if the rectangle is not empty and lies within an image of `size` pixels.
     pub fn fits(&self, size: [u32; 2]) -> bool {
         let fits = |side: usize| {
             let end = u64::from(self.origin[side]) + u64::from(self.size[side]);
@@ -31,9 +31,8 @@ impl Rect {
         Self { origin: view.origin, size: view.size }
     }
 
-    /// Returns parts of equal width side by side, from the left, that cover an image of `size`
-    /// pixels: they differ by a pixel where it cannot be divided. Parts that get no pixel have a
-    /// width of 0.
+    /// Returns `count` parts side by side, from the left, that cover an image of `size` pixels.
+    /// Their widths differ by at most a pixel. Parts without pixels have a width of 0.
     pub fn side_by_side(size: [u32; 2], count: u32) -> impl Iterator<Item = Self> {
         let [width, height] = size;
         let edge =

@@ -1,4 +1,4 @@
-//! The shaders of a renderer: the embedded SPIR-V, or GLSL compiled from a folder while developing.
+//! The shaders of a renderer: embedded SPIR-V, or GLSL compiled from a folder during development.
 
 use std::path::Path;
 
@@ -7,20 +7,20 @@ use shaders::{PASSES, Shader};
 
 use crate::error::Error;
 
-/// The shaders a renderer is built from.
+/// The shaders that a renderer is built from.
 #[derive(Debug, Clone)]
 pub struct ShaderSet {
     loaded: Vec<Spirv>,
     section: SectionShaders,
 }
 
-/// The shaders that objects are drawn with.
+/// A choice of the shaders that objects are drawn with.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum SectionShaders {
-    /// Those that draw objects whole.
+    /// Shaders that draw objects whole.
     #[default]
     Whole,
-    /// Those that section planes cut, with two more storage buffers behind the others.
+    /// Shaders that cut objects by section planes, with two more storage buffers after the others.
     Cut,
 }
 
@@ -34,7 +34,7 @@ impl ShaderSet {
         Ok(Self::of(PASSES.iter().map(load).collect::<Result<_, _>>()?))
     }
 
-    /// Compiles all of them from the GLSL in `folder`.
+    /// Compiles all shaders from the GLSL files in `folder`.
     ///
     /// # Errors
     /// The first shader that does not compile, with file and line; [`Error::NoShaderCompiler`] in
@@ -45,7 +45,7 @@ impl ShaderSet {
         Ok(Self::of(PASSES.iter().map(compile).collect::<Result<_, _>>()?))
     }
 
-    /// Fails to compile the GLSL in `folder`.
+    /// Fails, since this build cannot compile the GLSL files in `folder`.
     ///
     /// # Errors
     /// Always [`Error::NoShaderCompiler`]: this build lacks the feature `shader-compiler`.
@@ -54,8 +54,8 @@ impl ShaderSet {
         Err(Error::NoShaderCompiler(folder.display().to_string()))
     }
 
-    /// Returns the set for a scene with sprites: its vertex shaders place them
-    /// (`SPRITES` of `sprites.glsl`), which costs every vertex of the scene.
+    /// Returns this set with vertex shaders that place sprites (`SPRITES` of `sprites.glsl`). They
+    /// cost time for every vertex of the scene.
     #[must_use]
     pub fn with_sprites(mut self) -> Self {
         const SPRITES: (u32, u32) = (13, 1);
@@ -69,20 +69,20 @@ impl ShaderSet {
         Self { loaded, section: SectionShaders::Whole }
     }
 
-    /// Returns the same set, of which passes take the shaders of objects that are cut by section
-    /// planes, or whole.
+    /// Returns this set with another choice of the shaders of objects: cut by section planes, or
+    /// whole.
     #[must_use]
     pub fn with_section(self, section: SectionShaders) -> Self {
         Self { section, ..self }
     }
 
-    /// Returns the shaders of objects that passes take.
+    /// Returns the choice of the shaders of objects.
     pub fn section(&self) -> SectionShaders {
         self.section
     }
 
-    /// Returns the shader of a pass of objects, by the name of the pass and the end of its file's
-    /// name: cut by section planes or whole.
+    /// Returns the shader of a pass of objects, by the name of the pass and the end of the file
+    /// name: cut by section planes or whole, as chosen.
     ///
     /// # Errors
     /// None, unless the build itself is broken.
@@ -93,7 +93,7 @@ impl ShaderSet {
         }
     }
 
-    /// Returns the shader of this file name.
+    /// Returns the shader with this file name.
     ///
     /// # Errors
     /// None, unless the build itself is broken.

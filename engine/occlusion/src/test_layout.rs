@@ -12,34 +12,35 @@ use crate::visible_draws::VisibleDraws;
 /// A range of draws or boxes that a test reveals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct RevealedRange {
-    /// The bucket of the draws; of boxes, no more than a number.
+    /// The bucket of the draws. For boxes it has no meaning.
     pub(crate) bucket: BucketId,
     /// The test that decides.
     pub(crate) test: u32,
     pub(crate) source: ResultSource,
-    /// The number of the predicate among those that depend on results of the source.
+    /// The index of the predicate among the predicates of the source.
     pub(crate) predicate: u32,
 }
 
-/// A test on its way, with the counts of its draws.
+/// A test in flight, with the counts of its draws.
 pub(crate) type PendingTest = cull::PendingTest<LeafCount>;
 
-/// The layout of one frame's draws and tests, kept to allocate nothing in the steady state.
+/// The layout of the draws and tests of one frame, kept to allocate nothing in the steady state.
 #[derive(Debug, Default)]
 pub(crate) struct TestLayout {
     pub(crate) visible: VisibleDraws,
     /// The test of each query: first those on visible draws, then the tests by query.
     pub(crate) query_tags: Vec<PendingTest>,
-    /// The number of the queries that are on visible draws.
+    /// The number of queries on visible draws.
     pub(crate) visible_draw_queries: u32,
-    /// The test of each flag: a place for every test if there are flags at all.
+    /// The test of each flag: an entry per test of the plan, or empty if no test uses flags.
     pub(crate) flag_tags: Vec<PendingTest>,
     /// The ranges that tests reveal, round by round: draws, boxes, and draws that these enable.
     revealed: Vec<RevealedRange>,
     pub(crate) rounds: Vec<RoundLayout>,
     /// The ranges that depend on the results of each source.
     decided: [Vec<PredicatedRange>; ResultSource::ALL.len()],
-    /// The test of each result of the compute shader: a place for every test if there are any.
+    /// The test of each result of the compute shader: an entry per test of the plan, or empty if
+    /// none uses it.
     pub(crate) compute_tags: Vec<PendingTest>,
 }
 
@@ -55,17 +56,18 @@ pub(crate) struct RoundLayout {
     pub(crate) queried_tests: Range<u32>,
     /// The queries of `queried_tests`, by index.
     pub(crate) queries: Range<u32>,
-    /// True if there are tests whose leaves are tested one by one.
+    /// True if there are tests whose leaves are tested individually.
     pub(crate) has_leaf_tests: bool,
-    /// The predicates of its tests, for each source.
+    /// The predicates of the round's tests, for each source.
     predicates: [Range<u32>; ResultSource::ALL.len()],
-    /// The draws that its tests reveal, by bucket; then the boxes, and the draws that these enable.
+    /// The draws that the round's tests reveal, by bucket. The boxes, and the draws that boxes
+    /// enable, follow.
     draws: Range<usize>,
     boxes: Range<usize>,
     enabled_draws: Range<usize>,
 }
 
-/// The rounds whose results a rendering draws.
+/// The rounds whose results decide about the draws of a rendering.
 #[derive(Clone, Copy)]
 pub(crate) struct StepRounds<'a> {
     /// The round before, if its leaves were tested individually.
@@ -75,11 +77,11 @@ pub(crate) struct StepRounds<'a> {
 }
 
 impl TestLayout {
-    /// Lays out `plan` for a scene as it is now.
+    /// Lays out `plan` for the present state of the scene.
     pub(crate) fn lay_out(&mut self, plan: &FramePlan, leaves: &LeafTable) {
         self.clear();
         let Self { visible, query_tags, .. } = self;
-        // Drawn with any result: nothing depends on it.
+        // These leaves are drawn with any result.
         let own = |tag| PendingTest {
             tag,
             tester: VisibilityTest::Query,
@@ -140,7 +142,7 @@ impl TestLayout {
             let first = self.revealed.len();
             self.reveal(plan, tests.clone(), first_query, reveal, leaves);
             *revealed = first..self.revealed.len();
-            // Draws of one pipeline follow each other, front to back.
+            // Draws of one pipeline come together, front to back.
             self.revealed[revealed.clone()]
                 .sort_unstable_by_key(|range| (range.bucket, range.test));
         }
@@ -151,7 +153,7 @@ impl TestLayout {
         self.rounds.push(round);
     }
 
-    /// Adds the ranges that the tests of a round reveal in this way.
+    /// Adds the ranges of one kind that the tests of a round reveal.
     fn reveal(
         &mut self,
         plan: &FramePlan,
@@ -201,7 +203,7 @@ impl TestLayout {
         self.rounds.clear();
     }
 
-    /// Returns the draws of the tests whose leaves are tested one by one.
+    /// Returns the draws of the tests whose leaves are tested individually.
     pub(crate) fn refined(&self) -> impl Iterator<Item = DrawRange> {
         let enabled =
             self.rounds.iter().flat_map(|round| &self.revealed[round.enabled_draws.clone()]);
@@ -223,8 +225,8 @@ impl TestLayout {
         &self.decided[source as usize]
     }
 
-    /// Returns the draws or boxes that a round's tests reveal in this way, those of a bucket in one
-    /// piece.
+    /// Returns the ranges of one kind that a round's tests reveal. The ranges of a bucket are
+    /// contiguous.
     pub(crate) fn revealed(&self, round: Option<&RoundLayout>, reveal: Reveal) -> &[RevealedRange] {
         let Some(round) = round else { return &[] };
         let range = match reveal {
@@ -235,14 +237,14 @@ impl TestLayout {
         &self.revealed[range.clone()]
     }
 
-    /// Returns the number of renderings behind the first: one per round, and one more if the last
-    /// has leaves that are tested one by one.
+    /// Returns the number of renderings after the first: one per round, and one more if the last
+    /// round has leaves that are tested individually.
     pub(crate) fn step_count(&self) -> usize {
         let refined = self.rounds.last().is_some_and(|round| round.has_leaf_tests);
         self.rounds.len() + usize::from(refined)
     }
 
-    /// Returns the rounds whose results a rendering draws.
+    /// Returns the rounds whose results decide about the draws of a rendering.
     pub(crate) fn step(&self, step: usize) -> StepRounds<'_> {
         let before = step.checked_sub(1).and_then(|round| self.rounds.get(round));
         StepRounds {
@@ -251,13 +253,13 @@ impl TestLayout {
         }
     }
 
-    /// Returns true if nothing of this frame depends on a round of queries, which serves later
-    /// frames only.
+    /// Returns true if a round has only queries that serve later frames: no draw of this frame
+    /// depends on them.
     pub(crate) fn is_for_later(&self, round: &RoundLayout) -> bool {
         round.queries.len() == round.tests.len() && round.draws.is_empty() && round.boxes.is_empty()
     }
 
-    /// Returns the predicates that are decided once the proxies of `round` were drawn.
+    /// Returns the predicates that are decided once the proxies of `round` have been drawn.
     pub(crate) fn made(&self, round: &RoundLayout) -> [(ResultSource, Range<u32>); 3] {
         ResultSource::ALL.map(|source| (source, round.predicates[source as usize].clone()))
     }
@@ -272,7 +274,7 @@ fn pending_test(test: &ProxyTest, leaves: &LeafTable) -> PendingTest {
     PendingTest { tag: test.tag, tester: test.tester, contents: leaves.count(test.leaves) }
 }
 
-/// Takes the ranges of a bucket, which are the first of the list if there are any.
+/// Takes the ranges of a bucket from the start of the list, if there are any.
 pub(crate) fn take_bucket<'a>(
     list: &mut &'a [RevealedRange],
     bucket: BucketId,

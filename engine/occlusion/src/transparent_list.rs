@@ -1,5 +1,5 @@
-//! Objects that can be hidden but hide nothing, in the order in which they are drawn: over the
-//! finished image, back to front.
+//! Objects that can be hidden but do not hide others. They are drawn over the finished image, back
+//! to front.
 //!
 //! ```text
 //! prepare    before the rendering that holds the finished depth: the draws, without instances
@@ -9,8 +9,8 @@
 //! draw       the draws in their order, in one call per run of draws in one bucket
 //! ```
 //!
-//! A box without a visible sample holds an object without one: leaving it out changes nothing, and
-//! the order of the others stays the same.
+//! If no sample of an object's box is visible, no sample of the object is: leaving it out changes
+//! nothing, and the order of the other objects stays the same.
 
 use std::ops::Range;
 
@@ -24,13 +24,13 @@ use crate::error::Error;
 use crate::leaf_table::{BucketDraw, BucketId};
 use crate::passes::{LeafBoxIo, LeafLinks, OcclusionPasses, ProxyBox};
 
-/// The draws of one view's transparent objects in their order, each skipped by the GPU where its
-/// object is hidden.
+/// The draws of one view's transparent objects in their order. The GPU skips the draws of hidden
+/// objects.
 pub struct TransparentList {
     device: Device,
-    /// The draws that fragments switch on.
+    /// The draws that fragments enable.
     enabled: Option<Buffer>,
-    /// The list of objects that the pass writes. Nothing reads it.
+    /// The list of objects that the pass writes. It is not read.
     listed: Buffer,
     commands: Vec<IndirectDraw>,
     links: Vec<DrawLink>,
@@ -45,7 +45,7 @@ pub struct TransparentList {
 #[derive(Clone, Copy)]
 struct ListIo {
     draws: BufferSlice,
-    /// The boxes that are tested, if any are.
+    /// The boxes that are tested, if there are any.
     tested: Option<TestedIo>,
 }
 
@@ -89,8 +89,8 @@ impl TransparentList {
         self.io = None;
     }
 
-    /// Adds an object behind which all that were added before are drawn. Without a box it is drawn
-    /// untested, and so it is where the near plane of `view` cuts the box.
+    /// Adds an object that is drawn after all objects added before. The object is drawn without a
+    /// test if it has no box, or if the near plane of `view` cuts the box.
     pub fn push(&mut self, view: &CullView, bounds: Option<Aabb>, draws: &[BucketDraw]) {
         let bounds = bounds.filter(|bounds| view.margin.proxy(bounds).is_some());
         let first = self.commands.len() as u32;
@@ -122,9 +122,9 @@ impl TransparentList {
         self.commands.is_empty()
     }
 
-    /// Writes the list into the memory of a frame. All objects are drawn untested without the
-    /// [pass](OcclusionPasses::leaf_boxes) that tests boxes, which some devices lack and some
-    /// drivers cannot be trusted with.
+    /// Writes the list into the memory of a frame. All objects are drawn without a test if `passes`
+    /// lacks the [pass](OcclusionPasses::leaf_boxes) that tests boxes: some devices do not support
+    /// it, and some drivers cannot be trusted with it.
     ///
     /// # Errors
     /// No memory, a failed call.
@@ -164,12 +164,12 @@ impl TransparentList {
         Ok(())
     }
 
-    /// Records, before the boxes are tested, the clear of the draws that they decide about. Outside
-    /// of rendering.
+    /// Clears the draws that the boxes decide about, before the boxes are tested. Outside of
+    /// rendering.
     pub fn prepare(&self, commands: &Commands) {
         let Some((io, _, LeafDrawBuffers { draws, list })) = self.tested() else { return };
         let between = MemoryBarrier::between;
-        // The view or frame before may still draw and note.
+        // The previous view or frame may still read and write these buffers.
         let uses = [Access::IndirectRead, Access::FragmentWrite];
         commands.barrier(between(&uses, &[Access::CopyWrite]));
         commands.copy_buffer(io.draws, draws);
@@ -184,7 +184,7 @@ impl TransparentList {
             return;
         };
         commands.label("transparent boxes", |commands| {
-            // The owner may have drawn with another.
+            // The owner may have set another viewport.
             commands.set_viewport(&Viewport::covering(view.origin, view.size));
             let links = Some(tested.links);
             pass.bind(commands, &LeafBoxIo { boxes: tested.boxes, leaf_draws, links }, view);
@@ -200,8 +200,8 @@ impl TransparentList {
         }
     }
 
-    /// Draws the objects in their order to the current attachments. `bind` binds a bucket, before
-    /// each run of draws in it.
+    /// Draws the objects in their order to the current attachments. `bind` is called with the
+    /// bucket of each run of draws, before the run.
     pub fn draw(
         &self,
         predicates: &Predicates,

@@ -1,4 +1,4 @@
-//! The draws of a plan that are taken as visible, bucket by bucket and front to back.
+//! The visible draws of a plan, bucket by bucket and front to back.
 
 use std::ops::Range;
 
@@ -14,14 +14,14 @@ pub(crate) struct VisibleDraws {
     /// The draws under a query of their own.
     queried: Vec<QueriedDraws>,
     buckets: Vec<VisibleBucket>,
-    /// The places of the next draw and the next queried draws in each bucket.
+    /// The next position in the list of draws, and in the list of queried draws, for each bucket.
     next: Vec<[u32; 2]>,
 }
 
 /// The draws of one leaf in one bucket, under one query.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub(crate) struct QueriedDraws {
-    /// Places in the list of draws.
+    /// The positions in the list of draws.
     pub(crate) draws: Range<u32>,
     pub(crate) query: u32,
 }
@@ -30,15 +30,15 @@ pub(crate) struct QueriedDraws {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct VisibleBucket {
     pub(crate) bucket: BucketId,
-    /// Places in the list of draws.
+    /// The positions in the list of draws.
     pub(crate) draws: Range<u32>,
-    /// Those under queries, in the order of their draws.
+    /// The draws under queries, in the order of their draws.
     queried: Range<u32>,
 }
 
 impl VisibleDraws {
-    /// Lays out the visible draws of a plan. Calls `query` with the tag of each query that is
-    /// needed: a leaf has one per bucket with draws of it, with the same tag.
+    /// Lays out the visible draws of a plan. Calls `query` with the tag of each query: a queried
+    /// leaf has a query with this tag for each bucket in which it has draws.
     pub(crate) fn lay_out(
         &mut self,
         plan: &FramePlan,
@@ -70,14 +70,14 @@ impl VisibleDraws {
         self.place(plan, layout);
     }
 
-    /// Clears the list: no draw.
+    /// Clears the list.
     pub(crate) fn clear(&mut self) {
         self.cells.clear();
         self.queried.clear();
         self.buckets.clear();
     }
 
-    /// Turns the counts in `next` into places, one bucket after the other.
+    /// Turns the counts in `next` into positions, one bucket after the other.
     fn begin_buckets(&mut self) {
         self.buckets.clear();
         let mut ends = [0, 0];
@@ -129,7 +129,7 @@ impl VisibleDraws {
     }
 }
 
-/// Returns the visible leaves of a plan in their order, with the tags of those that are queried.
+/// Returns the visible leaves of a plan in their order, with the tags of the queried ones.
 fn front_to_back(plan: &FramePlan) -> impl Iterator<Item = (LeafIndex, Option<QueryTag>)> {
     let mut queried = plan.queried_draws.iter().zip(&plan.queried_after).peekable();
     let mut draws = plan.draws.iter();

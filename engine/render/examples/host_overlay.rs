@@ -1,5 +1,5 @@
-//! Draws a triangle and, over the finished image, a bar by commands of the host, as a user
-//! interface would: `host_overlay [FILE.png]`. The image of the scene alone stays as it was.
+//! Draws a triangle and, over the finished image, a bar by commands of the host, like a user
+//! interface: `host_overlay [FILE.png]`. The image of the scene alone does not show the bar.
 
 use std::error::Error;
 
@@ -14,7 +14,7 @@ const SIZE: [u32; 2] = [320, 180];
 /// A bar along the upper edge of images.
 struct Bar {
     height: u32,
-    /// sRGB-decoded red, green and blue, and alpha.
+    /// Linear red, green and blue, and alpha.
     colour: [f32; 4],
 }
 

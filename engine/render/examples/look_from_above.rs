@@ -1,5 +1,5 @@
-//! Draws a wall and a field of tiles behind it, moves the wall aside, explains the decision about a
-//! tile before and after, and saves the view from above: `look_from_above [FILE.png]`.
+//! Draws a wall and a field of tiles behind it, and moves the wall aside. Explains the decision
+//! about a tile before and after, and saves the view from above: `look_from_above [FILE.png]`.
 
 use std::error::Error;
 
@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         Object { mesh: MeshId(1), transform, tint: u32::MAX }
     }));
     let device = gpu::open()?;
-    // Tests are made whether they pay or not: on some devices 2 triangles are drawn faster.
+    // Tests everything: on some devices, drawing 2 triangles is faster than a test.
     let size = [640, 360];
     let cost_model = CostModel::Off;
     let options = RendererOptions { size, cost_model, ..Default::default() };

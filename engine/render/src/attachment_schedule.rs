@@ -1,19 +1,21 @@
-//! The renderings at the end of a view's frame, and what each of them loads and stores. A GPU that
-//! draws tile by tile (a tiler) reads an image from memory where a rendering begins and writes it
-//! back where it ends, unless it is told that nobody needs that. Pure: tests need no device.
+//! The renderings at the end of a view's frame, and the images that each of them loads and stores.
+//! A tile-based GPU reads an image from memory at the begin of a rendering and writes it back at
+//! the end, unless the rendering says that it need not. Pure: tests need no device.
 
 use gpu::{AttachmentStore, Load, RenderTarget};
 
-/// A rendering of a view's frame, in the order in which they are recorded.
+/// A rendering of a view's frame. The variants are in the order in which they are recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum AttachmentSchedule {
-    /// The last one that decides what is visible. Those before it keep all that they draw.
+    /// The last rendering that decides what is visible. The renderings before it keep all that they
+    /// draw.
     LastRound,
-    /// The same with the colours of surfaces behind it, over what was there.
+    /// The last rendering that decides what is visible, with the colours of surfaces after it, over
+    /// the contents.
     ShadedRound,
     /// The tests of casters against the finished depth.
     CasterTests,
-    /// The colours of surfaces, over what was there.
+    /// The colours of surfaces, over the contents.
     Shade,
     /// The fragments of transparent objects, which are stored.
     Fragments,
@@ -23,7 +25,7 @@ pub(crate) enum AttachmentSchedule {
     SampleCounts,
     /// The search for the object under the pointer.
     Pointer,
-    /// The sum of what is transparent in front of flares.
+    /// The light that transparent objects in front of flares take.
     FlareTransmittance,
     /// The counts of the samples of flares.
     FlareCounts,
@@ -31,13 +33,13 @@ pub(crate) enum AttachmentSchedule {
     Flares,
     /// The edges of objects over their surfaces.
     Edges,
-    /// The edges of objects over paper.
+    /// The edges of objects on paper.
     EdgesOnPaper,
-    /// The outlines of objects, by a stencil of their own.
+    /// The outlines of objects, with a stencil of their own.
     StencilOutlines,
-    /// The counts of the depth complexity.
+    /// The counts for the depth complexity.
     Layers,
-    /// The depth complexity, over all that was there.
+    /// The depth complexity, which replaces the colours.
     DepthComplexity,
     /// The lines and boxes of the debug overlay.
     DebugLines,
@@ -47,16 +49,16 @@ pub(crate) enum AttachmentSchedule {
     Outline,
 }
 
-/// The use that a rendering makes of an image.
+/// The use of an image by a rendering.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum AttachmentUse {
-    /// It neither reads nor writes it.
+    /// Neither reads nor writes the image.
     Nothing,
-    /// It tests against it.
+    /// Tests against the image.
     Reads,
-    /// It reads and writes it.
+    /// Reads and writes the image.
     Writes,
-    /// It writes over all that was there.
+    /// Overwrites the whole image.
     Replaces,
 }
 
@@ -67,17 +69,18 @@ enum Image {
     Depth,
 }
 
-/// The end of the samples of the colour image.
+/// The use of the samples of the colour image after the last rendering that writes them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum ColourEnd {
     /// A later command reads the image.
     #[default]
     Read,
-    /// The last rendering that writes it averages it into another image, and nobody reads it then.
+    /// The last rendering that writes them averages them into another image. They are not read
+    /// afterwards.
     Averaged,
 }
 
-/// The renderings that a view's frame has, as far as they are known when it begins: some of them
+/// The renderings that a view's frame has, as far as they are known when it begins. Some of them
 /// may turn out empty and be left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ViewScopes {
@@ -86,7 +89,7 @@ pub(crate) struct ViewScopes {
 }
 
 impl AttachmentSchedule {
-    /// All of them, in their order.
+    /// All renderings, in their order.
     pub(crate) const ALL: [Self; 19] = [
         Self::LastRound,
         Self::ShadedRound,
@@ -115,19 +118,19 @@ impl AttachmentSchedule {
 }
 
 impl ViewScopes {
-    /// Creates a frame of no rendering yet, with this end of its colours.
+    /// Creates a frame without renderings, with this end of its colours.
     pub(crate) fn ending(colour: ColourEnd) -> Self {
         Self { present: 0, colour }
     }
 
-    /// Returns these renderings and those of `scopes` that are there.
+    /// Adds the renderings of `scopes` that are present.
     pub(crate) fn and(self, scopes: impl IntoIterator<Item = (AttachmentSchedule, bool)>) -> Self {
         let there = scopes.into_iter().filter(|(_, is_there)| *is_there);
         let present = there.fold(self.present, |present, (scope, _)| present | scope.bit());
         Self { present, ..self }
     }
 
-    /// Returns the same with the colours in the last round.
+    /// Moves the colours into the last round.
     pub(crate) fn shaded_within(self) -> Self {
         let apart = [
             AttachmentSchedule::LastRound,
@@ -138,7 +141,7 @@ impl ViewScopes {
         Self { present: self.present & !apart | AttachmentSchedule::ShadedRound.bit(), ..self }
     }
 
-    /// Returns true if a rendering is among them.
+    /// Returns true if the frame has this rendering.
     pub(crate) fn has(self, scope: AttachmentSchedule) -> bool {
         self.present & scope.bit() != 0
     }
@@ -147,7 +150,7 @@ impl ViewScopes {
     fn uses(self, scope: AttachmentSchedule) -> [AttachmentUse; 2] {
         use AttachmentUse::{Nothing, Reads, Replaces, Writes};
         match scope {
-            // Scenes that are shaded later draw depth alone.
+            // Scenes that are shaded later draw only depth.
             AttachmentSchedule::LastRound if self.has(AttachmentSchedule::Shade) => {
                 [Nothing, Writes]
             }
@@ -170,7 +173,7 @@ impl ViewScopes {
         }
     }
 
-    /// Returns the uses of an image by a rendering and by all that comes after it.
+    /// Returns the uses of an image by a rendering and by all renderings after it.
     fn uses_from(
         self,
         scope: AttachmentSchedule,
@@ -191,8 +194,8 @@ impl ViewScopes {
         uses.chain(end)
     }
 
-    /// Returns true if the colours of a rendering are to be averaged where it ends: no later one
-    /// writes any.
+    /// Returns true if the colours of a rendering are to be averaged at its end: no later rendering
+    /// writes colours.
     pub(crate) fn averages(self, scope: AttachmentSchedule) -> bool {
         let writes = |attachment_use: &AttachmentUse| {
             matches!(attachment_use, AttachmentUse::Writes | AttachmentUse::Replaces)
@@ -202,7 +205,7 @@ impl ViewScopes {
         self.colour == ColourEnd::Averaged && is_writer && !uses.any(|usage| writes(&usage))
     }
 
-    /// Returns the target of a rendering with the least to load and to store.
+    /// Returns the target of a rendering with as few loads and stores as possible.
     pub(crate) fn limit(self, scope: AttachmentSchedule, mut target: RenderTarget) -> RenderTarget {
         let uses = |image| self.uses_from(scope, image);
         (target.colour_load, target.colour_store) =
@@ -212,7 +215,7 @@ impl ViewScopes {
     }
 }
 
-/// Returns what a rendering loads and stores of an image, by its use of it and those that follow.
+/// Returns the load and store of an image in a rendering, from its use there and the later uses.
 fn limited<T>(
     mut uses: impl Iterator<Item = AttachmentUse>,
     load: Load<T>,
@@ -245,7 +248,8 @@ mod tests {
         ViewScopes::ending(colour).and(scopes.iter().map(|scope| (*scope, true)))
     }
 
-    /// Returns what each rendering loads, if it finds contents, and stores: of colour and of depth.
+    /// Returns for each rendering, for colour and depth, if it loads contents, and how it stores
+    /// them.
     fn ends(scopes: &[AttachmentSchedule], colour: ColourEnd) -> Vec<[(bool, AttachmentStore); 2]> {
         let frame = frame(scopes, colour);
         let end = |scope: &AttachmentSchedule| {
@@ -328,8 +332,8 @@ mod tests {
         );
     }
 
-    /// Checks every frame that there can be: what is read was kept since it was written, and what
-    /// is kept is read.
+    /// Checks all possible frames: contents that are read were kept since they were written, and
+    /// contents that are kept are read.
     #[test]
     fn what_is_read_is_there_and_what_is_kept_is_read() {
         for present in 0..1_u32 << AttachmentSchedule::ALL.len() {
@@ -354,7 +358,7 @@ mod tests {
         let frame = frame(scopes, colour);
         let ends = ends(scopes, colour);
         for image in [0, 1] {
-            // The first rendering finds what earlier rounds kept.
+            // The first rendering finds the contents that earlier rounds kept.
             let mut is_there = true;
             let mut is_due = false;
             for (scope, end) in scopes.iter().zip(&ends) {

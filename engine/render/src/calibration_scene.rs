@@ -1,5 +1,5 @@
-//! The objects that costs are measured with: a triangle and a patch of many, drawn as the scene's
-//! are.
+//! The objects that costs are measured with: a triangle and a patch of many triangles, drawn like
+//! the objects of the scene.
 
 use cull::{CullView, Hierarchy};
 use glam::{Affine3A, Vec3};
@@ -23,17 +23,17 @@ use crate::shading::surfaces::SurfaceOptions;
 /// The distance of the objects from the eye (metres).
 const DISTANCE_M: f32 = 10.0;
 
-/// Quads along each side of a patch.
+/// The number of quads along each side of a patch.
 const QUADS: u32 = 16;
 
 const _: () = assert!(2 * QUADS * QUADS == PATCH_TRIANGLES);
 
 /// Measures the costs of tests and draws on a device, for scenes of hosts
 /// (`occlusion::CulledSceneOptions::costs`); a [renderer](crate::Renderer) measures its own. Size,
-/// samples and shaders are taken from `options`. The predication modes are those that the device
-/// has and that are not [disabled](RendererOptions::disabled), or the
-/// [named](RendererOptions::predication) one. Takes as long as [`CostModel::Measured`] says, and
-/// waits for the device again and again: call it before the first frame.
+/// samples and shaders are taken from `options`. It measures the
+/// [given](RendererOptions::predication) predication mode, or all modes that the device has and
+/// that are not [disabled](RendererOptions::disabled). The time is described at
+/// [`CostModel::Measured`]. Waits for the device many times: call it before the first frame.
 ///
 /// # Errors
 /// Impossible options, no memory, a shader that does not compile, a failed call; a device that was
@@ -50,9 +50,6 @@ pub fn measure_costs(device: &Device, options: &RendererOptions) -> Result<Devic
 }
 
 /// Measures the costs of tests and draws on the device of `passes`, and of these executors.
-///
-/// # Errors
-/// No memory, a failed call, [`gpu::Error::Cancelled`].
 pub(crate) fn measure(
     passes: &mut SceneRenderer,
     occlusion_passes: &OcclusionPasses,
@@ -79,7 +76,7 @@ pub(crate) fn measure(
     })?)
 }
 
-/// The renderer of these objects, with the passes of a scene.
+/// The renderer of the measured objects, with the passes of a scene.
 struct CalibrationObjects<'a> {
     passes: &'a mut SceneRenderer,
     geometry: Geometry,
@@ -105,7 +102,7 @@ impl ObjectRenderer for CalibrationObjects<'_> {
     }
 }
 
-/// Returns a triangle, and a patch of many.
+/// Returns a scene of a triangle and a patch.
 fn scene() -> Scene {
     let object = |(mesh, (z, scale)): (u32, (f32, f32))| Object {
         mesh: MeshId(mesh),
@@ -116,7 +113,7 @@ fn scene() -> Scene {
         ),
         tint: pack_unorm([1.0; 4]),
     };
-    // About forty pixels of 720 at that distance for the patch.
+    // At this distance, the patch is about 40 of 720 pixels high.
     let places = [(-1.2 * DISTANCE_M, 0.1), (-1.2 * DISTANCE_M, 0.7)];
     Scene {
         name: "calibration".to_owned(),
@@ -140,7 +137,7 @@ fn single() -> Mesh {
     mesh("triangle", [[-0.5, -0.5], [0.5, -0.5], [0.0, 0.5]].into_iter(), vec![0, 1, 2])
 }
 
-/// Returns a square of which half faces the eye.
+/// Returns a square of triangles, half of which face the eye.
 fn patch() -> Mesh {
     let side = QUADS + 1;
     let at = |place: u32| place as f32 / QUADS as f32 - 0.5;

@@ -1,5 +1,5 @@
-//! The choice of the executor that skips hidden draws: of those that the device has and that can be
-//! trusted the one that costs least.
+//! The choice of the executor that skips hidden draws: the cheapest of the executors that the
+//! device supports and that can be trusted.
 
 use cull::SkippedWork;
 use occlusion::{ChoiceRequest, CullingSetup, DeviceCosts, OcclusionPasses, ShaderSet};
@@ -10,8 +10,9 @@ use crate::renderer::RendererOptions;
 use crate::scene_renderer::SceneRenderer;
 use crate::shadows::{can_skip, caster_executor};
 
-/// Decides for a scene of so many draws, one per leaf, those for spare objects too, by costs that
-/// are measured if that is asked for. Casters are skipped alike, each range by itself.
+/// Decides for a scene with `draws` draws, one per leaf, including spare objects. Measures the
+/// costs if `options` request it. Casters are skipped by the same executor, each range
+/// individually.
 pub(crate) fn decide(
     passes: &mut SceneRenderer,
     occlusion_passes: &OcclusionPasses,
@@ -35,7 +36,7 @@ pub(crate) fn decide(
             shaders,
             &options.cancellation,
         );
-        // What is given up is no failure of the device to warn of: the renderer is refused below.
+        // A cancelled measurement must not warn of the device: the renderer is refused below.
         if options.cancellation.is_cancelled() { Ok(DeviceCosts::default()) } else { measured }
     });
     options.cancellation.check()?;

@@ -1,4 +1,4 @@
-//! The content of a scene on the GPU: what its passes draw and shade with.
+//! The contents of a scene on the GPU, which its passes draw and shade with.
 
 use ::shadows::ShadowMethod;
 use cull::{CullView, Hierarchy, Strategy};
@@ -14,7 +14,7 @@ use crate::shading::fragments::Fragments;
 use crate::shading::surfaces::SurfaceOptions;
 use crate::shading::transparent::{Transparent, TransparentObject};
 
-/// The content of a scene on the GPU.
+/// The contents of a scene on the GPU.
 pub(crate) struct GpuScene {
     /// Meshes and instances, with materials, textures and lights where the scene has surfaces.
     pub(crate) geometry: Geometry,
@@ -32,16 +32,13 @@ pub(crate) struct GpuSceneOptions<'a> {
     pub(crate) frames_in_flight: usize,
     pub(crate) samples: gpu::vk::SampleCountFlags,
     pub(crate) surfaces: &'a SurfaceOptions,
-    /// The bytes of meshes and textures that a frame uploads.
+    /// The number of bytes of meshes and textures that a frame uploads.
     pub(crate) upload_bytes_per_frame: usize,
     pub(crate) shadows: ShadowMethod,
 }
 
 impl GpuScene {
     /// Uploads a scene, with a hierarchy over its objects.
-    ///
-    /// # Errors
-    /// A scene beyond the device's limits, no memory, a failed call, [`gpu::Error::Cancelled`].
     pub(crate) fn upload(
         device: &Device,
         scene: &Scene,
@@ -64,21 +61,18 @@ impl GpuScene {
         Ok(Self { geometry, light: scene.light, skinned_meshes, transparent })
     }
 
-    /// Returns the fragments of transparent objects, if any are sorted.
+    /// Returns the fragments of transparent objects, if fragments are sorted.
     pub(crate) fn fragments(&self) -> Option<&Fragments> {
         self.transparent.as_ref()?.fragments.as_ref()
     }
 
-    /// Returns the fragments of transparent objects, if any are sorted, to be changed.
+    /// Returns the fragments of transparent objects for changes, if fragments are sorted.
     pub(crate) fn fragments_mut(&mut self) -> Option<&mut Fragments> {
         self.transparent.as_mut()?.fragments.as_mut()
     }
 
     /// Gathers the transparent objects of a view, which its
     /// [shading](occlusion::ShadedObjects::shade) draws. Returns the number in its frustum.
-    ///
-    /// # Errors
-    /// No memory.
     pub(crate) fn gather_transparent(
         &mut self,
         frame: &mut Frame<'_>,
@@ -90,7 +84,7 @@ impl GpuScene {
         transparent.gather(frame, &self.geometry, scene.passes(), view, strategy.culls_occluded())
     }
 
-    /// Changes a transparent object, if it is there, and finds its lights again.
+    /// Changes a transparent object, if it exists, and finds its lights again.
     pub(crate) fn change_transparent(
         &mut self,
         id: TransparentId,
@@ -104,7 +98,7 @@ impl GpuScene {
         Ok(())
     }
 
-    /// Returns the work for skinned meshes in the frame that was recorded last.
+    /// Returns the work for skinned meshes in the newest recorded frame.
     pub(crate) fn skinned(&self) -> Skinned {
         self.skinned_meshes.as_ref().map(SkinnedMeshes::skinned).unwrap_or_default()
     }

@@ -1,4 +1,4 @@
-//! The place in a frame where a host draws over the finished image, as user interfaces do.
+//! A host's commands over the finished image, for a user interface for example.
 
 use gpu::{Commands, OverlayImage, Uploads};
 
@@ -7,17 +7,18 @@ use crate::error::Error;
 /// The label of the pass.
 pub(crate) const HOST_OVERLAY: &str = "host overlay";
 
-/// A host's commands over finished images, of a frame that is requested with it
+/// A host's commands over finished images. A frame records them if its request has them
 /// ([`FrameRequest::overlay`](crate::FrameRequest::overlay)).
 ///
-/// They are recorded behind everything that the renderer draws and behind the average of samples,
-/// and before the image is copied or presented.
-/// [`FrameRequest::scene_image`](crate::FrameRequest::scene_image) is copied before. A frame
-/// without an overlay has no command for it. A failure ends the frame: it is not submitted.
+/// They are recorded after everything that the renderer draws and after samples are averaged, and
+/// before the image is copied or presented.
+/// [`FrameRequest::scene_image`](crate::FrameRequest::scene_image) is copied before them. A frame
+/// without an overlay has no command for it. An error of the overlay ends the frame without a
+/// submit.
 ///
-/// Requests share it, so what it changes is in a `Cell` or a `RefCell` of its own.
+/// Requests borrow the overlay, so keep mutable state in a `Cell` or a `RefCell`.
 pub trait HostOverlay {
-    /// Uploads what the commands read into memory of the frame, right before they are recorded.
+    /// Uploads data for the commands into memory of the frame, right before they are recorded.
     ///
     /// # Errors
     /// No memory, or [`Error::Overlay`].
@@ -26,15 +27,15 @@ pub trait HostOverlay {
         Ok(())
     }
 
-    /// Records the commands, outside of a rendering, by those of `commands` or by Vulkan's own
-    /// into [`Commands::raw`]. They draw over `image`, find it in [`OverlayImage::state`] and leave
-    /// it there. What they use lives until the frame is over.
+    /// Records the commands outside of a rendering, by `commands` or by Vulkan's own functions into
+    /// [`Commands::raw`]. They draw over `image`, which is in [`OverlayImage::state`] before and
+    /// must be in it afterwards. Everything that they use must live until the frame is over.
     ///
     /// # Errors
-    /// [`Error::Overlay`] of the host, or those of the engine's calls.
+    /// [`Error::Overlay`] of the host, or the errors of the engine's calls.
     fn record(&self, commands: &Commands, image: &OverlayImage) -> Result<(), Error>;
 
-    /// Notes that the frame whose commands were recorded last was submitted. A frame that failed
-    /// never is.
+    /// Notes that the frame whose commands were recorded last was submitted. It is not called for a
+    /// frame that failed.
     fn submitted(&self) {}
 }

@@ -1,9 +1,9 @@
-//! The Antumbra engine: it draws only what can be seen, never waits for the GPU to find out, and
-//! never shows a wrong pixel.
+//! The renderer of the Antumbra engine: it draws only visible objects, never waits for the GPU to
+//! find them, and never shows a wrong pixel.
 //!
-//! A frame is a [`cull::FramePlan`] (pure, from the crate `cull`) executed by the crate
-//! `occlusion`; this crate draws the objects: scenes, passes, and the [`Renderer`] that runs one
-//! frame from top to bottom.
+//! A frame is a [`cull::FramePlan`] (pure, from the crate `cull`) that the crate `occlusion`
+//! executes. This crate draws the objects: it has scenes, passes, and the [`Renderer`], which runs
+//! a whole frame.
 //!
 //! ```no_run
 //! # use antumbra_render as render;

@@ -1,4 +1,4 @@
-//! One view of a renderer's scene: its visibility history, and the samples that it counts.
+//! A view of a renderer's scene: its visibility history, and its counts of samples.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -11,7 +11,7 @@ use crate::debug::sample_counts::{COUNTING, SampleCounts, VisibleSamples, check_
 use crate::error::Error;
 use crate::flares::{FlareCounts, FlareState};
 
-/// The identity of a renderer: objects made by one fit no other.
+/// The identity of a renderer. Objects that were made by one renderer do not fit another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct RendererId(u64);
 
@@ -23,11 +23,11 @@ impl RendererId {
     }
 }
 
-/// One view of a scene with its own visibility history. Several views may look at one scene.
+/// A view of a scene with its own visibility history. A scene may have several views.
 pub struct RenderView {
     pub(crate) renderer: RendererId,
     pub(crate) visibility: OcclusionState,
-    /// The view of the newest frame.
+    /// The viewpoint of the newest frame.
     pub(crate) seen_from: Option<CullView>,
     pub(crate) counts: SampleCounts,
     pub(crate) pointer: Pointer,
@@ -47,34 +47,34 @@ impl RenderView {
         self.visibility.plan()
     }
 
-    /// Forgets the history; the next frame starts like the first. To be called after a change that
-    /// makes the past worthless, such as a jump to another place.
+    /// Forgets the history; the next frame starts like the first. Call it after a change that makes
+    /// the history worthless, such as a jump to another place.
     pub fn reset(&mut self) {
         self.visibility.reset();
         self.counts.forget_settled(self.visibility.plan().frame);
         self.flares.reset();
     }
 
-    /// Takes the outcomes of the frames whose results were read since the last call: the latest
-    /// 1024, if there are more.
+    /// Takes the outcomes of the frames whose results were read since the last call, at most the
+    /// latest 1024.
     pub fn drain_stats(&mut self) -> std::collections::vec_deque::Drain<'_, FrameStats> {
         self.visibility.drain_stats()
     }
 
-    /// Returns the outcome of the newest frame whose results were read, whether
-    /// [taken](RenderView::drain_stats) or not.
+    /// Returns the outcome of the newest frame whose results were read, even if it was already
+    /// [taken](RenderView::drain_stats).
     pub fn newest_stats(&self) -> Option<FrameStats> {
         self.visibility.newest_stats()
     }
 
-    /// Returns the corrections of the costs in this view's cost model; `None` without one.
+    /// Returns the corrections that this view's cost model makes; `None` without a cost model.
     pub fn corrections(&self) -> Option<Corrections> {
         self.visibility.corrections()
     }
 
-    /// Counts the visible samples of these objects in every frame from now on, and of no others. An
-    /// id without an object has no count until an object has it. Costs two or three small draws per
-    /// object and frame, and nothing where the list is empty.
+    /// Counts the visible samples of exactly these objects in every frame from now on. An id that
+    /// no object has is ignored until an object gets it. Costs two or three small draws per object
+    /// and frame; an empty list costs nothing.
     ///
     /// # Errors
     /// A device that cannot count
@@ -87,17 +87,17 @@ impl RenderView {
         Ok(())
     }
 
-    /// Returns the newest count of each watched object that has one yet, ascending by object. The
-    /// count of a removed object is dropped, also if another has its id now.
+    /// Returns the newest count of each watched object that has been counted, ascending by object.
+    /// The count of a removed object is dropped, even if a new object has its id.
     pub fn visible_samples(&self) -> &[VisibleSamples] {
         self.counts.newest()
     }
 
-    /// Finds the object at a pixel of the view's part of the image, from the upper left, in every
-    /// frame from now on; `None` ends it. Costs a draw of the objects whose box meets the pixel,
-    /// cut to that pixel; nothing is waited for. Opaque objects count; transparent ones and the
-    /// background do not. With several samples per pixel, the object that owns the first of them is
-    /// found.
+    /// Finds, in every frame from now on, the opaque object at a pixel of the view's part of the
+    /// image, counted from the upper left corner; `None` ends this. Costs a draw of the objects
+    /// whose box meets the pixel, clipped to that pixel; nothing waits. Transparent objects and the
+    /// background are not found. With several samples per pixel, it finds the object that owns the
+    /// first sample.
     ///
     /// # Errors
     /// A device whose fragment shaders cannot write to buffers
@@ -110,14 +110,14 @@ impl RenderView {
         Ok(())
     }
 
-    /// Returns the object under the pointer in the newest frame whose answer has been read, as that
-    /// frame showed it; `None` before the first.
+    /// Returns the object under the pointer, as shown by the newest frame whose answer has been
+    /// read; `None` before the first answer.
     pub fn pointed(&self) -> Option<&Pointed> {
         self.pointer.newest()
     }
 
-    /// Returns the state of each flare ([`Renderer::set_flares`](crate::Renderer::set_flares)) in
-    /// the newest frame, in their order.
+    /// Returns the state of each flare in the newest frame, in the order of
+    /// [`Renderer::set_flares`](crate::Renderer::set_flares).
     pub fn flares(&self) -> &[FlareState] {
         self.flares.states()
     }
@@ -130,7 +130,7 @@ impl RenderView {
         self.flares.collect(completed);
     }
 
-    /// Creates the rings again where another number of frames is in flight.
+    /// Creates the rings again if the number of frames in flight has changed.
     pub(crate) fn follow_frames_in_flight(
         &mut self,
         scene: &CulledScene,

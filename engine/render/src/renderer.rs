@@ -1,4 +1,4 @@
-//! The renderer: one frame from top to bottom, from the results of earlier frames to the submit.
+//! The renderer: runs a whole frame, from the results of earlier frames to the submit.
 
 use ::shadows::{ShadowMethod, ShadowOptions};
 use cull::{
@@ -34,8 +34,8 @@ use crate::shadows::{Shadows, can_skip, usable_shadows};
 use crate::update::UpdateScratch;
 use crate::views::view_in;
 
-/// The most frames that may be in flight: each has memory of its own for everything that a frame
-/// writes, and beyond a few they only make results older.
+/// The highest number of frames in flight. Each has its own memory for everything that a frame
+/// writes, and more than a few only make results older.
 pub const MAX_FRAMES_IN_FLIGHT: usize = 16;
 
 /// The options of a [`Renderer`].
@@ -43,56 +43,59 @@ pub const MAX_FRAMES_IN_FLIGHT: usize = 16;
 pub struct RendererOptions {
     /// Size of the image in pixels.
     pub size: [u32; 2],
-    /// Samples per pixel. With several, edges are smooth, and every image that is shown or read
-    /// has their averages. Queries, thresholds and counts of samples count each of them.
+    /// The number of samples per pixel. With several, edges are smooth, and every image that is
+    /// shown or read has averaged pixels. Queries, thresholds and counts of samples count every
+    /// sample.
     pub samples: SampleCount,
-    /// Frames that may be in flight at once, up to [`MAX_FRAMES_IN_FLIGHT`]; 0 counts as 1, and
-    /// more than 4 only make results older.
+    /// The number of frames that may be in flight at once, up to [`MAX_FRAMES_IN_FLIGHT`]. 0 counts
+    /// as 1; more than 4 only make results older.
     pub frames_in_flight: usize,
-    /// The way that hidden draws are skipped; `None` takes the one that costs least by the measured
-    /// costs ([`Renderer::culling_setup`]), else the device's usual one.
+    /// The predication mode that skips hidden draws. `None` takes the cheapest mode by measured
+    /// costs ([`Renderer::culling_setup`]), or without these the device's usual mode.
     pub predication: Option<PredicationMode>,
     /// The shaders; `None` takes the embedded ones.
     pub shaders: Option<ShaderSet>,
     /// The configuration of the culler.
     pub cull_config: CullConfig,
-    /// The methods beside Antumbra's own; of several with one strategy, the first is used.
+    /// The methods in addition to Antumbra's own. If several have the same strategy, the first is
+    /// used.
     pub methods: Vec<MethodConstructor>,
-    /// The most occlusion queries of a frame, for all its views together. Leaves that are left
-    /// without one are drawn.
+    /// The highest number of occlusion queries in a frame, for all its views together. Leaves for
+    /// which no query is left are drawn.
     pub query_budget: usize,
-    /// The number of samples up to which a test counts as hidden, so that its leaves are not drawn:
-    /// at 0 the image is exact. Above, each test that is left out may cost as many pixels
-    /// ([`FrameStats::samples_below_threshold`](crate::FrameStats::samples_below_threshold)
-    /// bounds them). All tests are then queries, which must count samples, and conditional
-    /// rendering is not available. For [`Strategy::ANTUMBRA`] and [`Strategy::ANTUMBRA_QUERIES`];
-    /// other methods have their own.
+    /// The number of samples up to which a test counts as hidden, so that its leaves are not drawn.
+    /// With 0 the image is exact. Otherwise each such test may cost this number of pixels
+    /// ([`FrameStats::samples_below_threshold`](crate::FrameStats::samples_below_threshold) is an
+    /// upper bound for a frame). All tests are then queries that count samples, and conditional
+    /// rendering is not available. Applies to [`Strategy::ANTUMBRA`] and
+    /// [`Strategy::ANTUMBRA_QUERIES`]; other methods have thresholds of their own.
     pub threshold_samples: u32,
-    /// The costs of tests and draws, so that nothing is tested at a loss. Where the device has
+    /// The costs of tests and draws, by which tests that do not pay are left out. On devices with
     /// timestamps, the times of frames correct them.
     pub cost_model: CostModel,
-    /// Room for objects that are [added later](Renderer::update), beside the room of removed ones.
-    /// Together with the scene's objects they must fit into a hierarchy and the device.
+    /// Room for objects that are [added later](Renderer::update), in addition to the room of
+    /// removed ones. Together with the scene's objects they must fit into a hierarchy and the
+    /// device.
     pub spare_objects: usize,
-    /// Room for what is added later beside objects ([`Renderer::add_meshes`],
+    /// Room for other things that are added later ([`Renderer::add_meshes`],
     /// [`Renderer::add_textures`], [`Renderer::add_materials`], [`Renderer::add_lights`]).
     pub spare: SpareCapacity,
-    /// The way that textures lie on the GPU; `None` takes the device's best.
-    /// [`Renderer::degradations`] says which it is.
+    /// The storage of textures on the GPU; `None` takes the device's best.
+    /// [`Renderer::degradations`] reports the choice.
     pub textures: Option<TextureStorage>,
-    /// The most bytes of meshes and textures that a frame copies to the GPU; at least one
-    /// byte of a mesh, or one row of a texture.
+    /// The highest number of bytes of meshes and textures that a frame copies to the GPU, but at
+    /// least one byte of a mesh or one row of a texture.
     pub upload_bytes_per_frame: usize,
     /// The shadows of the lights of surfaces.
     pub shadows: ShadowOptions,
     /// The order in which transparent objects are blended.
     pub transparency: TransparencyOptions,
-    /// The assumptions about the driver that a [self-test](crate::self_test) found broken: tests
-    /// and executors that rest on them are replaced by the safest that is left, with a warning.
+    /// The assumptions about the driver that a [self-test](crate::self_test) found broken. Tests
+    /// and executors that depend on them are replaced by the safest remaining ones, with a warning.
     pub disabled: Vec<DriverAssumption>,
-    /// The request to give up creating the renderer, which may take long: another thread or a
-    /// signal asks for it. It is checked between the pieces of the upload, and then the renderer
-    /// is refused with [`gpu::Error::Cancelled`]. A renderer that is made heeds it no more.
+    /// Cancels the creation of the renderer, which may take long, from another thread or a signal
+    /// handler. It is checked between the parts of the upload; creation then fails with
+    /// [`gpu::Error::Cancelled`]. A complete renderer ignores it.
     pub cancellation: CancellationToken,
 }
 
@@ -129,7 +132,7 @@ fn methods_of(options: &RendererOptions) -> Vec<Box<dyn Method>> {
 }
 
 impl RendererOptions {
-    /// Returns those of surfaces.
+    /// Returns the options of surfaces.
     fn surfaces(&self) -> SurfaceOptions {
         SurfaceOptions {
             textures: self.textures,
@@ -139,14 +142,14 @@ impl RendererOptions {
         }
     }
 
-    /// Refuses options that are impossible on a device, whatever the scene. Creating a renderer
-    /// does, too: this is for callers that first make the scene.
+    /// Refuses options that are impossible on a device with any scene. Creating a renderer checks
+    /// them as well: use this to check before the scene is created.
     ///
     /// # Errors
     /// [`Error::FramesInFlight`], [`Error::Cost`], [`Error::Shadows`],
     /// [`Error::MultisampledVolumes`]; a size or samples beyond the device's limits; a
-    /// [predication](RendererOptions::predication) that it lacks, or that cannot compare with the
-    /// threshold.
+    /// [predication](RendererOptions::predication) mode that the device lacks or that does not
+    /// support the threshold.
     pub fn check(&self, device: &Device) -> Result<(), Error> {
         if self.frames_in_flight > MAX_FRAMES_IN_FLIGHT {
             return Err(Error::FramesInFlight {
@@ -184,12 +187,12 @@ pub struct Renderer {
     pub(crate) methods: Vec<Box<dyn Method>>,
     pub(crate) revision: SceneRevision,
     pub(crate) update_scratch: UpdateScratch,
-    /// The views of the newest frame, kept to allocate nothing.
+    /// The views of the newest frame, kept to allocate nothing in the steady state.
     pub(crate) views: Vec<CullView>,
     pub(crate) pass_times: Vec<PassTime>,
     pub(crate) frame_times: FrameTimes,
     cull_config: CullConfig,
-    /// The threshold of the cullers of all views.
+    /// The threshold in samples, for the cullers of all views.
     threshold_samples: u32,
     pub(crate) samples: SampleCount,
     pub(crate) transparency: TransparencyOptions,
@@ -201,10 +204,10 @@ impl Renderer {
     /// Builds the hierarchy over `scene` and uploads everything.
     ///
     /// # Errors
-    /// Impossible options: [`Error::FramesInFlight`], [`Error::Cost`], too many objects and room
-    /// for them, a threshold where queries do not count or under conditional rendering. A scene or
-    /// size beyond the device's limits, no memory, a shader that does not compile, a failed call;
-    /// [`gpu::Error::Cancelled`].
+    /// Impossible options: [`Error::FramesInFlight`], [`Error::Cost`], too many objects together
+    /// with the room for more, a threshold where queries do not count or with conditional
+    /// rendering. A scene or size beyond the device's limits, no memory, a shader that does not
+    /// compile, a failed call; [`gpu::Error::Cancelled`].
     pub fn new(device: &Device, scene: &Scene, options: &RendererOptions) -> Result<Self, Error> {
         options.check(device)?;
         let mut bounds = object_bounds(scene)?;
@@ -216,11 +219,11 @@ impl Renderer {
         Self::with_hierarchy(device, scene, hierarchy, options)
     }
 
-    /// Creates a renderer like [`Renderer::new`], with a hierarchy that is built already. Its
-    /// objects are the scene's; free leaves behind them are room for more.
+    /// Creates a renderer like [`Renderer::new`], with a hierarchy that has already been built over
+    /// the scene's objects. Free leaves after the objects are room for more.
     ///
     /// # Errors
-    /// Those of [`Renderer::new`].
+    /// The errors of [`Renderer::new`].
     pub fn with_hierarchy(
         device: &Device,
         scene: &Scene,
@@ -233,7 +236,7 @@ impl Renderer {
             None => ShaderSet::embedded()?,
         };
         let shaders = if has_sprites(scene) { shaders.with_sprites() } else { shaders };
-        // First what fails on bad input, then what takes long.
+        // Steps that fail on bad input come first, slow steps later.
         let target = Target::multisampled(device, options.size, options.samples, "target")?;
         let attachments = target.attachments();
         let quirks = DriverQuirks::new(&options.disabled);
@@ -297,7 +300,7 @@ impl Renderer {
         })
     }
 
-    /// Creates a view of the scene that knows nothing yet.
+    /// Creates a view of the scene without history.
     ///
     /// # Errors
     /// A failed call.
@@ -307,13 +310,13 @@ impl Renderer {
         Ok(RenderView::new(self.id, self.scene.view_of(culler)?))
     }
 
-    /// Returns the costs on this device, as given or measured.
+    /// Returns the given or measured costs on this device; `None` without a cost model.
     pub fn costs(&self) -> Option<CostTable> {
         self.culling_setup().table
     }
 
-    /// Returns what was decided about the device and the scene when the renderer was made: the way
-    /// that hidden draws are skipped, and by which costs.
+    /// Returns the decisions that were made at creation: the predication mode, and the costs behind
+    /// it.
     pub fn culling_setup(&self) -> &CullingSetup {
         self.scene.culling_setup()
     }
@@ -329,29 +332,28 @@ impl Renderer {
         self.scene.testers(&self.passes.target, DrawPhases::PerRound)
     }
 
-    /// Returns the strategy to use in place of the wanted one, which the device supports, on a
-    /// driver that cannot be trusted with what that one rests on.
+    /// Returns `wanted`, a strategy that the device supports, or a replacement for it if the driver
+    /// cannot be trusted with its tests.
     pub(crate) fn usable(&self, wanted: Strategy) -> Strategy {
         self.testers().counting(self.threshold_samples).strategy(wanted)
     }
 
-    /// Returns a sentence for each assumption about the driver that does not hold, and for what is
-    /// used instead; none on a driver that is trusted
-    /// ([`RendererOptions::disabled`]).
+    /// Returns a sentence for each broken assumption about the driver, with its replacement. Empty
+    /// for a driver that is trusted ([`RendererOptions::disabled`]).
     pub fn driver_quirks(&self) -> Vec<String> {
         self.scene.passes().quirks().texts()
     }
 
-    /// Refuses a strategy that the device lacks something for, with this scene and size.
+    /// Refuses a strategy that the device does not support with this scene and size.
     ///
     /// # Errors
     /// [`Error::NoMethod`]; [`gpu::Error::Unsupported`], with the name of what is missing;
-    /// [`gpu::Error::TooLarge`], with the limit; [`Error::CannotCount`] where there is a threshold.
+    /// [`gpu::Error::TooLarge`], with the limit; [`Error::CannotCount`] if there is a threshold.
     pub fn supports(&self, strategy: Strategy) -> Result<(), Error> {
         self.method(strategy).map(drop)
     }
 
-    /// Returns the number of the method for `strategy`.
+    /// Returns the index of the method for `strategy`.
     pub(crate) fn method(&self, strategy: Strategy) -> Result<usize, Error> {
         let place = self.methods.iter().position(|method| method.strategies().contains(&strategy));
         let place = place.ok_or(Error::NoMethod(strategy))?;
@@ -371,7 +373,7 @@ impl Renderer {
         Ok(place)
     }
 
-    /// Returns true if every visible object is drawn, with the strategies named exact.
+    /// Returns true if strategies that are called exact draw every visible object.
     pub(crate) fn is_exact(&self) -> bool {
         self.threshold_samples == 0
     }
@@ -382,7 +384,7 @@ impl Renderer {
         self.threshold_samples
     }
 
-    /// Returns the device that it draws on.
+    /// Returns the device that the renderer draws on.
     pub fn device(&self) -> &Device {
         &self.device
     }
@@ -392,7 +394,7 @@ impl Renderer {
         self.passes.target.size()
     }
 
-    /// Returns the samples per pixel.
+    /// Returns the number of samples per pixel.
     pub fn samples(&self) -> SampleCount {
         self.samples
     }
@@ -402,7 +404,7 @@ impl Renderer {
         self.scene.hierarchy()
     }
 
-    /// Returns the way that hidden draws are skipped.
+    /// Returns the predication mode that skips hidden draws.
     pub fn predication(&self) -> PredicationMode {
         self.scene.leaves().predicates().predication()
     }
@@ -410,8 +412,8 @@ impl Renderer {
     /// Draws a debug overlay over the images from now on; an empty one costs nothing.
     ///
     /// # Errors
-    /// Wires on a device that lacks [`gpu::OptionalFeature::Wireframe`], the depth complexity on
-    /// one that lacks [`gpu::OptionalFeature::FragmentStores`]; an area that is not within the
+    /// A wireframe on a device without [`gpu::OptionalFeature::Wireframe`]; depth complexity on a
+    /// device without [`gpu::OptionalFeature::FragmentStores`]; an area that is not within the
     /// image; a failed call. The former overlay then stays.
     pub fn set_debug_overlay(&mut self, debug_overlay: DebugOverlay) -> Result<(), Error> {
         debug_overlay.top_down.map_or(Ok(()), |area| self.check_area(area))?;
@@ -434,15 +436,16 @@ impl Renderer {
         self.debug_overlay
     }
 
-    /// Notes that the frame recorded last was submitted.
+    /// Notes that the newest recorded frame was submitted.
     pub(crate) fn submitted(&mut self, tick: Tick) {
         self.passes.submitted(tick);
         self.scene.submitted(tick);
         self.show_arrived();
     }
 
-    /// Returns the GPU time of each pass of the frame that used the slot of the newest one before
-    /// it: with N frames in flight, N frames earlier, of any view. Empty if they were not measured.
+    /// Returns the GPU time of each pass in the previous frame that used the slot of the newest
+    /// frame. With N frames in flight this is N frames earlier, for any view. Empty if passes were
+    /// not timed.
     pub fn pass_times(&self) -> &[PassTime] {
         &self.pass_times
     }
@@ -453,8 +456,8 @@ impl Renderer {
         CullView { section: self.passes.section.planes, ..view }
     }
 
-    /// Waits until every frame is over and reads its results. Not for a frame loop: it counts as a
-    /// blocking wait.
+    /// Waits until every frame is over and reads its results. Do not use it in a frame loop: it
+    /// counts as a blocking wait.
     ///
     /// # Errors
     /// A view of another renderer, a lost device, or a frame that takes too long.
@@ -470,7 +473,7 @@ impl Renderer {
     }
 }
 
-/// A check that a renderer may be made on one thread and used on another.
+/// Checks that a renderer can be created on one thread and used on another.
 const _: () = {
     const fn is_send<T: Send>() {}
     is_send::<Renderer>();

@@ -11,10 +11,10 @@ pub struct RgbaImage {
 
 #[cfg(feature = "png")]
 impl RgbaImage {
-    /// Writes a PNG file. Nothing is written unless the image is whole.
+    /// Writes a PNG file, if the image is complete.
     ///
     /// # Errors
-    /// No pixels, or others than the size says; a file that cannot be written.
+    /// No pixels, or a number of pixels other than the size says; a file that cannot be written.
     pub fn save_png(&self, file: impl AsRef<std::path::Path>) -> std::io::Result<()> {
         let [width, height] = self.size;
         let mut bytes = Vec::new();

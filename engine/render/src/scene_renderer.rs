@@ -1,4 +1,4 @@
-//! The passes that draw a scene's objects, as the executor and the methods see them.
+//! The passes that draw a scene's objects, as the executor and the methods call them.
 
 mod api;
 
@@ -31,11 +31,11 @@ pub(crate) struct SceneRenderer {
     pub(crate) pipelines: Pipelines,
     pub(crate) shadows: Shadows,
     pub(crate) edges: Edges,
-    /// The counts of the depth complexity, while it is shown.
+    /// The counts for the depth complexity, while it is shown.
     pub(crate) layer_counts: LayerCounts,
-    /// The section planes and what they cut.
+    /// The section planes and the objects that they cut.
     pub(crate) section: Section,
-    /// The renderings of the view that is recorded, if they are known.
+    /// The renderings of the view being recorded, if they are known.
     pub(crate) scopes: Option<ViewScopes>,
 }
 
@@ -59,7 +59,7 @@ impl ObjectRenderer for SceneRenderer {
 
     fn rendering(&self, view: &CullView, rendering: Rendering) -> RenderTarget {
         let target = match rendering {
-            // Caps were the first.
+            // Caps were drawn first, and have cleared the target.
             Rendering::First if self.section.uploaded_caps.is_some() => self.target_of(view, None),
             Rendering::First => self.image_target(view, self.sky()),
             Rendering::Next => self.target_of(view, None),
@@ -131,7 +131,7 @@ impl ShadedObjects for SceneRenderer {
         view: &CullView,
         draw: DrawBuckets<'_>,
     ) {
-        // Bound already: there is one bucket.
+        // Everything is already bound, since there is one bucket.
         let draw = |commands: &Commands| draw(commands, &|_, _| {});
         self.shade_surfaces(scene, commands, view, &draw);
     }
@@ -168,10 +168,6 @@ impl ShadedObjects for SceneRenderer {
 
 impl SceneRenderer {
     /// Compiles the passes that draw an uploaded scene.
-    ///
-    /// # Errors
-    /// Shadows that the scene or the target cannot have, a shader that does not fit its pass, no
-    /// memory, a failed call.
     pub(crate) fn new(
         device: &Device,
         shaders: &ShaderSet,
@@ -194,10 +190,7 @@ impl SceneRenderer {
         })
     }
 
-    /// Compiles the same passes with other shaders, or for other shadows.
-    ///
-    /// # Errors
-    /// A shader that does not fit its pass, a failed call.
+    /// Compiles these passes with other shaders, or for other shadows.
     pub(crate) fn recompiled(
         &self,
         shaders: &ShaderSet,
@@ -217,8 +210,8 @@ impl SceneRenderer {
         self.target.render_target(clear).within(view.origin, view.size)
     }
 
-    /// Returns the attachments of a rendering with the least to load and to store. To be called
-    /// right before it begins, once the target is prepared.
+    /// Returns the attachments of a rendering with as few loads and stores as possible. Call it
+    /// right before the rendering begins, after the target is prepared.
     pub(crate) fn scope_target(
         &mut self,
         commands: &Commands,
@@ -239,7 +232,7 @@ impl SceneRenderer {
         }
     }
 
-    /// Returns the sky's colour as it is exposed, as light, so that it is no brighter than white.
+    /// Returns the exposed colour of the sky as light, limited to white.
     pub(crate) fn sky(&self) -> [f32; 3] {
         let surfaces = self.gpu_scene.geometry.surfaces.as_ref();
         let exposure = surfaces.map_or(1.0, SurfaceResources::exposure);
@@ -253,8 +246,7 @@ impl SceneRenderer {
         self.target_of(view, Some(self.pipelines.shading.as_ref().map_or(plain, |_| DARK)))
     }
 
-    /// Binds the pass that the rounds draw objects with: the one with colours where no other pass
-    /// adds them.
+    /// Binds the pass that rounds draw objects with: with colours unless another pass adds them.
     pub(crate) fn bind_visibility(&self, commands: &Commands, view: &CullView) {
         let Pipelines { opaque, shading, .. } = &self.pipelines;
         let pass = match (shading.as_ref().map(|shading| &shading.depth), self.surface_io()) {
@@ -280,13 +272,11 @@ impl SceneRenderer {
     }
 
     /// Records the upload of all changes since the last frame, before anything of `frame` reads
-    /// them. Poses that none of the views can show wait until one can.
+    /// them. Poses that no view can show wait until one can.
     ///
-    /// A mesh waits only where the box of its pose **and** the box of the vertices on the GPU are
-    /// outside of all views: its draw may be part of a range that shows, and then leaves no pixel.
-    ///
-    /// # Errors
-    /// No memory, a lost device.
+    /// A mesh waits only if the box of its pose **and** the box of the vertices on the GPU are
+    /// outside of all views: its draw may be part of a visible range, and then must not cover a
+    /// pixel.
     pub(crate) fn upload_changes(
         &mut self,
         frame: &mut Frame<'_>,
@@ -323,7 +313,7 @@ impl SceneRenderer {
         shadows.record(frame, geometry, hierarchy, section, pipelines, predicates)
     }
 
-    /// Records the last commands of a frame that changes were uploaded in.
+    /// Records the last commands of a frame in which changes were uploaded.
     pub(crate) fn read_back(&self, commands: &Commands) {
         if let Some(skinned_meshes) = &self.gpu_scene.skinned_meshes {
             skinned_meshes.read_back(commands);

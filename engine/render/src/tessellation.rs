@@ -1,4 +1,5 @@
-//! Curved surfaces computed on the GPU, and read back as meshes some frames later without a wait.
+//! Curved surfaces that the GPU computes. They are read back as meshes some frames later without a
+//! wait.
 
 use std::iter::repeat_n;
 
@@ -16,23 +17,23 @@ use scene::{
 
 use crate::error::Error;
 
-/// The words of a point that is computed.
+/// The number of words in a computed point.
 const POINT_WORDS: usize = size_of::<EvaluatedPoint>() / size_of::<u32>();
 
-/// The most points of a request: each device takes a buffer of them.
+/// The highest number of points in a request, which fit into a buffer of any device.
 const MAX_POINTS: u64 = STORAGE_BYTES_ANYWHERE / size_of::<EvaluatedPoint>() as u64;
 
 const GROUP_THREADS: u32 = 64;
 
-/// The most workgroups: more do not make it faster, and every device allows 65535.
+/// The highest number of workgroups. More are not faster, and every device allows 65535.
 const GROUPS_MAX: u32 = 4096;
 
 /// The way in which a device computes the points of surfaces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum TessellationPath {
-    /// Tessellation shaders, whose triangles transform feedback captures. For devices with
-    /// [`OptionalFeature::TessellationCapture`].
+    /// Tessellation shaders with transform feedback, which captures their triangles. For devices
+    /// with [`OptionalFeature::TessellationCapture`].
     Hardware,
     /// A compute pass, on every device.
     Compute,
@@ -48,7 +49,7 @@ impl TessellationPath {
         }
     }
 
-    /// Returns its name, for people.
+    /// Returns the name of the path for users.
     pub fn name(self) -> &'static str {
         match self {
             TessellationPath::Hardware => "tessellation shaders",
@@ -72,13 +73,13 @@ enum TessellationPass {
 
 /// The order of the points of a request.
 enum AskedPoints {
-    /// Those of a grid.
+    /// The points of a grid.
     OfGrid(SurfaceGrid),
-    /// Triangles, three points each.
+    /// The points of triangles, three each.
     OfTriangles,
 }
 
-/// A request on its way.
+/// A request in flight.
 struct Asked {
     points: AskedPoints,
     name: String,
@@ -86,9 +87,9 @@ struct Asked {
     tick: Tick,
 }
 
-/// The pass that computes surfaces on the GPU, one at a time, by commands of its own beside those
-/// of renderers of the same device. Its meshes are ordinary ones: hand them to
-/// [`Renderer::add_meshes`](crate::Renderer::add_meshes) and remove those that they replace.
+/// The pass that computes surfaces on the GPU, one at a time, by its own commands besides those of
+/// renderers on the same device. Its results are ordinary meshes: pass them to
+/// [`Renderer::add_meshes`](crate::Renderer::add_meshes) and remove the meshes that they replace.
 pub struct Tessellator {
     device: Device,
     pass: TessellationPass,
@@ -150,18 +151,18 @@ impl Tessellator {
         }
     }
 
-    /// Returns true while a request is on its way, or its mesh is not taken.
+    /// Returns true while a request is in flight or its mesh has not been taken.
     pub fn is_busy(&self) -> bool {
         self.asked.is_some()
     }
 
-    /// Asks for a surface at these levels as a mesh with a name and one colour; see
-    /// [`Vertex::colour`](scene::Vertex::colour). Nothing waits. While another request
-    /// [is on its way](Tessellator::is_busy) this one is not begun: ask again, with the newest
-    /// levels, in the next frame. Returns true if it was begun.
+    /// Requests a surface at these levels as a mesh with a name and one colour
+    /// ([`Vertex::colour`](scene::Vertex::colour)). Nothing waits. Returns true if the request was
+    /// begun. It is not begun while another [is in flight](Tessellator::is_busy): request again in
+    /// the next frame, with the newest levels.
     ///
     /// # Errors
-    /// [`Error::SceneTooLarge`] for more points than a buffer of every device holds; no memory, or
+    /// [`Error::SceneTooLarge`] for more points than fit into a buffer of any device; no memory, or
     /// a failed call.
     pub fn request(
         &mut self,
@@ -194,8 +195,8 @@ impl Tessellator {
         Ok(true)
     }
 
-    /// Returns the mesh that was asked for, once, as soon as it is there; `None` before that, and
-    /// for a request that never ran since the device was lost. Never waits.
+    /// Returns the requested mesh once, as soon as it is available. Returns `None` before that, and
+    /// for a request that never ran because the device was lost. Never waits.
     ///
     /// # Errors
     /// A lost device.
@@ -206,7 +207,7 @@ impl Tessellator {
         };
         let mut mesh = None;
         self.results.collect(completed, |_, words| {
-            // The words are aligned for whole numbers, as points are.
+            // The words have the alignment of whole numbers, like points.
             let points: &[EvaluatedPoint] = bytemuck::cast_slice(words);
             mesh = Some(match &asked.points {
                 AskedPoints::OfGrid(grid) => grid.mesh(points, &asked.name, asked.colour),
@@ -216,7 +217,7 @@ impl Tessellator {
         Ok(mesh)
     }
 
-    /// Submits the pass for so many points, and the copy of its results.
+    /// Submits the pass for `point_count` points, and the copy of its results.
     fn submit(
         &mut self,
         surface: &PatchSurface,
@@ -265,7 +266,7 @@ impl Tessellator {
     }
 }
 
-/// Lets results be cleared before they are written.
+/// Waits until results have been cleared, before they are written.
 fn cleared_before(commands: &Commands, written: Access) {
     commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[written]));
 }

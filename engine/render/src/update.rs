@@ -1,5 +1,5 @@
-//! Changes of the scene between frames: applied to the hierarchy at once, and to the data on the
-//! GPU at the start of the next frame, in its order. Nothing waits.
+//! Changes of the scene between frames. They are applied to the hierarchy at once, and to the data
+//! on the GPU at the start of the next frame. Nothing waits.
 
 use std::collections::HashSet;
 use std::time::Duration;
@@ -10,29 +10,29 @@ use scene::MeshId;
 /// The work of an update.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct UpdateReport {
-    /// Time the CPU spent.
+    /// The CPU time.
     pub cpu: Duration,
-    /// The ids of the objects that were added, in the order of their changes. An id may have
-    /// belonged to an object that is gone.
+    /// The ids of the added objects, in the order of their changes. An id may have belonged to an
+    /// object that was removed.
     pub added: Vec<ObjectId>,
-    /// Meshes that took another pose.
+    /// The number of meshes whose pose changed.
     pub poses: u32,
-    /// Inner nodes of the hierarchy whose box was computed again.
+    /// The number of inner nodes of the hierarchy whose box was computed again.
     pub refitted_nodes: u64,
-    /// Leaves under nodes that were rebuilt because moving had worn them.
+    /// The number of leaves below nodes that were rebuilt because movement had degraded them.
     pub rebuilt_leaves: u64,
-    /// Leaves that the next frame uploads.
+    /// The number of leaves that the next frame uploads.
     pub dirty_leaves: usize,
-    /// True if the hierarchy is worn as a whole and too large to be rebuilt within a frame: frames
-    /// cost more than necessary until
-    /// [`Renderer::rebuild_hierarchy`](crate::Renderer::rebuild_hierarchy) was called.
+    /// True if the whole hierarchy has degraded and is too large to be rebuilt within a frame.
+    /// Frames cost more than necessary until
+    /// [`Renderer::rebuild_hierarchy`](crate::Renderer::rebuild_hierarchy) is called.
     pub is_degraded: bool,
 }
 
-/// Lists of an update in the making, kept to allocate nothing.
+/// The lists of an update in progress, kept to allocate nothing in the steady state.
 #[derive(Default)]
 pub(crate) struct UpdateScratch {
-    /// The box of the object of each change; empty where it is removed.
+    /// The box of the object of each change; empty for a removed object.
     pub(crate) bounds: Vec<Aabb>,
     pub(crate) gone: HashSet<ObjectId>,
     /// The skinned meshes that get an object.

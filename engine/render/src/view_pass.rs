@@ -1,4 +1,4 @@
-//! One view of a frame that is being recorded.
+//! One view of a frame being recorded.
 
 use cull::CullView;
 use gpu::{Frame, RenderTarget};
@@ -7,8 +7,8 @@ use occlusion::CulledScene;
 use crate::attachment_schedule::AttachmentSchedule;
 use crate::scene_renderer::SceneRenderer;
 
-/// One view of a frame that is being recorded: the owner of the objects, the frame, the scene as
-/// the frame draws it, and the view.
+/// One view of a frame being recorded: the owner of the objects, the frame, the scene as the frame
+/// draws it, and the view.
 pub(crate) struct ViewPass<'a, 'ring> {
     pub(crate) passes: &'a mut SceneRenderer,
     pub(crate) frame: &'a mut Frame<'ring>,
@@ -17,15 +17,15 @@ pub(crate) struct ViewPass<'a, 'ring> {
 }
 
 impl ViewPass<'_, '_> {
-    /// Prepares the target for draws over the image of the view, and returns the attachments of
-    /// the rendering, with the least to load and to store.
+    /// Prepares the target for draws over the image of the view. Returns the attachments of the
+    /// rendering, with as few loads and stores as possible.
     pub(crate) fn prepare(&mut self, schedule: AttachmentSchedule) -> RenderTarget {
         self.passes.target.prepare(self.frame.commands());
         self.attachments(schedule)
     }
 
-    /// Prepares the target for tests against the finished depth of the view, and returns the
-    /// attachments of the rendering, with the least to load and to store.
+    /// Prepares the target for tests against the finished depth of the view. Returns the
+    /// attachments of the rendering, with as few loads and stores as possible.
     pub(crate) fn prepare_tests(&mut self, schedule: AttachmentSchedule) -> RenderTarget {
         self.passes.target.prepare_tests(self.frame.commands());
         self.attachments(schedule)

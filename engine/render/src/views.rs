@@ -1,10 +1,10 @@
-//! The request for a frame, and its report. A frame has one or several views of one scene: each has
-//! its own eye, its own history and its own part of the image.
+//! The request for a frame, and its report. A frame has one or several views of one scene. Each
+//! view has its own eye, its own history and its own part of the image.
 //!
-//! Views share the scene, the hierarchy and the submit, but no answers. An object hidden from one
-//! eye of a stereo pair may be visible to the other past an edge, so an answer of the one is never
-//! exact for the other. As a guess it would cost a test all the same, since hidden nodes are tested
-//! in every frame.
+//! Views share the scene, the hierarchy and the submit, but not their answers. An object that is
+//! hidden from one eye of a stereo pair may be visible to the other past an edge, so an answer of
+//! one eye is never exact for the other. As a guess it would save no test, since hidden nodes are
+//! tested in every frame.
 
 use std::time::Duration;
 
@@ -20,12 +20,12 @@ use crate::resources::skinned_meshes::Skinned;
 use crate::scene_renderer::SceneRenderer;
 use crate::shading::transparency::FragmentCounts;
 
-/// The place that a view is seen from, and its projection.
+/// The position and orientation that a view is seen from, and its projection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Viewpoint {
     /// A camera.
     Camera(Camera),
-    /// A host's matrix, with the jitter of the frame. Depth is reversed, as the renderer draws it.
+    /// A host's matrix, including the jitter of the frame. Its depth must be reversed.
     Matrix(ViewProjection),
 }
 
@@ -48,7 +48,7 @@ impl From<ViewProjection> for Viewpoint {
 }
 
 impl Viewpoint {
-    /// Returns the view on a part of the image.
+    /// Returns the view in a part of the image.
     pub(crate) fn view(&self, device: &Device, area: Rect) -> Result<CullView, Error> {
         let projection = match self {
             Self::Camera(camera) => return Ok(view_in(device, camera, area)),
@@ -65,20 +65,20 @@ impl Viewpoint {
 
 /// One view of a frame.
 pub struct ViewRequest<'a> {
-    /// The state of the view. Every view needs one of its own, the same in each frame.
+    /// The state of the view. Every view needs its own state, the same in each frame.
     pub state: &'a mut RenderView,
-    /// The camera, whose image is as high as `rect`, or a matrix for an image of this size.
+    /// The camera, or a matrix. Both refer to an image of the size of `rect`.
     pub viewpoint: Viewpoint,
-    /// The objects that own a pixel, for strategies with [objects found
-    /// beforehand](Strategy::needs_still_scene).
+    /// The objects that own a pixel, for strategies that [need to know them in
+    /// advance](Strategy::needs_still_scene).
     pub visible: Option<&'a VisibleSet>,
-    /// The part of the image that it is drawn to: at least a pixel, within the image. Where parts
-    /// overlap, later views replace earlier ones.
+    /// The part of the image that the view is drawn to: not empty, and within the image. Where
+    /// parts overlap, later views replace earlier ones.
     pub rect: Rect,
 }
 
 impl ViewRequest<'_> {
-    /// Returns its view of the scene.
+    /// Returns the requested view of the scene.
     pub(crate) fn view(&self, device: &Device) -> Result<CullView, Error> {
         self.viewpoint.view(device, self.rect)
     }
@@ -101,7 +101,7 @@ impl AsMut<OcclusionState> for ViewRequest<'_> {
 pub struct ViewsRequest<'a> {
     /// The strategy that decides what to draw.
     pub strategy: Strategy,
-    /// The destination of a copy of the image, if it is wanted. Parts that no view covers are
+    /// The destination of a copy of the image, if one is wanted. Parts that no view covers are
     /// undefined.
     pub image: Option<&'a Readback>,
     /// The host's commands over the image, if there are any.
@@ -115,15 +115,15 @@ pub struct ViewsRequest<'a> {
 pub struct FrameRequest<'a> {
     /// The strategy that decides what to draw.
     pub strategy: Strategy,
-    /// The camera or the matrix that the view is seen from.
+    /// The camera or the matrix of the view.
     pub viewpoint: Viewpoint,
-    /// The objects that own a pixel, for strategies with [objects found
-    /// beforehand](Strategy::needs_still_scene).
+    /// The objects that own a pixel, for strategies that [need to know them in
+    /// advance](Strategy::needs_still_scene).
     pub visible: Option<&'a VisibleSet>,
-    /// The destination of a copy of the image, if it is wanted. Read it when the frame is over.
+    /// The destination of a copy of the image, if one is wanted. Read it after the frame is over.
     pub image: Option<&'a Readback>,
-    /// The destination of a copy of the scene's image alone, before anything is drawn over it, if
-    /// that is wanted.
+    /// The destination of a copy of the scene's image before anything is drawn over it, if one is
+    /// wanted.
     pub scene_image: Option<&'a Readback>,
     /// The host's commands over the image, if there are any.
     pub overlay: Option<&'a dyn HostOverlay>,
@@ -132,7 +132,7 @@ pub struct FrameRequest<'a> {
 }
 
 impl FrameRequest<'_> {
-    /// Creates a request for a frame and nothing else.
+    /// Creates a request for a frame without any option.
     pub fn new(strategy: Strategy, viewpoint: impl Into<Viewpoint>) -> Self {
         let viewpoint = viewpoint.into();
         Self {
@@ -148,7 +148,7 @@ impl FrameRequest<'_> {
 }
 
 impl<T: Into<Viewpoint>> From<T> for FrameRequest<'_> {
-    /// Creates a request for a frame of the default strategy and nothing else.
+    /// Creates a request for a frame of the default strategy without any option.
     fn from(viewpoint: T) -> Self {
         Self::new(Strategy::default(), viewpoint)
     }
@@ -160,53 +160,56 @@ impl<'a> From<&FrameRequest<'a>> for FrameRequest<'a> {
     }
 }
 
-/// The report of a frame when it is submitted, of all its views together.
+/// The report of a frame when it is submitted, for all its views together.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FrameReport {
-    /// The tick at whose end the GPU has drawn the frame.
+    /// The tick that is over once the GPU has drawn the frame.
     pub tick: Tick,
-    /// Time the CPU spent in the engine, without waits and without [`FrameReport::overlay_cpu`].
+    /// The CPU time in the engine, without waits and without [`FrameReport::overlay_cpu`].
     pub cpu: Duration,
-    /// Time the CPU spent on what is drawn over the scene: the debug overlay, and the host's.
+    /// The CPU time for everything drawn over the scene: the debug overlay, and the host's overlay.
     pub overlay_cpu: Duration,
-    /// Proxies tested, by any tester.
+    /// The number of proxies tested, by any tester.
     pub tests: u32,
-    /// Occlusion queries recorded, those on draws included.
+    /// The number of occlusion queries recorded, including queries on draws.
     pub queries: u32,
-    /// Times that the CPU waited for a result within the frame: 0 but with the strategies that
-    /// block ([`Strategy::is_blocking`]).
+    /// The number of times that the CPU waited for a result within the frame: 0 except for
+    /// strategies that block ([`Strategy::is_blocking`]).
     pub waits: u32,
-    /// Transparent objects in the frustum.
+    /// The number of transparent objects in the frustum.
     pub transparent: u32,
-    /// The fragments of transparent objects, where these are [sorted](crate::TransparencyMethod),
-    /// in the newest frame whose counts were read back for this one.
+    /// The counts of [sorted](crate::TransparencyMethod) fragments of transparent objects, in the
+    /// newest frame whose counts were read back for this one.
     pub fragments: FragmentCounts,
-    /// Poses that were uploaded: those that are not on the GPU yet and that one of the views may
-    /// show.
+    /// The number of poses uploaded: poses that are not on the GPU yet and that one of the views
+    /// may show.
     pub poses: u32,
-    /// Vertices that the GPU computes from these poses, since their objects are drawn.
+    /// The number of vertices that the GPU computes from these poses because their objects are
+    /// drawn.
     pub skinned_vertices: u64,
-    /// Vertices that the GPU computes only if the test of a proxy shows, once per such test.
+    /// The number of vertices that the GPU computes only if the test of a proxy passes, once per
+    /// such test.
     pub predicated_vertices: u64,
-    /// Vertices of skinned meshes that the GPU did compute, in the frames that were read back for
-    /// this one.
+    /// The number of vertices of skinned meshes that the GPU did compute, in the frames that were
+    /// read back for this one.
     pub revealed_vertices: u64,
-    /// Ranges of draws under a predicate.
+    /// The number of ranges of draws under a predicate.
     pub predicated_draws: u32,
-    /// Age in frames of the oldest answer that was read back for this frame; `None` if there was
-    /// none.
+    /// The age in frames of the oldest answer that was read back for this frame; `None` without
+    /// answers.
     pub oldest_answer_frames: Option<u64>,
-    /// The same of the youngest.
+    /// The age in frames of the youngest answer that was read back for this frame; `None` without
+    /// answers.
     pub youngest_answer_frames: Option<u64>,
     /// The outcome of the newest frame of the first view whose results were read for this one;
-    /// `None` before the first.
+    /// `None` before the first outcome.
     pub known: Option<FrameStats>,
     /// The counts of shadow maps.
     pub shadows: ::shadows::ShadowStats,
     /// The counts of the culler.
     pub plan: cull::PlanStats,
-    /// Corrections of the costs ([`Renderer::costs`](crate::Renderer::costs)) by the cost model;
-    /// `None` without one.
+    /// The corrections of the costs ([`Renderer::costs`](crate::Renderer::costs)) by the cost
+    /// model; `None` without a cost model.
     pub corrections: Option<Corrections>,
 }
 
@@ -226,9 +229,9 @@ impl FrameReport {
         self.predicated_draws += predicated.count() as u32;
         self.plan += plan.stats;
         self.known = self.known.or(state.newest_stats());
-        // Views that are drawn together learn the same.
+        // Views that are drawn together learn the same corrections.
         self.corrections = self.corrections.or(state.corrections());
-        // No age is less than any, so the larger of two is the older one that there is.
+        // `None` is less than any age, so the larger of two is the older age if there is one.
         self.oldest_answer_frames =
             self.oldest_answer_frames.max(state.visibility.answer_ages().max());
         let youngest =
@@ -237,7 +240,7 @@ impl FrameReport {
     }
 }
 
-/// Records the copy of the image before anything is drawn over it, if that is wanted.
+/// Records the copy of the image before anything is drawn over it, if one is wanted.
 pub(crate) fn finish_scene(
     frame: &mut Frame<'_>,
     passes: &mut SceneRenderer,
@@ -246,8 +249,8 @@ pub(crate) fn finish_scene(
     image.map_or(Ok(()), |image| finish_image(frame, passes, None, Some(image)))
 }
 
-/// Records the end of a frame after its views, under any strategy: the averages of several
-/// samples, the overlay of a host, and the copy of the image if it is wanted.
+/// Records the end of a frame after its views, under any strategy: the average of several samples,
+/// a host's overlay, and the copy of the image if one is wanted.
 pub(crate) fn finish_image(
     frame: &mut Frame<'_>,
     SceneRenderer { target, .. }: &mut SceneRenderer,

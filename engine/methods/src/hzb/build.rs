@@ -1,8 +1,9 @@
 //! The depth pyramid: the farthest depth under each texel, at every level up to 4x4 texels.
 //!
-//! It is one storage buffer: the depth image copied tightly, then level after level, each half as
-//! large and rounded up, so that no pixel of an odd size is lost. A compute pass builds three
-//! levels at a time without shared memory or barriers: each thread looks at its own 8x8 texels.
+//! The pyramid is one storage buffer: a tight copy of the depth image, followed by level after
+//! level. Each level is half as large, rounded up, so that no pixel of an odd size is lost. A
+//! compute pass builds three levels at a time without shared memory or barriers: each thread reads
+//! its own 8x8 texels.
 
 use bytemuck::{Pod, Zeroable};
 use gpu::{
@@ -12,21 +13,21 @@ use gpu::{
 
 use occlusion::{Error, Rect, ShaderSet};
 
-/// The levels that one dispatch builds.
+/// The number of levels that one dispatch builds.
 const LEVELS_A_DISPATCH: usize = 3;
 
 /// Texels along each side of a workgroup's block of the third level: `local_size` of the shader.
 const GROUP: u32 = 8;
 
-/// Texels along each side that make a level the last: a test reads as many of one level.
+/// The side of the last level in texels: a test reads up to 4x4 texels of one level.
 const LAST_SIDE: u32 = 4;
 
 /// The place of a level of a depth pyramid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct HzbLevel {
-    /// Its first texel, counted from the first of level 0.
+    /// The offset of its first texel from the first texel of level 0.
     pub start: u64,
-    /// Its size in texels.
+    /// The size in texels.
     pub size: [u32; 2],
 }
 
@@ -36,8 +37,9 @@ impl HzbLevel {
     }
 }
 
-/// Returns the levels over an image of `size` pixels, which is level 0. Each has half of the
-/// texels of the previous one in both directions, rounded up; the last has at most 4x4.
+/// Returns the levels over an image of `size` pixels, beginning with level 0, the image. Each level
+/// has half the texels of the previous one in both directions, rounded up; the last has at most
+/// 4x4.
 pub fn hzb_levels(size: [u32; 2]) -> impl Iterator<Item = HzbLevel> + Clone {
     let base = HzbLevel { start: 0, size: size.map(|side| side.max(1)) };
     std::iter::successors(Some(base), |level| {
@@ -52,7 +54,7 @@ fn bytes_of(size: [u32; 2]) -> u64 {
     4 * hzb_levels(size).map(HzbLevel::texels).sum::<u64>()
 }
 
-/// The pass that builds the depth pyramid of a target. Owns its buffer.
+/// The pass that builds the depth pyramid of a target. Owns the pyramid's buffer.
 pub struct HzbPass {
     pipeline: ComputePipeline,
     depths: Buffer,
@@ -71,9 +73,6 @@ const _: () = assert!(size_of::<Constants>() == 16);
 
 impl HzbPass {
     /// Compiles the pass for areas of up to `size` pixels.
-    ///
-    /// # Errors
-    /// A pyramid that is larger than a storage buffer may be, no memory, a failed call.
     pub fn new(device: &Device, shaders: &ShaderSet, size: [u32; 2]) -> Result<Self, Error> {
         Self::check(device, size)?;
         let size_bytes = bytes_of(size);
@@ -89,9 +88,6 @@ impl HzbPass {
     }
 
     /// Checks that the device can hold the pyramid of an area of `size` pixels.
-    ///
-    /// # Errors
-    /// A pyramid that is larger than a storage buffer may be.
     pub fn check(device: &Device, size: [u32; 2]) -> Result<(), Error> {
         let wanted = bytes_of(size);
         let limit = device.adapter().limits.max_storage_buffer_range.into();
@@ -102,17 +98,17 @@ impl HzbPass {
         Ok(())
     }
 
-    /// Returns all levels, a 32-bit float per texel, in the places of [`hzb_levels`].
+    /// Returns all levels, with a 32-bit float per texel, laid out as in [`hzb_levels`].
     pub fn depths(&self) -> BufferSlice {
         self.depths.whole()
     }
 
-    /// Builds all levels from the depth of `target` as it is now in `area`, which is no larger in
-    /// either direction than the size given to [`HzbPass::new`]. Outside of rendering. Compute
-    /// shaders, and copies, may read [`HzbPass::depths`] after it.
+    /// Builds all levels from the present depth of `target` in `area`, which is at most as large in
+    /// each direction as the size given to [`HzbPass::new`]. Outside of rendering. Compute shaders
+    /// and copies may read [`HzbPass::depths`] afterwards.
     pub fn record(&self, commands: &Commands, target: &mut Target, area: Rect) {
         let between = MemoryBarrier::between;
-        // Whoever read or copied the pyramid of the frame before.
+        // Earlier frames may still read or copy the pyramid.
         let earlier = [Access::ComputeRead, Access::ComputeWrite, Access::CopyRead];
         commands.barrier(between(&earlier, &[Access::CopyWrite, Access::ComputeWrite]));
         target.copy_depth_to(commands, area.origin, area.size, self.depths.whole());

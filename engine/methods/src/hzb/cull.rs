@@ -1,4 +1,5 @@
-//! The compute passes of the pyramid strategy: one before the pyramid, one against it.
+//! The compute passes of the pyramid strategy: one before the pyramid is built, one that tests
+//! against it.
 
 use bytemuck::{Pod, Zeroable};
 use cull::CullView;
@@ -6,10 +7,10 @@ use gpu::{Access, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier,
 
 use occlusion::{Error, ShaderSet};
 
-/// The threads of a workgroup, `local_size_x` of the shaders.
+/// The number of threads in a workgroup, `local_size_x` of the shaders.
 const GROUP: u32 = 64;
 
-/// The same for the growth of boxes.
+/// The factor on the growth of boxes that covers rounding in the shader.
 const GROWTH_SLACK: f32 = 1.0 + 1.0 / 1024.0;
 
 /// The pass that decides about every leaf: in the first phase by the last frame, in the second by
@@ -19,19 +20,19 @@ pub(crate) struct HzbCullPass {
     second: ComputePipeline,
 }
 
-/// The buffers of the pass: reads boxes, leaves and depths; reads and writes the visibility of
-/// leaves; writes the list of draws and counts them.
+/// The buffers of the pass. Boxes, leaves and depths are read; the visibility of leaves is read and
+/// written; the list of draws and its counters are written.
 #[derive(Clone, Copy)]
 pub(crate) struct HzbCullIo {
     /// The box of each leaf, a `ProxyBox` that is not enlarged.
     pub(crate) boxes: BufferSlice,
     /// The draw of each leaf.
     pub(crate) leaves: BufferSlice,
-    /// A value per leaf, of one view.
+    /// A value per leaf, for one view.
     pub(crate) seen: BufferSlice,
     /// Room for a draw per leaf.
     pub(crate) list: BufferSlice,
-    /// [`Counters`] of each phase, zeroed before the first.
+    /// The [`Counters`] of each phase, zeroed before the first phase.
     pub(crate) counters: BufferSlice,
     /// The depth pyramid.
     pub(crate) depths: BufferSlice,
@@ -44,9 +45,9 @@ pub(crate) struct HzbCullIo {
 /// The kind of a list of draws in its buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum ListKind {
-    /// The drawn leaves and no others; their count is on the GPU.
+    /// Only the drawn leaves; their count is on the GPU.
     Compact,
-    /// An entry for every leaf, with no instance if it is not drawn.
+    /// An entry for every leaf, without instances if the leaf is not drawn.
     EveryLeaf,
 }
 
@@ -71,7 +72,7 @@ pub(crate) struct Counters {
 const _: () = assert!(size_of::<Counters>() == 16);
 
 impl Counters {
-    /// Returns the number of triangles of the objects drawn.
+    /// Returns the number of triangles of the drawn objects.
     pub(crate) fn triangles(&self) -> u64 {
         u64::from(self.triangles[0]) | u64::from(self.triangles[1]) << 32
     }
@@ -98,9 +99,6 @@ const _: () = assert!(size_of::<Constants>() == 108);
 
 impl HzbCullPass {
     /// Compiles both phases.
-    ///
-    /// # Errors
-    /// A failed call.
     pub(crate) fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
         let phase = |name, shader, buffers| {
             let storage = StorageLayout::new::<Constants>(buffers);
@@ -112,8 +110,8 @@ impl HzbCullPass {
         })
     }
 
-    /// Decides about all leaves. Outside of rendering; indirect draws may read the list and the
-    /// counters after it, copies the counters.
+    /// Decides about all leaves. Outside of rendering. Afterwards indirect draws may read the list
+    /// and the counters, and copies may read the counters.
     pub(crate) fn record(
         &self,
         commands: &Commands,

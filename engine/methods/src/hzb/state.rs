@@ -1,5 +1,5 @@
-//! The state of one view for the pyramid strategy: the leaves that were visible, and counts on
-//! their way back.
+//! The state of one view for the pyramid strategy: the leaves that were visible, and counts that
+//! are still to be read back.
 
 use cull::{FrameId, Generation, Hierarchy};
 use gpu::{
@@ -10,7 +10,7 @@ use occlusion::{Error, FrameStats, MethodState, Outcomes};
 
 use super::cull::Counters;
 
-/// The GPU state of one view. Used only if it is from the previous frame.
+/// The GPU state of one view. It is used only if it is from the previous frame.
 pub(crate) struct HzbState {
     seen: Buffer,
     leaf_count: usize,
@@ -28,7 +28,7 @@ struct Slot {
     in_flight: Option<(Tick, FrameId)>,
 }
 
-/// Bytes of the counters of both phases.
+/// The bytes of the counters of both phases.
 pub(crate) const COUNTER_BYTES: u64 = 2 * size_of::<Counters>() as u64;
 
 impl HzbState {
@@ -55,7 +55,8 @@ impl HzbState {
         })
     }
 
-    /// Returns a value per leaf, not 0 if it was visible in the last frame.
+    /// Returns the buffer with a value per leaf, which is not 0 if the leaf was visible in the last
+    /// frame.
     pub(crate) fn seen(&self) -> BufferSlice {
         self.seen.whole()
     }
@@ -82,8 +83,8 @@ impl HzbState {
         Ok(())
     }
 
-    /// Clears the state if the previous frame was another strategy's, or none, so that nothing
-    /// counts as visible from here on: an [`Access::CopyWrite`].
+    /// Clears the state unless the previous frame used this strategy, so that no leaf counts as
+    /// visible. A barrier from [`Access::CopyWrite`] must follow.
     pub(crate) fn forget_unless_next(&self, commands: &Commands) {
         let frame = self.recording.map(|(frame, _)| frame.0);
         if self.newest.map(|newest| newest.0 + 1) != frame {
@@ -103,7 +104,7 @@ impl HzbState {
 }
 
 impl MethodState for HzbState {
-    /// Takes the counts of the frames that are over, the oldest first.
+    /// Reads the counts of the frames that are over, from the oldest on.
     fn collect(&mut self, completed: Tick, outcomes: &mut Outcomes) -> Option<FrameId> {
         let mut newest = None;
         loop {
@@ -137,14 +138,14 @@ impl MethodState for HzbState {
     }
 }
 
-/// Writes what the two phases of a frame drew into its outcome.
+/// Writes the draws of both phases of a frame into its outcome.
 fn count(outcome: &mut FrameStats, first: Counters, second: Counters) {
     outcome.draws = u64::from(first.draws) + u64::from(second.draws);
     outcome.triangles = first.triangles() + second.triangles();
     outcome.revealed = second.draws.into();
 }
 
-/// Creates a buffer of a value per leaf, not written yet.
+/// Creates a buffer with a value per leaf, without contents.
 fn seen_values(device: &Device, leaf_count: usize) -> Result<Buffer, Error> {
     let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
     Ok(Buffer::new(device, "pyramid seen", leaf_count as u64 * 4, usage, MemoryKind::Device)?)

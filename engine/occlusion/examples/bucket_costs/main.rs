@@ -1,5 +1,5 @@
-//! Prints what draws in 1, 16 and 256 buckets cost: the CPU's time per frame, and memory per object
-//! on the CPU and on the GPU. Arguments: the number of objects, and of frames.
+//! Prints the costs of drawing in 1, 16 and 256 buckets: CPU time per frame, and memory per object
+//! on the CPU and on the GPU. Arguments: the number of objects and the number of frames.
 
 mod boxes;
 
@@ -17,15 +17,15 @@ use cull::{Aabb, Camera, CullView, Projection};
 use glam::{Vec3, vec3};
 use gpu::{Device, FrameRing, IndirectDraw};
 
-/// The allocator, which knows how much is in use.
+/// The allocator, which counts the bytes in use.
 #[global_allocator]
 static HEAP: Cap<System> = Cap::new(System, usize::MAX);
 
-/// The costs of a number of buckets.
+/// The costs of drawing in a number of buckets.
 struct BucketCosts {
     /// The sorted times of planning and recording, per frame.
     frame_times: Vec<Duration>,
-    /// The time to add all objects.
+    /// The time that adding all objects took.
     added: Duration,
     /// Memory per object in bytes, on the CPU and on the GPU.
     bytes: [u64; 2],

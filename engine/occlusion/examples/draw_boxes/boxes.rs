@@ -48,7 +48,8 @@ impl ObjectRenderer for Boxes {
     fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId) {
         let [x, y, z, w] = view.view_proj.to_cols_array_2d();
         commands.bind(&self.pipeline, &[self.boxes.whole()]);
-        // The shader makes its vertices of the boxes: any buffer does.
+        // The shader generates its vertices from the boxes, so any buffer serves as the vertex
+        // buffer.
         commands.bind_geometry(self.indices.whole(), Some(self.indices.whole()));
         commands.push_constants(&self.pipeline, &[x, y, z, w, view.rays.eye().to_array()]);
     }

@@ -1,10 +1,10 @@
 //! Measures the costs of tests and draws on this device, before the first frame.
 //!
-//! Each cost is a difference: the time of a batch with twice as many of a thing less the time of
-//! one with half of them, so that their common costs cancel. Of several times the shortest counts.
-//! GPU timestamps are used where the device has them, else the CPU's time from submit to end. Only
-//! speed depends on the outcome: a cost that makes no sense is replaced by the default. Where
-//! there are timestamps, cost models correct the outcome by the times of frames
+//! Each cost is a difference: the time of a batch with twice the number of items, less the time of
+//! the batch, so that their common costs cancel. Each batch is timed several times, and the
+//! shortest time counts. GPU timestamps are used where the device has them, otherwise the CPU time
+//! from submit to completion. The outcome affects only speed: an impossible cost is replaced by the
+//! default. On devices with timestamps, cost models correct the outcome by the times of frames
 //! (`cull::Corrections`).
 
 mod batch;
@@ -24,13 +24,13 @@ use crate::shader_set::ShaderSet;
 pub use batch::PATCH_TRIANGLES;
 use batch::{Batch, Bench};
 
-/// The time after which no round of measurements begins, once there are enough.
+/// The time after which no further round of measurements begins, once [`LEAST_ROUNDS`] are done.
 const BUDGET: Duration = Duration::from_millis(60);
 
-/// The most rounds: more hardly make the shortest time shorter.
+/// The highest number of rounds: further rounds hardly shorten the shortest time.
 const ROUNDS: usize = 5;
 
-/// The fewest rounds: fewer cannot tell one executor from another.
+/// The lowest number of rounds: with fewer, executors cannot be told apart.
 const LEAST_ROUNDS: usize = 4;
 
 /// The objects that costs are measured with.
@@ -41,13 +41,14 @@ pub struct CalibrationScene<'a> {
     pub shaders: &'a ShaderSet,
     /// The passes that test boxes.
     pub passes: &'a OcclusionPasses,
-    /// The ways to skip hidden draws that are measured.
+    /// The predication modes to measure.
     pub executors: &'a [PredicationMode],
-    /// The renderer that draws hidden objects in place of the scene's.
+    /// The renderer of the hidden objects.
     pub objects: &'a mut dyn ObjectRenderer,
-    /// An object of a triangle, and one of [`PATCH_TRIANGLES`] of which half face away.
+    /// The draw of one triangle, and the draw of [`PATCH_TRIANGLES`] triangles, half of which face
+    /// away.
     pub draws: [IndirectDraw; 2],
-    /// The request to give the measurement up, which is checked before each batch.
+    /// Cancels the measurement; checked before each batch.
     pub cancellation: &'a CancellationToken,
 }
 
@@ -95,18 +96,19 @@ fn median(values: &mut [f64]) -> f64 {
 struct Times(Vec<(Batch, Vec<f64>)>);
 
 impl Times {
-    /// Returns the times of a batch; none of one that was not measured.
+    /// Returns the times of a batch; empty for a batch that was not measured.
     fn of(&self, batch: Batch) -> &[f64] {
         self.0.iter().find(|(timed, _)| *timed == batch).map_or(&[], |(_, times)| times)
     }
 
-    /// Returns the shortest time of a batch (ns): disturbances make times longer, never shorter.
-    /// NaN of one that was not measured.
+    /// Returns the shortest time of a batch (ns), since disturbances only make times longer.
+    /// Returns NaN for a batch that was not measured.
     fn shortest_ns(&self, batch: Batch) -> f64 {
         self.of(batch).iter().copied().fold(f64::NAN, f64::min)
     }
 
-    /// Returns the cost of one thing (ns): the difference of twice as many and so many.
+    /// Returns the cost of one item (ns), from the difference between the doubled batch and the
+    /// batch.
     fn each_ns(&self, batch: Batch) -> f64 {
         let [double, single] = [batch.doubled(), batch].map(|timed| self.shortest_ns(timed));
         (double - single) / f64::from(batch.count().max(1))
@@ -168,8 +170,8 @@ pub fn measure(scene: CalibrationScene<'_>) -> Result<DeviceCosts, Error> {
     let measured = with_resets(measured, device, &reset_ns);
     let mut share = overlap::break_wait_share(device, &mut bench, f64::from(measured.break_ns))?;
     if device.adapter().is_software() {
-        // The threads of a rasteriser share the cores with everything else: a batch that is alone
-        // loses less at a break than a frame among frames does.
+        // A software rasteriser shares the CPU cores with everything else. A batch that runs alone
+        // loses less time at a break than a frame among other frames.
         share = share.max(CostTable::default().break_wait_share.into());
     }
     let table = sensible(CostTable { break_wait_share: share as f32, ..measured });
@@ -180,7 +182,7 @@ pub fn measure(scene: CalibrationScene<'_>) -> Result<DeviceCosts, Error> {
     Ok(device_costs)
 }
 
-/// Returns a table with the reset in the cost of a query, where a command resets.
+/// Adds the cost of a reset to the cost of a query, where a command resets queries.
 fn with_resets(table: CostTable, device: &Device, reset_ns: &QueryResetCosts) -> CostTable {
     if device.capabilities().has(OptionalFeature::HostQueryReset) {
         table
@@ -189,7 +191,7 @@ fn with_resets(table: CostTable, device: &Device, reset_ns: &QueryResetCosts) ->
     }
 }
 
-/// Returns the costs that follow from the cost per thing of each batch.
+/// Returns the costs that follow from the cost per item of each batch.
 fn table(each: &mut impl FnMut(Batch) -> f64, large_box_pixels: f64) -> CostTable {
     let draw = each(Batch::DRAWS);
     let call = each(Batch::CALLS);
@@ -210,18 +212,18 @@ fn table(each: &mut impl FnMut(Batch) -> f64, large_box_pixels: f64) -> CostTabl
         break_wait_share: 0.0,
         compute_round_ns: each(Batch::GRIDS) as f32,
         compute_box_ns: each(Batch::COMPUTED_BOXES) as f32,
-        // Those of the executor come when it is chosen.
+        // The costs of an executor are filled in when it is chosen.
         ..CostTable::default()
     }
 }
 
-/// Replaces impossible costs by the default. A small cost may come out negative: then it is too
-/// small to be distinguished from noise, and counts as nothing.
+/// Replaces impossible costs by the default. A negative cost of noise counts as 0.
 fn sensible(measured: CostTable) -> CostTable {
     let usual = CostTable::default();
     let mut doubtful = Vec::new();
     let mut kept = |(name, value): (&'static str, f32), usual: f32| {
-        // A hundredth of the usual below zero is noise; a hundred times as much is a broken clock.
+        // A result below zero by less than the usual cost is noise; one far above it is a broken
+        // clock.
         let is_sound = value.is_finite() && value > -usual && value < usual.max(1.0) * 1.0e4;
         if !is_sound {
             doubtful.push(format!("{name} = {value}"));
@@ -232,11 +234,11 @@ fn sensible(measured: CostTable) -> CostTable {
     let usual = usual.entries();
     let values: Vec<f32> =
         measured.into_iter().zip(usual).map(|(entry, (_, usual))| kept(entry, usual)).collect();
-    // The share is bounded in any case, and the costs of executors are measured by themselves.
+    // The share is always bounded, and the costs of executors are measured separately.
     if doubtful.len() + 3 >= measured.len() {
         tracing::warn!("no cost could be measured: all count as usual");
     } else if !doubtful.is_empty() {
-        // Any one of them may drown in the noise of a busy machine.
+        // A single cost may drown in the noise of a busy machine.
         let doubtful = doubtful.join(", ");
         tracing::debug!("these costs came out impossible and count as usual: {doubtful}");
     }

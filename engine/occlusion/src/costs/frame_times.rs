@@ -1,8 +1,8 @@
 //! The times of frames on the GPU, for the cost models of the views that they showed.
 //!
-//! A time is known when the slot of its frame is used again, together with the frame's results and
-//! hence its draws. Costs belong to the device: where a frame shows several views, each of their
-//! cost models learns from the time of the frame and the contents of all of them.
+//! A frame's time is known when its slot is used again, together with its results and therefore its
+//! draws. Costs belong to the device: where a frame shows several views, the cost model of each
+//! view learns from the time of the frame and from the contents of all views.
 
 use std::collections::VecDeque;
 
@@ -13,31 +13,31 @@ use crate::costs::sent_frames::TIMES_KEPT;
 use crate::error::Error;
 use crate::occlusion_state::OcclusionState;
 
-/// The interval of the timed frames of a view. Timestamps keep frames from overlapping: on a
-/// software driver a frame that has them takes a tenth longer.
+/// The interval between the timed frames of a view. Timestamps keep frames from overlapping: on a
+/// software driver, a frame with timestamps takes a tenth longer.
 const TIMED_INTERVAL_FRAMES: u64 = 16;
 
 fn is_timed_after(frame: FrameId) -> bool {
     frame.0.is_multiple_of(TIMED_INTERVAL_FRAMES)
 }
 
-/// The times that no cost model learnt from yet.
+/// The frame times that have not reached a cost model yet.
 #[derive(Debug)]
 pub struct FrameTimes {
     known: VecDeque<FrameTime>,
-    /// True if there are costs to correct, and a device that times frames.
+    /// True if there are costs to correct and the device has timestamps.
     learns: bool,
 }
 
 impl FrameTimes {
-    /// Creates the times of frames on a device, for cost models that have costs or have none.
+    /// Creates an empty list for a device. Without `device_costs`, no frame is timed.
     pub fn new(device: &Device, device_costs: Option<&CostTable>) -> Self {
         let learns =
             device_costs.is_some() && device.capabilities().has(OptionalFeature::Timestamps);
         Self { known: VecDeque::new(), learns }
     }
 
-    /// Lets the frames of a ring be timed, if anything is learned from them.
+    /// Enables the timing of frames in a ring, if cost models use it.
     ///
     /// # Errors
     /// A failed call.
@@ -45,7 +45,7 @@ impl FrameTimes {
         if self.learns { Ok(frames.time_frames()?) } else { Ok(()) }
     }
 
-    /// Returns true if the next frame, of all of these views together, is to be timed.
+    /// Returns true if the next frame, which shows all of these views, is to be timed.
     pub fn is_due<'a>(
         &self,
         strategy: Strategy,
@@ -83,7 +83,7 @@ impl FrameTimes {
                     view.as_mut().took(time, &contents);
                 }
             }
-            // Of a frame of several views that are not drawn together any more, nothing is learned.
+            // A frame of several views that are no longer drawn together teaches nothing.
             false
         });
     }

@@ -1,5 +1,5 @@
-//! The costs of tests and draws on a device: costs measured when a renderer is created, and the
-//! times of frames, which correct them.
+//! The costs of tests and draws on a device: measured when a renderer is created, and corrected by
+//! the times of frames.
 
 pub(crate) mod calibration;
 pub(crate) mod device_costs;

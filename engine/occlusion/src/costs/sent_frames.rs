@@ -1,4 +1,4 @@
-//! The frames of a view that were submitted and are timed, with their contents.
+//! The submitted frames of a view that are timed, with their contents.
 
 use std::collections::VecDeque;
 
@@ -7,10 +7,10 @@ use gpu::Tick;
 
 use crate::outcomes::FrameStats;
 
-/// The times kept for views that are not drawn at the moment; older ones are lost.
+/// The number of times kept for views that are not drawn at the moment; older times are lost.
 pub(crate) const TIMES_KEPT: usize = 8;
 
-/// A frame of one view that is in flight, or has a time not yet used.
+/// A frame of one view that is in flight, or whose time has not been used yet.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SentFrame {
     tick: Tick,
@@ -42,7 +42,7 @@ impl SentFrames {
         self.frames.push_back(SentFrame { tick, frame: plan.frame, contents, views });
     }
 
-    /// Notes the draws of a frame, which are known now.
+    /// Notes the draws of a frame once they are known.
     pub(crate) fn drew(&mut self, outcome: &FrameStats) {
         if let Some(sent) = self.frames.iter_mut().find(|sent| sent.frame == outcome.frame) {
             sent.contents.draws = outcome.draws;

@@ -1,5 +1,4 @@
-//! Ranges of draws that depend on results and are drawn by one executor: what its costs are
-//! measured of.
+//! Ranges of draws that depend on results and are drawn by one executor, to measure its costs.
 
 use gpu::{
     Buffer, BufferSlice, Commands, Device, DrawRange, Frame, IndirectDraw, MemoryKind,
@@ -26,7 +25,7 @@ struct Lists {
     sizes: Buffer,
     commands: Buffer,
     counts: Buffer,
-    /// A result that is not zero, of ranges without one.
+    /// A result that is not zero, for ranges without a flag.
     shown: Buffer,
     /// The buffers of the newest frame.
     io: Option<ListDrawsIo>,
@@ -49,10 +48,10 @@ impl Lists {
 }
 
 impl SkippedRanges {
-    /// Creates the ranges of an executor: at most so many, of that draw, of `draws` draws together.
+    /// Creates the ranges of an executor, with room for `draws` copies of `draw` in total.
     ///
     /// # Errors
-    /// A device that lacks what the executor needs, or counts no so many draws; no memory.
+    /// A device that lacks what the executor needs or cannot count this number of draws; no memory.
     pub fn new(
         device: &Device,
         shaders: &ShaderSet,
@@ -73,8 +72,8 @@ impl SkippedRanges {
         self.predicates.predication()
     }
 
-    /// Begins a frame of `ranges` ranges of `width` draws each. The range of a number is drawn if
-    /// the flag of that number is not zero; without flags all are.
+    /// Begins a frame of `ranges` ranges of `width` draws each. Range `n` is drawn if flag `n` is
+    /// not zero; without flags, every range is drawn.
     ///
     /// # Errors
     /// A frame or flags of another device; no memory.
@@ -122,7 +121,7 @@ impl SkippedRanges {
         Ok(())
     }
 
-    /// Records what turns the flags into that which the draws depend on. Outside of rendering.
+    /// Records the passes that turn flags into predicates or lists. Outside of rendering.
     pub fn record_resolve(&self, commands: &Commands) {
         match &self.lists {
             Some(lists) => {
@@ -137,7 +136,7 @@ impl SkippedRanges {
         }
     }
 
-    /// Records the draws, inside of a rendering with a bound pipeline.
+    /// Records the draws, inside a rendering with a bound pipeline.
     pub fn record_draws(&self, commands: &Commands) {
         match &self.lists {
             Some(lists) => {

@@ -1,4 +1,4 @@
-//! The inputs of the execution of a plan: the plan as it lies in the memory of its frame.
+//! The inputs of the execution of a plan, in the memory of its frame.
 
 use cull::CullView;
 use gpu::{BufferSlice, Frame, IndirectDraw, LeafDrawBuffers, ResultSource};
@@ -15,7 +15,7 @@ pub(super) struct FrameIo {
     pub(super) proxies: ProxyIo,
     pub(super) computed: Option<ComputeTestIo>,
     pub(super) leaf_draws: Option<LeafDrawBuffers>,
-    /// The lists of the draws that are revealed, where they are compacted.
+    /// The lists of revealed draws, where draws are compacted.
     pub(super) lists: Option<ListDrawsIo>,
     /// The constants of the views, where several are drawn at once.
     eyes: Option<BufferSlice>,
@@ -59,7 +59,7 @@ impl FrameIo {
         })
     }
 
-    /// Returns the views that proxies are drawn in: several, or the given one.
+    /// Returns the views that proxies are drawn in: `view`, or several views drawn at once.
     pub(super) fn eyes<'a>(&self, view: &'a CullView) -> ProxyEyes<'a> {
         self.eyes.map_or(ProxyEyes::One(view), ProxyEyes::Several)
     }

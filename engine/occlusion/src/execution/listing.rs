@@ -1,4 +1,4 @@
-//! Plans whose draws a host records itself: lists of them, and the tests in between.
+//! Plans whose draws a host records itself: lists of the draws, and the tests between them.
 
 use cull::CullView;
 use gpu::{Commands, Frame, RenderTarget, Target};
@@ -13,15 +13,16 @@ use crate::object_renderer::{ObjectRenderer, Rendering};
 use crate::occlusion_state::OcclusionState;
 use crate::passes::ListDrawsIo;
 
-/// The tests of a frame whose draws are listed, still to be recorded.
+/// The tests of a frame whose draws are listed. They are not recorded yet.
 pub(crate) struct ListedTests {
     views: Vec<CullView>,
     io: FrameIo,
     lists: Option<ListDrawsIo>,
 }
 
-/// Lists the draws of the newest plan of `state`, for the views that it was made for. Records
-/// clears alone. The host records the draws, and the [tests](ListedTests::record) between them.
+/// Lists the draws of the newest plan of `state` for the views that it was made for. Records
+/// nothing but clears. The host records the draws, and the [tests](ListedTests::record) between
+/// them.
 pub(crate) fn list_draws(
     frame: &mut Frame<'_>,
     scene: &mut CulledScene,
@@ -38,7 +39,7 @@ pub(crate) fn list_draws(
 
 impl ListedTests {
     /// Records the tests against the depth in `target`, which holds the visible draws, and the
-    /// passes that list what they reveal. Outside of rendering. Colours of the target, if it has
+    /// passes that list the revealed draws. Outside of rendering. Colours of the target, if it has
     /// any, are not written.
     pub(crate) fn record(
         self,
@@ -57,7 +58,7 @@ impl ListedTests {
     }
 }
 
-/// The renderings of tests: the host draws its objects itself.
+/// Renderings that contain only tests, since the host draws its objects itself.
 struct TestsAlone<'a> {
     target: &'a mut Target,
 }

@@ -1,5 +1,4 @@
-//! The recording of a plan: the visible leaves, then round by round those that turn out to be
-//! visible.
+//! The recording of a plan: the visible leaves, then round by round the leaves that tests reveal.
 //!
 //! ```text
 //! draw visible   clear; all visible leaves front to back in few multi-draws, some under a query
@@ -48,8 +47,9 @@ impl Recording<'_> {
     /// Records one view's frame.
     ///
     /// Each rendering draws the leaves that the previous tests revealed, and the proxies of the
-    /// next tests. So a round costs one break and not two. Leaves below a node that showed in round
-    /// `n` are tested together with round `n + 1`, and drawn with the leaves revealed by it.
+    /// next tests, so a round costs one break instead of two. Leaves below a node that showed in
+    /// round `n` are tested together with round `n + 1`, and drawn together with the leaves that
+    /// round `n + 1` reveals.
     pub(super) fn record(&self, commands: &Commands, objects: &mut dyn ShadedObjects) {
         let state = self.state;
         let view = self.view;
@@ -111,8 +111,8 @@ impl Recording<'_> {
         self.copy_results(commands);
     }
 
-    /// Records the last rendering that decides what is visible. Returns true if it has the colours,
-    /// too: nothing that they need breaks it, since all decisions are made before it.
+    /// Records the last rendering that decides what is visible. Returns true if it also drew the
+    /// colours: this is possible because all decisions are made before it.
     fn render_last(
         &self,
         commands: &Commands,
@@ -132,7 +132,7 @@ impl Recording<'_> {
         shades
     }
 
-    /// Returns the number of steps that draw: all but a last one whose results only serve later
+    /// Returns the number of steps that draw: all except a last step whose results only serve later
     /// frames.
     fn drawn_steps(&self) -> usize {
         let layout = &self.state.layout;
@@ -145,8 +145,8 @@ impl Recording<'_> {
         }
     }
 
-    /// Records the tests of a plan of two phases, whose draws a host records before and after, and
-    /// the passes that list those which the tests reveal.
+    /// Records the tests of a plan of two phases, and the passes that list the draws which the
+    /// tests reveal. The host records the draws before and after.
     pub(super) fn record_tests(
         &self,
         commands: &Commands,
@@ -181,7 +181,7 @@ impl Recording<'_> {
         self.copy_results(commands);
     }
 
-    /// Records the passes that list the draws which a step reveals, where they are compacted.
+    /// Records the passes that list the draws which a step reveals, if draws are compacted.
     fn list_revealed(&self, commands: &Commands, step: usize) {
         if let Some(lists) = self.listed(step) {
             self.list_draws(commands, lists);
@@ -207,7 +207,7 @@ impl Recording<'_> {
         commands.pass("list draws", |commands| self.scene.passes.list_draws.record(commands, &io));
     }
 
-    /// Waits until the results of the frame are cleared.
+    /// Waits until the results of the frame have been cleared.
     fn wait_for_reset(&self, commands: &Commands) {
         let FrameIo { proxies, leaf_draws, computed, .. } = self.io;
         if proxies.flags.is_some() || leaf_draws.is_some() || computed.is_some() {
@@ -228,8 +228,7 @@ impl Recording<'_> {
         });
     }
 
-    /// Draws the leaves that are taken as visible: bucket by bucket, in one call from one queried
-    /// draw to the next.
+    /// Draws the visible leaves bucket by bucket. Draws between two queried draws share one call.
     fn draw_visible(&self, commands: &Commands, bind: &dyn Fn(&Commands, BucketId)) {
         let visible = &self.state.layout.visible;
         let draw = |commands: &Commands, draws: Range<u32>| {
@@ -253,11 +252,11 @@ impl Recording<'_> {
         }
     }
 
-    /// Tests the proxies of one round against the depth so far.
+    /// Tests the proxies of one round against the depth of the draws so far.
     fn draw_proxies(&self, commands: &Commands, round: Option<&RoundLayout>) {
         let Some(round) = round else { return };
         commands.label("proxies", |commands| {
-            // The owner may have drawn with another.
+            // The owner may have set another viewport.
             commands.set_viewport(&Viewport::covering(self.view.origin, self.view.size));
             let eyes = self.io.eyes(self.view);
             if !round.flags.is_empty() {
@@ -275,7 +274,7 @@ impl Recording<'_> {
         });
     }
 
-    /// Tests the boxes of a round whose tester is the compute shader, against the depth so far.
+    /// Tests the boxes of a round by compute shader against the depth of the draws so far.
     fn test_by_compute(
         &self,
         commands: &Commands,
@@ -292,8 +291,8 @@ impl Recording<'_> {
         });
     }
 
-    /// Turns the results that a step knows into decisions: those of its round, and those of the
-    /// leaves under the round before it. Where its draws are listed, results alone do.
+    /// Turns the results of a step into predicates: the results of its round, and of the leaf tests
+    /// of the round before. Where the draws of a step are listed, they need no predicates.
     fn resolve(&self, commands: &Commands, step: usize) {
         let state = self.state;
         let StepRounds { before, known } = state.layout.step(step);
@@ -315,7 +314,7 @@ impl Recording<'_> {
     }
 
     /// Lets the owner of the objects prepare the draws that a round may reveal: whole ranges, and
-    /// leaves that are tested next.
+    /// leaves that are tested individually next.
     fn prepare_revealed(
         &self,
         commands: &Commands,
@@ -335,7 +334,7 @@ impl Recording<'_> {
             let leaves = draw_range(tests.get(revealed_range.test as usize)?.leaves);
             predicates.predicate(revealed_range.source, revealed_range.predicate, leaves, threshold)
         };
-        // A test decides about its leaves once, however many buckets they have draws in.
+        // A test decides about its leaves once, although their draws may be in several buckets.
         let mut decided: Vec<&RevealedRange> = draws.iter().chain(boxes).collect();
         decided.sort_unstable_by_key(|range| range.test);
         decided.dedup_by_key(|range| range.test);
@@ -343,7 +342,8 @@ impl Recording<'_> {
         objects.prepare_draws(commands, UpcomingDraws::Revealed(&revealed));
     }
 
-    /// Draws what a step reveals, bucket by bucket: by one call each where its draws are listed.
+    /// Draws what a step reveals, bucket by bucket; where its draws are listed, in one call per
+    /// bucket.
     fn draw_step(&self, commands: &Commands, step: usize, bind: &dyn Fn(&Commands, BucketId)) {
         if self.io.lists.is_none() {
             return self.draw_revealed(commands, self.state.layout.step(step), bind);
@@ -358,8 +358,8 @@ impl Recording<'_> {
         }
     }
 
-    /// Draws, bucket by bucket, the leaves that boxes of the round before switched on individually,
-    /// and the ranges of the known round that showed.
+    /// Draws, bucket by bucket, the leaves that boxes of the round before enabled individually, and
+    /// the visible ranges of the known round.
     fn draw_revealed(
         &self,
         commands: &Commands,
@@ -383,7 +383,8 @@ impl Recording<'_> {
         }
     }
 
-    /// Draws again what all rounds of a frame drew: their results still hold the decisions.
+    /// Draws everything again that the rounds of a frame drew: their results still hold the
+    /// decisions.
     fn draw_again(&self, commands: &Commands, bind: &dyn Fn(&Commands, BucketId)) {
         for bucket in self.state.layout.visible.buckets() {
             bind(commands, bucket.bucket);
@@ -397,7 +398,7 @@ impl Recording<'_> {
         }
     }
 
-    /// Tests the leaves of the nodes that showed, one by one.
+    /// Tests the leaves below visible nodes individually.
     fn test_leaves(&self, commands: &Commands, known: Option<&RoundLayout>) {
         let known = known.filter(|round| round.has_leaf_tests);
         let (Some(pass), Some(leaf_draws), Some(_)) =

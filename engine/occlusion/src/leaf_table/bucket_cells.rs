@@ -1,11 +1,11 @@
 //! The draws of leaves that have any number of them, each in a bucket: a pipeline in a pass.
 //!
-//! A *cell* is the place of one indirect command. The cells of a bucket lie in the order of the
-//! leaves of their draws, so that the draws of a subtree are one contiguous range per bucket. Empty
-//! cells between them make room: leaves are taken in blocks, and each block has a span of cells per
-//! bucket that it uses. A change shifts cells of its span. A full span takes room from its
-//! neighbours: a packed-memory array (Bender, Demaine and Farach-Colton 2000, "Cache-Oblivious
-//! B-Trees").
+//! A *cell* is the place of one indirect command. The cells of a bucket are in the order of the
+//! leaves of their draws, so the draws of a subtree are one contiguous range per bucket. Empty
+//! cells between them leave room for more draws: leaves are grouped in blocks, and each block has a
+//! span of cells in every bucket that it uses. A change shifts only the cells of its span. A full
+//! span takes room from its neighbours, as in a packed-memory array (Bender, Demaine and
+//! Farach-Colton 2000, "Cache-Oblivious B-Trees").
 
 mod bucket;
 mod cell_changes;
@@ -27,22 +27,22 @@ use cell_changes::CellChanges;
 use placed_draws::{PlacedDraw, PlacedDraws};
 use regions::Regions;
 
-/// A pipeline in a pass, in which draws of objects are drawn together. Buckets are drawn in the
+/// A pipeline in a pass, with which draws of objects are drawn together. Buckets are drawn in the
 /// order of their numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct BucketId(pub u32);
 
-/// The most buckets of a table.
+/// The highest number of buckets in a table.
 pub const MAX_BUCKETS: u32 = 1 << 16;
 
-/// A draw of an object. One without indices or instances draws nothing.
+/// A draw of an object. A draw without indices or instances draws nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BucketDraw {
     /// The bucket that it is drawn in.
     pub bucket: BucketId,
     /// The command, of any number of instances.
     pub draw: IndirectDraw,
-    /// The number of triangles of all instances.
+    /// The total number of triangles of all instances.
     pub triangles: u32,
 }
 
@@ -62,14 +62,14 @@ pub(crate) struct BucketCells {
     cells: Vec<u32>,
     regions: Regions,
     pub(crate) changes: CellChanges,
-    /// Draws on their way from old cells to new ones; kept to allocate nothing.
+    /// Draws that move from old cells to new ones; kept to allocate nothing in the steady state.
     moving: Vec<u32>,
     spread: Vec<u32>,
     listed: Vec<(BucketId, u32)>,
 }
 
 impl BucketCells {
-    /// Creates the cells of leaves with these objects, without draws.
+    /// Creates the layout for leaves with these objects, without draws.
     pub(crate) fn new(bucket_count: u32, objects: &[ObjectId]) -> Self {
         let mut cells = Self {
             draws: PlacedDraws::EMPTY,
@@ -87,7 +87,7 @@ impl BucketCells {
         cells
     }
 
-    /// Returns the number of cells that hold so many draws, however they lie in the buckets.
+    /// Returns a number of cells that is enough for `draws` draws in any buckets.
     pub(crate) fn room_for(draws: u32, bucket_count: u32) -> u32 {
         let wanted = bucket::wanted_cells(draws.saturating_add(bucket_count));
         wanted.saturating_add(bucket_count.saturating_mul(bucket::LEAST_CELLS))
@@ -108,12 +108,12 @@ impl BucketCells {
         self.cells.len() as u32
     }
 
-    /// Returns the command in a cell; an empty one where there is no draw.
+    /// Returns the command in a cell; an empty command for an empty cell.
     pub(crate) fn command(&self, cell: u32) -> IndirectDraw {
         self.placed_in(cell).map(|placed| placed.draw.draw).unwrap_or_default()
     }
 
-    /// Returns the link of a cell to the next of its leaf.
+    /// Returns the link from a cell to the next cell of the same leaf.
     pub(crate) fn link(&self, cell: u32) -> DrawLink {
         let link = |placed: &PlacedDraw| DrawLink {
             next: self.place_of(placed.next),
@@ -140,8 +140,8 @@ impl BucketCells {
         })
     }
 
-    /// Calls `each` with the cells of a range of leaves, once per bucket with draws there, in the
-    /// order of the buckets. Some of the cells may be empty.
+    /// Calls `each` with the cells of a range of leaves, once per bucket with draws of these
+    /// leaves, in the order of the buckets. Some of the cells may be empty.
     pub(crate) fn ranges(&self, leaves: LeafRange, mut each: impl FnMut(BucketId, DrawRange)) {
         if leaves.is_empty() {
             return;
@@ -163,10 +163,10 @@ impl BucketCells {
         }
     }
 
-    /// Replaces the draws of the objects in some leaves. Their buckets exist.
+    /// Replaces the draws of the objects in some leaves. The buckets must exist.
     pub(crate) fn replace(&mut self, changed: &[(LeafIndex, &[BucketDraw])]) {
-        // The work of one change grows with the spans of its bucket, that of all together with the
-        // number of leaves.
+        // The time of a single change grows with the spans of its bucket. The time of all changes
+        // together grows with the number of leaves.
         const MANY: usize = 16;
         let are_many = changed.len() > 1 && changed.len() * MANY >= self.leaf_count() as usize;
         for (leaf, draws) in changed {
@@ -191,8 +191,8 @@ impl BucketCells {
         }
     }
 
-    /// Lists the draws of a leaf that draw something, in the order of their buckets, and replaces
-    /// the commands where these are the buckets that the leaf has already. Returns true if so.
+    /// Collects the draws of a leaf that draw something, in the order of their buckets. Replaces
+    /// only the commands if the leaf already has draws in exactly these buckets; returns true then.
     fn replace_in_place(&mut self, leaf: LeafIndex, draws: &[BucketDraw]) -> bool {
         let drawn = |bucket_draw: &&BucketDraw| {
             bucket_draw.draw.index_count > 0 && bucket_draw.draw.instance_count > 0
@@ -216,9 +216,8 @@ impl BucketCells {
         true
     }
 
-    /// Notes that the objects in some ranges of leaves are in another order now, which is that of
-    /// `objects`, by leaf. Ranges may lie in each other, as subtrees do. There may be more leaves
-    /// than before, which lie in the ranges.
+    /// Notes that the objects in some ranges of leaves are in another order now: `objects`, by
+    /// leaf. Ranges may be nested, like subtrees. Additional leaves must lie in the ranges.
     pub(crate) fn reorder(&mut self, ranges: &[LeafRange], objects: &[ObjectId]) {
         self.grow(objects.len());
         let leaves = || ranges.iter().flat_map(|range| range.iter());
@@ -234,7 +233,7 @@ impl BucketCells {
         if are_most { self.lay_out() } else { leaves().for_each(|leaf| self.insert_all(leaf)) }
     }
 
-    /// Makes places for so many leaves at least, without objects yet.
+    /// Makes places for at least `leaf_count` leaves; new ones have no objects yet.
     fn grow(&mut self, leaf_count: usize) {
         self.draws.grow(leaf_count);
         self.changes.grow(leaf_count);
@@ -242,7 +241,7 @@ impl BucketCells {
         self.present.resize(blocks * self.words(), 0);
     }
 
-    /// Puts all draws into cells anew, which takes time in proportion to their number. All leaves
+    /// Assigns new cells to all draws, which takes time in proportion to their number. All leaves
     /// count as changed.
     fn lay_out(&mut self) {
         let blocks = self.leaf_count().div_ceil(BLOCK_LEAVES) as usize;
@@ -266,11 +265,11 @@ impl BucketCells {
             (bucket.region, bucket.filled) = (region, (0, 0));
             bucket.spread(0, spans, region);
         }
-        // Never fewer than before: changes that were noted may name any of them.
+        // The number of cells never shrinks, since noted changes may name any of them.
         let count = self.cells.len().max(self.regions.end() as usize);
         self.cells.clear();
         self.cells.resize(count, NONE);
-        // The GPU may have commands of before in all of them.
+        // Any cell may hold an old command on the GPU.
         (0..self.cell_count()).for_each(|cell| self.changes.empty(cell));
         for leaf in (0..self.leaf_count()).map(LeafIndex) {
             let mut number = self.draws.first(leaf);
@@ -300,7 +299,7 @@ impl BucketCells {
         self.draws.at(number).map_or(DrawLink::NO_DRAW, |placed| placed.cell + 1)
     }
 
-    /// Takes the draws of a leaf out of their cells, those that are in some.
+    /// Takes the draws of a leaf out of their cells, if they are in cells.
     fn lift_all(&mut self, leaf: LeafIndex) {
         let mut draw = self.draws.first(leaf);
         while let Some(placed) = self.draws.at(draw).copied() {
@@ -310,7 +309,7 @@ impl BucketCells {
         self.changes.touch(leaf);
     }
 
-    /// Puts the draws of a leaf into cells, those that are in none.
+    /// Puts the draws of a leaf that are not in cells into cells.
     fn insert_all(&mut self, leaf: LeafIndex) {
         let mut draw = self.draws.first(leaf);
         while let Some(placed) = self.draws.at_mut(draw) {
@@ -347,7 +346,7 @@ impl BucketCells {
         }
     }
 
-    /// Puts a draw into a cell behind those of its leaf and of the leaves before.
+    /// Puts a draw into a cell after the draws of its leaf and of the leaves before it.
     fn insert(&mut self, draw: u32) {
         let Some(&PlacedDraw { draw: BucketDraw { bucket, .. }, leaf, .. }) = self.draws.at(draw)
         else {
@@ -372,8 +371,8 @@ impl BucketCells {
         self.mark_present(block, bucket);
     }
 
-    /// Makes room for a draw in a full span: spreads those of its neighbours, as few as are loose
-    /// enough, or moves the bucket to a larger region.
+    /// Makes room for a draw in a full span: spreads the draws of the smallest group of neighbours
+    /// that is loose enough, or moves the bucket to a larger region.
     fn make_room(&mut self, bucket: usize, place: usize) {
         if let Some((spans, to)) = self.buckets[bucket].loose_window(place) {
             self.lift_spans(bucket, spans.clone());
@@ -390,13 +389,13 @@ impl BucketCells {
             let before = before.first as usize..(before.first + before.count) as usize;
             self.cells[before].fill(NONE);
         }
-        // Where the region belonged to another bucket, its old commands are still on the GPU.
+        // If the region belonged to another bucket, its old commands are still on the GPU.
         (region.first..region.first + region.count).for_each(|cell| self.changes.empty(cell));
         self.buckets[bucket].region = region;
         self.spread(bucket, place, all, region);
     }
 
-    /// Notes the draws of some spans of a bucket in `moving`, in their order.
+    /// Collects the draws of some spans of a bucket in `moving`, in their order.
     fn lift_spans(&mut self, bucket: usize, spans: Range<usize>) {
         self.moving.clear();
         for span in &self.buckets[bucket].spans[spans] {
@@ -404,8 +403,8 @@ impl BucketCells {
         }
     }
 
-    /// Spreads the draws in `moving` over cells as those of spans, with room for one more in the
-    /// span `place`.
+    /// Spreads the draws in `moving` over the cells `to` of some spans, with room for one more draw
+    /// in the span `place`.
     fn spread(&mut self, bucket: usize, place: usize, spans: Range<usize>, to: DrawRange) {
         let moving = take(&mut self.moving);
         let mut spread = take(&mut self.spread);
@@ -425,7 +424,7 @@ impl BucketCells {
         (self.moving, self.spread) = (moving, spread);
     }
 
-    /// Writes a draw, or none, into a cell.
+    /// Writes a draw into a cell, or empties it.
     fn put(&mut self, cell: u32, draw: u32) {
         let Some(place) = self.cells.get_mut(cell as usize) else { return };
         if replace(place, draw) == draw {

@@ -1,9 +1,9 @@
-//! The cells whose draw changed, for views with copies of the draws: each reads on where it
-//! stopped.
+//! The log of cells whose draw changed, for views that keep copies of the draws. Each view
+//! continues where it stopped reading.
 
 use std::collections::VecDeque;
 
-/// The latest cells whose draw changed, numbered from the first change on.
+/// The latest cells whose draw changed. Changes are numbered from the first one on.
 #[derive(Debug)]
 pub struct DrawChanges {
     cells: VecDeque<u32>,
@@ -13,7 +13,7 @@ pub struct DrawChanges {
 }
 
 impl DrawChanges {
-    /// Creates a log of as many changes as there are cells: a view that missed more copies all
+    /// Creates a log with room for one change per cell. A view that missed more changes copies all
     /// draws again.
     pub fn new(cell_count: usize) -> Self {
         const MOST_MIN: usize = 1 << 10;
@@ -40,7 +40,7 @@ impl DrawChanges {
         self.dropped + self.cells.len() as u64
     }
 
-    /// Returns those after the first `seen`; `None` if not all of them are kept.
+    /// Returns the changes after the first `seen`; `None` if the log no longer has all of them.
     pub fn since(&self, seen: u64) -> Option<impl Iterator<Item = u32>> {
         let first = usize::try_from(seen.checked_sub(self.dropped)?).ok()?;
         Some(self.cells.iter().skip(first).copied())

@@ -1,22 +1,22 @@
-//! Counts of the draws and triangles of a range of leaves, while leaves change: a tree of partial
-//! sums (Fenwick 1994, "A New Data Structure for Cumulative Frequency Tables").
+//! Counts of the draws and triangles in a range of leaves, kept while leaves change by a tree of
+//! partial sums (Fenwick 1994, "A New Data Structure for Cumulative Frequency Tables").
 
 use cull::LeafRange;
 
 /// The counts of draws and triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LeafCount {
-    /// Draws: one per object, unless objects have any number.
+    /// The number of draws.
     pub draws: u64,
-    /// Triangles of those draws.
+    /// The number of triangles of these draws.
     pub triangles: u64,
 }
 
-/// The counts of all leaves. Changing one and summing a range take the logarithm of their number.
+/// The counts of all leaves. A change and a sum each take logarithmic time in the number of leaves.
 #[derive(Debug, Default)]
 pub struct LeafCounts {
-    /// The partial sums: entry i - 1 is the sum of the last leaves before i, as many as the lowest
-    /// set bit of i.
+    /// The partial sums: entry `i - 1` is the sum over the last `n` leaves before `i`, where `n` is
+    /// the lowest set bit of `i`.
     sums: Vec<LeafCount>,
 }
 

@@ -1,46 +1,46 @@
-//! Things that changed: each is uploaded again with every frame until one that holds its newest
-//! change is known to have run.
+//! Items that changed. Each is uploaded with every frame until a frame with its newest change is
+//! known to have run.
 
 use gpu::Tick;
 
-/// The things to upload, each once. A thing has a number below the count of all.
+/// The items to upload, without duplicates. Each item has a number below `count`.
 #[derive(Debug)]
 pub(super) struct DirtyList<T> {
     items: Vec<T>,
-    /// The first frame that holds the newest change of each thing, by its number.
+    /// The first frame with the newest change of each item, by the item's number.
     uploaded_in: Vec<UploadFrame>,
     number: fn(&T) -> u32,
 }
 
-/// The first frame that holds the newest change of a thing.
+/// The first frame with the newest change of an item.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum UploadFrame {
-    /// One that is known to have run.
+    /// A frame that is known to have run.
     Past,
-    /// The next one.
+    /// The next frame.
     Next,
-    /// One that may not have run yet.
+    /// A submitted frame that may not have run yet.
     Sent(Tick),
 }
 
 impl<T> DirtyList<T> {
-    /// Creates the list of `count` things, none of which changed.
+    /// Creates the list of `count` unchanged items. `number` returns the number of an item.
     pub(super) fn new(count: usize, number: fn(&T) -> u32) -> Self {
         Self { items: Vec::new(), uploaded_in: vec![UploadFrame::Past; count], number }
     }
 
-    /// Makes room for `count` things at least.
+    /// Makes room for at least `count` items.
     pub(super) fn grow(&mut self, count: usize) {
         let count = count.max(self.uploaded_in.len());
         self.uploaded_in.resize(count, UploadFrame::Past);
     }
 
-    /// Returns the things to upload.
+    /// Returns the items to upload.
     pub(super) fn items(&self) -> &[T] {
         &self.items
     }
 
-    /// Notes that a thing changed, if it is one of them.
+    /// Notes that an item changed. Ignores an item that the list has no room for.
     pub(super) fn push(&mut self, item: T) {
         let Some(uploaded_in) = self.uploaded_in.get_mut((self.number)(&item) as usize) else {
             return;
@@ -50,14 +50,14 @@ impl<T> DirtyList<T> {
         }
     }
 
-    /// Notes that `all` changed, and no others are to be uploaded.
+    /// Replaces the items to upload by `all`, which changed.
     pub(super) fn push_all(&mut self, all: impl Iterator<Item = T>) {
         self.uploaded_in.fill(UploadFrame::Past);
         self.items.clear();
         all.for_each(|item| self.push(item));
     }
 
-    /// Notes that a frame that uploads all of them was submitted as `tick`.
+    /// Notes that a frame that uploads all items was submitted as `tick`.
     pub(super) fn sent(&mut self, tick: Tick) {
         for item in &self.items {
             if let Some(uploaded_in) = self.uploaded_in.get_mut((self.number)(item) as usize)
@@ -68,7 +68,7 @@ impl<T> DirtyList<T> {
         }
     }
 
-    /// Drops those whose newest change is in a frame up to `ran`.
+    /// Drops the items whose newest change is in a frame up to `ran`.
     pub(super) fn forget(&mut self, ran: Tick) {
         let Self { items, uploaded_in, number } = self;
         items.retain(|item| match uploaded_in.get_mut(number(item) as usize) {

@@ -1,5 +1,5 @@
-//! The layouts of draws in the buffer of all indirect commands, behind one interface. The place of
-//! a command is a *cell*.
+//! The two layouts of draws in the buffer of all indirect commands, with a common interface. A
+//! *cell* is the place of a command.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use super::counts::LeafCount;
 /// A mesh that leaves can draw: its indexed draw and its triangles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MeshDraw {
-    /// The draw, of one instance; its first instance is the leaf and need not be set.
+    /// The draw, with one instance. The table sets its first instance to the leaf.
     pub draw: IndirectDraw,
     /// The number of triangles.
     pub triangles: u32,
@@ -23,7 +23,7 @@ pub struct MeshDraw {
 pub struct MeshDrawId(pub u32);
 
 impl MeshDrawId {
-    /// The id for a leaf without an object: nothing is drawn.
+    /// The id for a leaf without an object, which draws nothing.
     pub const NONE: Self = Self(u32::MAX);
 }
 
@@ -84,8 +84,8 @@ impl DrawLayout {
         }
     }
 
-    /// Calls `each` with the cells of a range of leaves, once per bucket with draws there, in the
-    /// order of the buckets. Some of the cells may be empty.
+    /// Calls `each` with the cells of a range of leaves, once per bucket with draws of these
+    /// leaves, in the order of the buckets. Some of the cells may be empty.
     pub(crate) fn ranges(&self, leaves: LeafRange, mut each: impl FnMut(BucketId, DrawRange)) {
         match self {
             Self::OnePerLeaf(_) if leaves.is_empty() => {}
@@ -113,10 +113,10 @@ impl DrawLayout {
     }
 }
 
-/// The draws of a table, as rings copy them.
+/// The draws of a table, in the form that rings copy.
 pub(crate) struct CopiedDraws<'a> {
     pub(super) layout: &'a DrawLayout,
-    /// The cells that there is room for.
+    /// The number of cells that the buffers have room for.
     pub(super) capacity: u32,
 }
 
@@ -134,7 +134,7 @@ impl LeafDraws for CopiedDraws<'_> {
     }
 }
 
-/// Returns the numbers of leaves as a range for the GPU.
+/// Returns a range of leaves as a range of draws.
 pub(crate) fn draw_range(leaves: LeafRange) -> DrawRange {
     DrawRange { first: leaves.first.0, count: leaves.count }
 }

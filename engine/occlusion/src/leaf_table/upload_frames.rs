@@ -1,5 +1,5 @@
-//! The frames that uploaded the changes of a table. Not every frame of a device holds every table,
-//! and a host may never submit one.
+//! The frames that uploaded the changes of a table. A frame of the device need not contain every
+//! table, and a host may never submit a frame.
 
 use std::collections::VecDeque;
 
@@ -8,9 +8,9 @@ use gpu::Tick;
 /// The frames that uploaded everything marked in a table.
 #[derive(Debug, Default)]
 pub(super) struct UploadFrames {
-    /// Those of which it is not known if they run, in their order.
+    /// The frames that are not yet known to run or to be lost, in their order.
     sent: VecDeque<Tick>,
-    /// The newest that runs.
+    /// The newest frame that is known to run.
     ran: Tick,
 }
 
@@ -20,8 +20,8 @@ impl UploadFrames {
         self.sent.push_back(frame);
     }
 
-    /// Returns the newest frame that is known to run. All up to `settled` do but those that
-    /// `is_lost`.
+    /// Returns the newest frame that is known to run. All frames up to `settled` run, except those
+    /// for which `is_lost` returns true.
     pub(super) fn newest_run(&mut self, settled: Tick, is_lost: impl Fn(Tick) -> bool) -> Tick {
         while let Some(frame) = self.sent.pop_front_if(|frame| *frame <= settled) {
             if !is_lost(frame) {

@@ -1,4 +1,4 @@
-//! The pass that tests shadow volumes of boxes, and changes nothing.
+//! The pass that tests shadow volumes of boxes. It writes no colour or depth.
 
 use bytemuck::{Pod, Zeroable};
 use cull::{Aabb, CullView, VolumeLength};
@@ -18,9 +18,9 @@ pub struct BoxVolumePass(GraphicsPipeline);
 /// The buffers of the pass.
 #[derive(Clone, Copy)]
 pub struct BoxVolumeIo {
-    /// One [`BoxVolume`] per test; read.
+    /// A [`BoxVolume`] per test; read.
     pub boxes: BufferSlice,
-    /// One result per test; written.
+    /// A result per test; written.
     pub flags: BufferSlice,
 }
 
@@ -35,7 +35,7 @@ pub struct BoxVolume {
 }
 
 impl BoxVolume {
-    /// Creates the volume of a box that was enlarged already.
+    /// Creates the volume of a box that is already enlarged.
     pub fn new(proxy: &Aabb, VolumeLength { towards, away }: VolumeLength) -> Self {
         Self { low: proxy.min.to_array(), towards, high: proxy.max.to_array(), away }
     }
@@ -49,11 +49,11 @@ pub struct BoxVolumeConstants {
     light: [f32; 4],
 }
 
-/// Six faces and twelve edges of two triangles.
+/// The vertices of six faces and twelve edges, two triangles each.
 const VERTICES: u32 = 108;
 
 impl BoxVolumePass {
-    /// The triangles of a volume.
+    /// The number of triangles in a volume.
     pub const TRIANGLES: u64 = VERTICES as u64 / 3;
 
     /// Compiles the pass for renderings to `attachments`, on a device whose fragment shaders can

@@ -1,11 +1,12 @@
 //! The compute tester: tests boxes without rasterising them.
 //!
-//! A grid of 8x8-pixel cells holds the farthest depth of each. A workgroup tests one box: the cells
-//! it may cover first, then their pixels where a cell does not decide. It suits boxes that cover
-//! many pixels: a rasteriser on a CPU touches every one of them.
+//! A grid of 8x8-pixel cells holds the farthest depth in each cell. A workgroup tests one box:
+//! first against the cells that it may cover, then against the pixels of each cell that does not
+//! decide. This tester suits boxes that cover many pixels, since a rasteriser on a CPU visits every
+//! pixel.
 //!
-//! It never calls a box hidden of which [`ProxyPass`](crate::ProxyPass) would show a sample; the
-//! proof is in `compute_test.comp`.
+//! The tester never reports a box as hidden if [`ProxyPass`](crate::ProxyPass) would find a visible
+//! sample; the proof is in `compute_test.comp`.
 
 use bytemuck::{Pod, Zeroable};
 use cull::{CullView, DepthConvention, ProjectionKind};
@@ -24,10 +25,10 @@ const CELL: u32 = 8;
 /// Cells per workgroup of `depth_grid.comp`.
 const GRID_GROUP: u32 = 64;
 
-/// Pixels added to the sub-pixel grid of the rasteriser, for the rounding of everything else.
+/// The margin in pixels for rounding, in addition to the sub-pixel grid of the rasteriser.
 const SLACK_PIXELS: f32 = 1.0 / 64.0;
 
-/// The pass that tests boxes against a depth image in compute shaders. Owns the copy of the depth.
+/// The pass that tests boxes against a depth image in compute shaders. Owns a copy of the depth.
 pub struct ComputeTest {
     grid_pipeline: ComputePipeline,
     test_pipeline: ComputePipeline,
@@ -43,14 +44,15 @@ struct DepthGrid {
     cells: Buffer,
 }
 
-/// The buffers of a test: reads boxes; writes results.
+/// The buffers of a test: boxes are read, results are written.
 #[derive(Clone, Copy)]
 pub struct ComputeTestIo {
-    /// [`ProxyBox`](crate::ProxyBox)es, enlarged already, all of them before the near plane.
+    /// [`ProxyBox`](crate::ProxyBox)es that are already enlarged and lie wholly beyond the near
+    /// plane.
     pub boxes: BufferSlice,
-    /// A 32-bit result per box: 1 if it may show, else 0.
+    /// A 32-bit result per box: 1 if it may be visible, else 0.
     pub results: BufferSlice,
-    /// The first box, and result, of these tests.
+    /// The index of the first box of these tests, and of its result.
     pub first: u32,
     /// The number of tests.
     pub count: u32,
@@ -85,8 +87,8 @@ struct TestConstants {
 const _: () = assert!(size_of::<GridConstants>() == 12 && size_of::<TestConstants>() == 88);
 
 impl ComputeTest {
-    /// Compiles the passes for depths of so many samples per pixel: each of several may lie
-    /// anywhere in its pixel, and the tests compare with the farthest of them.
+    /// Compiles the passes for depths with this number of samples per pixel. Each of several
+    /// samples may lie anywhere in its pixel, so tests compare with the farthest sample.
     ///
     /// # Errors
     /// A failed call.
@@ -127,8 +129,7 @@ impl ComputeTest {
         Ok(test)
     }
 
-    /// Makes room for depths of `size` pixels, unless there is room for exactly these. Nothing is
-    /// tested before.
+    /// Makes room for depths of exactly `size` pixels. Call it before the first test.
     ///
     /// # Errors
     /// An image whose depth is larger than a storage buffer may be, or has more cells than one
@@ -160,9 +161,9 @@ impl ComputeTest {
         Ok(check_size(size, &device.adapter().limits)?)
     }
 
-    /// Copies the depth of `target` as it is now in `area`, for all tests until the next call.
-    /// `area` is no larger in either direction than the size given to [`ComputeTest::resize`].
-    /// Outside of rendering; the caller prepares the target again to draw on.
+    /// Copies the present depth of `target` in `area`, for all tests until the next call. `area` is
+    /// at most as large in each direction as the size given to [`ComputeTest::resize`]. Outside of
+    /// rendering. The caller prepares the target again before drawing to it.
     pub fn record_grid(
         &self,
         commands: &Commands,
@@ -172,7 +173,7 @@ impl ComputeTest {
     ) {
         let Some(grid) = &self.depths else { return };
         let between = MemoryBarrier::between;
-        // The tests before, of this frame or another, have read what is written here.
+        // Earlier tests, of this frame or another, must have read the old contents.
         commands
             .barrier(between(&[Access::ComputeRead], &[Access::CopyWrite, Access::ComputeWrite]));
         target.copy_depth_to(commands, area.origin, area.size, grid.depths.whole());
@@ -180,14 +181,14 @@ impl ComputeTest {
         commands.bind_compute(&self.grid_pipeline, &[grid.depths.whole(), grid.cells.whole()]);
         let constants = GridConstants { size: area.size, sign: depth.sign() };
         commands.push_compute_constants(&self.grid_pipeline, &constants);
-        // No more than one dispatch takes: that was checked for the largest area.
+        // One dispatch is enough: this was checked for the largest area.
         commands.dispatch([grid_groups(area.size) as u32, 1, 1]);
         commands.barrier(between(&[Access::ComputeWrite], &[Access::ComputeRead]));
     }
 
-    /// Tests boxes as `view` sees them: the view that the depth was drawn with. Outside of
-    /// rendering, after [`ComputeTest::record_grid`]. Earlier readers of the results must be over;
-    /// a barrier from [`Access::ComputeWrite`] to the use must follow.
+    /// Tests boxes in `view`, the view that the depth was drawn with. Outside of rendering, after
+    /// [`ComputeTest::record_grid`]. Earlier reads of the results must be over; a barrier from
+    /// [`Access::ComputeWrite`] to the next use must follow.
     pub fn record_tests(&self, commands: &Commands, io: &ComputeTestIo, view: &CullView) {
         let Some(grid) = &self.depths else { return };
         let buffers = [io.boxes, grid.depths.whole(), grid.cells.whole(), io.results];

@@ -1,4 +1,4 @@
-//! The constants of views that proxies are drawn with: of one view, or of several at once.
+//! The constants of the views that proxies are drawn with: one view, or several at once.
 
 use bytemuck::{Pod, Zeroable};
 use cull::CullView;
@@ -9,7 +9,7 @@ use gpu::BufferSlice;
 pub enum ProxyEyes<'a> {
     /// One view, whose constants are pushed.
     One(&'a CullView),
-    /// Several at once (multiview): a buffer with an [`EyeConstants`] per view.
+    /// Several views at once (multiview): a buffer with an [`EyeConstants`] per view.
     Several(BufferSlice),
 }
 
@@ -19,7 +19,7 @@ impl<'a> From<&'a CullView> for ProxyEyes<'a> {
     }
 }
 
-/// The constants of a view where several are drawn at once; mirrors `eye.glsl`.
+/// The constants of one of several views that are drawn at once; mirrors `eye.glsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub struct EyeConstants {

@@ -1,4 +1,5 @@
-//! The leaf-box pass: the second level of a test, leaf by leaf below a node that showed.
+//! The leaf-box pass, the second level of a test: it tests each leaf below a visible node
+//! individually.
 
 use bytemuck::{Pod, Zeroable};
 use cull::CullView;
@@ -12,28 +13,28 @@ use crate::passes::eyes::ProxyEyes;
 use crate::passes::proxy::ProxyBox;
 use crate::shader_set::ShaderSet;
 
-/// The pass that draws the front faces of the leaves' proxies against the depth so far. The
-/// fragments that pass switch on the draws of their leaves.
+/// The pass that draws the front faces of the leaves' proxies against the depth so far. Fragments
+/// that pass enable the draws of their leaves.
 pub struct LeafBoxPass {
-    /// For leaves with one draw each, of the leaf's number.
+    /// For leaves with one draw each, which has the number of the leaf.
     single: GraphicsPipeline,
     /// For leaves with lists of draws.
     linked: GraphicsPipeline,
 }
 
-/// The buffers of the pass: reads the leaves' boxes and the depth that is being rendered to; writes
-/// draws and their list.
+/// The buffers of the pass. The leaves' boxes and the depth that is being rendered to are read;
+/// draws and their list are written.
 #[derive(Clone, Copy)]
 pub struct LeafBoxIo {
     /// One [`super::ProxyBox`] per leaf, not yet enlarged.
     pub boxes: BufferSlice,
-    /// The draws that are switched on.
+    /// The draws that are enabled.
     pub leaf_draws: LeafDrawBuffers,
-    /// The draws of each leaf; `None` where each has one, of the leaf's number.
+    /// The draws of each leaf; `None` if each leaf has one draw, with the number of the leaf.
     pub links: Option<LeafLinks>,
 }
 
-/// The draws of leaves that have any number of them, as lists.
+/// Lists of draws, for leaves with any number of draws.
 #[derive(Clone, Copy)]
 pub struct LeafLinks {
     /// One more than the number of the first draw of each leaf, or [`gpu::DrawLink::NO_DRAW`].
@@ -79,7 +80,7 @@ impl LeafBoxPass {
         let fragment = shaders.find("leaf_box.frag")?;
         let (vertex, storage) = match attachments.views {
             1 => ("leaf_box.vert", StorageLayout::new::<Constants>(5)),
-            // The eyes come last.
+            // The eyes are the last buffer.
             _ => ("leaf_box_multiview.vert", StorageLayout::new::<[u8; 0]>(6)),
         };
         let vertex = shaders.find(vertex)?;
@@ -99,12 +100,12 @@ impl LeafBoxPass {
         })
     }
 
-    /// Binds everything; the caller then draws boxes, with the leaf as the instance. The views are
-    /// those of the attachments that the pass was compiled for.
+    /// Binds everything. The caller then draws boxes, with the leaf as the instance. The number of
+    /// views must be the number that the pass was compiled for.
     pub fn bind<'a>(&self, commands: &Commands, io: &LeafBoxIo, eyes: impl Into<ProxyEyes<'a>>) {
         let LeafBoxIo { boxes, leaf_draws: LeafDrawBuffers { draws, list }, links } = *io;
         let pipeline = if links.is_some() { &self.linked } else { &self.single };
-        // Nothing reads lists unless there are some.
+        // Without lists the shader does not read these buffers.
         let LeafLinks { firsts, links } =
             links.unwrap_or(LeafLinks { firsts: boxes, links: boxes });
         let view = match eyes.into() {

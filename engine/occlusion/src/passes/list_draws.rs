@@ -1,4 +1,4 @@
-//! The list passes: write the draws that tests revealed into lists, without gaps and in order.
+//! The list passes, which write the revealed draws into lists, in order and without gaps.
 
 use bytemuck::{Pod, Zeroable};
 use gpu::{
@@ -9,8 +9,9 @@ use gpu::{
 use crate::error::Error;
 use crate::shader_set::ShaderSet;
 
-/// The passes that turn the results of tests into lists of draws: one counts the draws of each
-/// range, one those of the ranges before it, one writes them behind these.
+/// The passes that turn the results of tests into lists of draws. The first counts the draws of
+/// each range, the second adds up the draws of the ranges before it, and the third writes the
+/// draws.
 pub struct ListDrawsPass {
     sizes: ComputePipeline,
     places: ComputePipeline,
@@ -19,24 +20,25 @@ pub struct ListDrawsPass {
     groups_max: u32,
 }
 
-/// The buffers of the passes: read ranges, draws and results; write sizes, commands and counts.
+/// The buffers of the passes. Ranges, draws and results are read; sizes, commands and counts are
+/// written.
 #[derive(Clone, Copy)]
 pub struct ListDrawsIo {
-    /// One [`ListedRange`] per range, those of a list in one piece.
+    /// A [`ListedRange`] per range. The ranges of a list are contiguous.
     pub ranges: BufferSlice,
-    /// The first of the ranges that are listed: the first of a list.
+    /// The first range to list, which is the first range of a list.
     pub first: u32,
-    /// The end of those that are listed: one more than the last of a list.
+    /// The end of the ranges to list: one more than the last range of a list.
     pub end: u32,
     /// All draws of the scene.
     pub draws: BufferSlice,
-    /// The copy of all draws in which fragments of boxes set instances, if there is one.
+    /// The copy of all draws in which fragments of boxes set instance counts, if there is one.
     pub enabled: Option<BufferSlice>,
-    /// The results of each [`ResultSource`], if it has any.
+    /// The results of each [`ResultSource`], if the source has any.
     pub results: [Option<BufferSlice>; ResultSource::ALL.len()],
     /// The number of samples that a result must exceed.
     pub threshold_samples: u32,
-    /// [`RANGE_SIZE_BYTES`] per range: the number of its draws, and of those before it.
+    /// [`RANGE_SIZE_BYTES`] per range: the number of its draws, and of the draws before it.
     pub sizes: BufferSlice,
     /// The commands of all lists.
     pub commands: BufferSlice,
@@ -53,17 +55,17 @@ pub const RANGE_SIZE_BYTES: u64 = 8;
 pub struct ListedRange {
     /// The first draw among all draws of the scene.
     pub first: u32,
-    /// The number of draws, those included that are empty.
+    /// The number of draws, including empty ones.
     pub count: u32,
-    /// The [`ResultSource`] of the result, by its number.
+    /// The number of the [`ResultSource`] that the result comes from.
     pub source: u32,
-    /// The number of the result among those of its source.
+    /// The index of the result among the results of its source.
     pub result: u32,
     /// 1 for draws that fragments of boxes enable, else 0.
     pub is_enabled: u32,
     /// The number of the list.
     pub list: u32,
-    /// The first range of the same list.
+    /// The index of the first range of the list.
     pub first_of_list: u32,
     /// The place of the list among the commands of all lists.
     pub first_command: u32,
@@ -97,9 +99,9 @@ impl ListDrawsPass {
         })
     }
 
-    /// Writes the lists, for indirect draws of any command that follows on the queue. All results
-    /// must be there, and what wrote them is waited for here. Later tests may write other results
-    /// of the same buffers. Outside of rendering.
+    /// Writes the lists, for indirect draws in any later command on the queue. All results must
+    /// have been written by earlier commands, which this call waits for. Later tests may write
+    /// other results to the same buffers. Outside of rendering.
     pub fn record(&self, commands: &Commands, io: &ListDrawsIo) {
         let between = MemoryBarrier::between;
         // Results and enabled draws; draws whose instances a compute pass decided; cleared lists.
@@ -107,7 +109,7 @@ impl ListDrawsPass {
         let written =
             [Access::FragmentWrite, Access::ComputeWrite, Access::CopyWrite, Access::IndirectRead];
         commands.barrier(between(&written, &[Access::ComputeRead, Access::ComputeWrite]));
-        // Nothing reads what is not there: no range names it.
+        // Buffers that are missing are not read, since no range refers to them.
         let enabled = io.enabled.unwrap_or(io.draws);
         let [queries, fragments, computed] = io.results.map(|result| result.unwrap_or(io.ranges));
         commands.bind_compute(

@@ -1,5 +1,5 @@
-//! The passes of a plan: each a struct with its pipeline, and an `Io` of the buffers that it reads
-//! and writes.
+//! The passes of a plan. Each is a struct with its pipeline, and has an `Io` struct of the buffers
+//! that it reads and writes.
 
 mod box_volume;
 mod compute_test;
@@ -27,10 +27,10 @@ pub use scatter::{ScatterIo, ScatterPass};
 pub struct OcclusionPasses {
     /// The pass that tests boxes by queries and by flags.
     pub proxies: ProxyPass,
-    /// The pass that tests the leaves below a node that showed. Needs fragment shaders that can
-    /// write to buffers, and a driver that can be trusted with it.
+    /// The pass that tests the leaves below a visible node. Needs fragment shaders that can write
+    /// to buffers, and a driver that can be trusted with them.
     pub leaf_boxes: Option<LeafBoxPass>,
-    /// The pass that tests boxes by a compute shader.
+    /// The pass that tests boxes by compute shader.
     pub compute_test: ComputeTest,
     /// The passes that list draws: for a host that records its draws, and for
     /// [`gpu::PredicationMode::Compacted`].
@@ -57,12 +57,12 @@ impl OcclusionPasses {
         Self::with_quirks(device, shaders, attachments, DriverQuirks::default())
     }
 
-    /// Compiles the passes of [`OcclusionPasses::new`] for a driver that failed a self-test: scenes
-    /// of these passes and their views do not use what `quirks` disables, and skip hidden draws by
-    /// another predication mode where necessary.
+    /// Compiles the passes of [`OcclusionPasses::new`] for a driver that failed a self-test. Scenes
+    /// and views with these passes do not use what `quirks` disables; where necessary, they skip
+    /// hidden draws by another predication mode.
     ///
     /// # Errors
-    /// Those of [`OcclusionPasses::new`].
+    /// The errors of [`OcclusionPasses::new`].
     pub fn with_quirks(
         device: &Device,
         shaders: &ShaderSet,
@@ -83,7 +83,7 @@ impl OcclusionPasses {
         })
     }
 
-    /// Compiles the same passes again, with other shaders and for other attachments.
+    /// Compiles these passes again, with other shaders and for other attachments.
     ///
     /// # Errors
     /// A shader that does not fit its pass, a failed call.
@@ -101,8 +101,9 @@ impl OcclusionPasses {
         &self.quirks
     }
 
-    /// Returns the testers that there are on `device`, for views that are drawn to `target`.
-    /// [`CulledScene::testers`](crate::CulledScene::testers) says which of them plans may use.
+    /// Returns the testers that `device` supports for views that are drawn to `target`.
+    /// [`CulledScene::testers`](crate::CulledScene::testers) returns the testers that plans may
+    /// use.
     pub fn testers(&self, device: &Device, target: &Target) -> VisibilityTestSupport {
         VisibilityTestSupport {
             queries: true,

@@ -1,4 +1,4 @@
-//! The proxy pass: tests boxes, and changes nothing.
+//! The proxy pass, which tests boxes. It writes no colour or depth.
 
 use bytemuck::{Pod, Zeroable};
 use cull::{Aabb, CullView};
@@ -12,20 +12,20 @@ use crate::passes::eyes::ProxyEyes;
 use crate::shader_set::ShaderSet;
 
 /// The pass that draws the front faces of boxes against the depth so far, without colour and depth
-/// writes. The result of a box is the query around its draw, or a flag that its fragments set.
+/// writes. The result of a box is a query around its draw, or a flag that its fragments set.
 pub struct ProxyPass {
     queried: GraphicsPipeline,
     // Where fragment shaders can write to buffers.
     flagged: Option<GraphicsPipeline>,
 }
 
-/// The buffers of the pass: reads boxes and the depth that is being rendered to; writes flags, if
-/// any.
+/// The buffers of the pass. Boxes and the depth that is being rendered to are read; flags, if there
+/// are any, are written.
 #[derive(Clone, Copy)]
 pub struct ProxyIo {
-    /// One [`ProxyBox`] per test.
+    /// A [`ProxyBox`] per test.
     pub boxes: BufferSlice,
-    /// One result per test, for [`ProxyPass::bind_flags`].
+    /// A result per test, for [`ProxyPass::bind_flags`].
     pub flags: Option<BufferSlice>,
 }
 
@@ -34,7 +34,7 @@ pub struct ProxyIo {
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub struct ProxyBox {
     low: [f32; 3],
-    /// The triangles of its contents, for testers that count; others ignore it.
+    /// The number of triangles in the box, for testers that count; others ignore it.
     triangles: u32,
     high: [f32; 3],
     unused: u32,
@@ -54,7 +54,7 @@ impl ProxyBox {
     }
 }
 
-/// The push constants by which `proxy.vert` finds positions.
+/// The push constants that `proxy.vert` computes positions from.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub struct ProxyConstants {
@@ -72,8 +72,8 @@ impl ProxyConstants {
 }
 
 impl ProxyPass {
-    /// Compiles the pass for renderings to `attachments`; without flags on a device whose fragment
-    /// shaders cannot write.
+    /// Compiles the pass for renderings to `attachments`. The pass has no flags if fragment shaders
+    /// of the device cannot write.
     ///
     /// # Errors
     /// [`gpu::Error::Unsupported`] for several views at once where the device has no multiview; a
@@ -86,11 +86,11 @@ impl ProxyPass {
         Self::of_fragments(device, shaders, attachments, FragmentChoice::Representative)
     }
 
-    /// Compiles the pass like [`ProxyPass::new`], with these fragments for flags: a flag is the
-    /// same by all of them and by one that the device chooses, the cost is not.
+    /// Compiles the pass like [`ProxyPass::new`], with a choice of the fragments that set flags.
+    /// The choice affects the cost but not the flags.
     ///
     /// # Errors
-    /// Those of [`ProxyPass::new`].
+    /// The errors of [`ProxyPass::new`].
     pub fn of_fragments(
         device: &Device,
         shaders: &ShaderSet,
@@ -104,7 +104,7 @@ impl ProxyPass {
         let pipeline = |name, fragment, buffers| -> Result<GraphicsPipeline, Error> {
             let info = GraphicsPipelineInfo {
                 fragment,
-                // Queries count all of them.
+                // Queries count all fragments.
                 fragments: match fragment {
                     Some(_) => flagging,
                     None => FragmentChoice::All,
@@ -125,25 +125,25 @@ impl ProxyPass {
         Ok(Self { queried: pipeline("queried proxies", None, 1)?, flagged: flagged.transpose()? })
     }
 
-    /// Returns true if there are flags on this device.
+    /// Returns true if the pass has flags on this device.
     pub fn can_flag(&self) -> bool {
         self.flagged.is_some()
     }
 
-    /// Binds everything for tests by queries; the caller then records [`ProxyPass::draw`] for each.
-    /// The views are those of the attachments that the pass was compiled for.
+    /// Binds everything for tests by queries. The caller then records [`ProxyPass::draw`] for each
+    /// test. The number of views must be the number that the pass was compiled for.
     pub fn bind<'a>(&self, commands: &Commands, io: &ProxyIo, eyes: impl Into<ProxyEyes<'a>>) {
         match eyes.into() {
             ProxyEyes::One(view) => {
                 commands.bind(&self.queried, &[io.boxes]);
                 commands.push_constants(&self.queried, &ProxyConstants::of(view));
             }
-            // Nothing reads flags.
+            // Without flags the shader does not read the second buffer.
             ProxyEyes::Several(eyes) => commands.bind(&self.queried, &[io.boxes, io.boxes, eyes]),
         }
     }
 
-    /// Binds everything for tests by flags; the caller then records [`ProxyPass::draw_all`].
+    /// Binds everything for tests by flags. The caller then records [`ProxyPass::draw_all`].
     pub fn bind_flags<'a>(
         &self,
         commands: &Commands,

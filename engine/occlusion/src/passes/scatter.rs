@@ -12,12 +12,12 @@ pub struct ScatterPass {
     pipeline: ComputePipeline,
 }
 
-/// The buffers of the pass: reads leaves and elements; writes the array.
+/// The buffers of the pass. Leaves and elements are read; the array is written.
 #[derive(Clone, Copy)]
 pub struct ScatterIo {
-    /// The leaf of each new element: one value each.
+    /// The leaf of each new element, 32 bits per leaf.
     pub leaves: BufferSlice,
-    /// The new elements, in the same order.
+    /// The new elements, in the order of `leaves`.
     pub elements: BufferSlice,
     /// All elements, by leaf.
     pub array: BufferSlice,
@@ -32,7 +32,7 @@ struct Constants {
 
 const GROUP_THREADS: u32 = 64;
 
-/// The most workgroups: more do not make it faster, and every device allows 65535.
+/// The highest number of workgroups. More are not faster, and every device allows 65535.
 const GROUPS_MAX: u32 = 4096;
 
 /// The accesses that may read a per-leaf array.
@@ -55,9 +55,10 @@ impl ScatterPass {
         Ok(Self { pipeline: ComputePipeline::new(device, name, shaders.find(name)?, storage)? })
     }
 
-    /// Writes `count` new elements into each array; the second of a pair is the size of an element,
-    /// whole values. Commands that were recorded before, in this frame or an earlier one, still
-    /// read the old elements: one queue runs them all, so an execution barrier is enough.
+    /// Writes `count` new elements into each array. The second value of a pair is the size of an
+    /// element in bytes, a multiple of 4. Commands that were recorded earlier, in this frame or
+    /// another, still read the old elements: all run on one queue, so an execution barrier is
+    /// enough.
     pub fn record(
         &self,
         commands: &Commands,

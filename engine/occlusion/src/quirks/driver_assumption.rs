@@ -8,57 +8,58 @@ use gpu::PredicationMode;
 /// An assumption about the driver of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum DriverAssumption {
-    /// Occlusion queries tell what shows from what is hidden, and count exactly where they count.
+    /// Occlusion queries distinguish visible from hidden, and give exact numbers where they must
+    /// count.
     QueryCounts,
     /// The results of a frame are in mapped memory when its tick is over.
     LateResults,
     /// A proxy covers every sample that its object covers: vertices are snapped as finely as the
-    /// device says.
+    /// device reports.
     ProxyCoverage,
-    /// No fragment of a proxy is farther than that of its object at the same sample.
+    /// No fragment of a proxy is farther than the fragment of its object at the same sample.
     ProxyDepth,
     /// Fragment shaders with early tests write nothing where the depth test fails.
     EarlyTests,
-    /// The writes of fragment shaders are there for later commands.
+    /// Later commands see the writes of fragment shaders.
     FlagWrites,
     /// Compute shaders read the depth that was drawn.
     ComputedDepths,
     /// Conditional rendering skips draws whose predicate is zero, and no others.
     ConditionalRendering,
-    /// Draw counts out of a buffer are heeded.
+    /// Draw counts from a buffer are obeyed.
     DrawCounts,
-    /// Instance counts that a compute shader wrote are heeded.
+    /// Instance counts that a compute shader wrote are obeyed.
     InstanceCounts,
     /// Lists of commands that compute shaders wrote, with their counts, are drawn in their order.
     CompactedLists,
-    /// Of draws with equal depth the first one wins where only nearer ones pass, within one call
-    /// and between calls.
+    /// If only nearer fragments pass, the first of several draws with equal depth wins, within one
+    /// call and between calls.
     DrawOrder,
-    /// Two passes give the same vertex the same depth.
+    /// Two passes compute the same depth for the same vertex.
     RepeatedDepth,
-    /// A walk with occlusion queries has the images of frustum culling.
+    /// A walk with occlusion queries gives the same images as frustum culling.
     QueriedWalk,
-    /// A walk with flags has the images of frustum culling.
+    /// A walk with flags gives the same images as frustum culling.
     FlaggedWalk,
-    /// A walk with the compute tester has the images of frustum culling.
+    /// A walk with the compute tester gives the same images as frustum culling.
     ComputedWalk,
 }
 
-/// The part of the engine that rests on an assumption.
+/// The part of the engine that depends on an assumption.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Support {
     /// These testers.
     Testers(&'static [VisibilityTest]),
     /// These executors of predicates.
     Executors(&'static [PredicationMode]),
-    /// Speed alone: results steer what is tested, and images are right with any.
+    /// Only speed: late results steer what is tested, but images are correct with any results.
     Speed,
-    /// Every strategy alike, plain frustum culling too.
+    /// Every strategy, including plain frustum culling.
     Everything,
 }
 
 impl DriverAssumption {
-    /// All of them, in the order in which they are checked.
+    /// All assumptions, in the order in which they are checked.
     pub const ALL: [Self; 16] = [
         Self::QueryCounts,
         Self::LateResults,
@@ -78,7 +79,7 @@ impl DriverAssumption {
         Self::ComputedWalk,
     ];
 
-    /// Returns its name in tables and warnings.
+    /// Returns the name of the assumption in tables and warnings.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -101,7 +102,7 @@ impl DriverAssumption {
         }
     }
 
-    /// Returns what the engine does where it is broken, as a part of a sentence.
+    /// Returns the engine's reaction to a broken assumption, as a part of a sentence.
     #[must_use]
     pub const fn remedy(self) -> &'static str {
         match self.support() {
@@ -113,7 +114,7 @@ impl DriverAssumption {
         }
     }
 
-    /// Returns the part of the engine that rests on it.
+    /// Returns the part of the engine that depends on the assumption.
     pub(super) const fn support(self) -> Support {
         const QUERY: &[VisibilityTest] = &[VisibilityTest::Query];
         const FLAG: &[VisibilityTest] = &[VisibilityTest::Flag];

@@ -1,5 +1,5 @@
-//! Decisions about what is used on a driver with broken assumptions. Pure, but for the question
-//! what a device has: tests need none.
+//! Decisions about the parts of a driver with broken assumptions that are used. Except for the
+//! features of a device, tests need no device.
 
 mod driver_assumption;
 
@@ -11,20 +11,20 @@ use driver_assumption::Support;
 
 use crate::error::Error;
 
-/// The assumptions about a driver that do not hold, and what may be used all the same. By default
-/// all of them hold.
+/// The broken assumptions about a driver, and the parts of the driver that may be used
+/// nevertheless. By default no assumption is broken.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DriverQuirks {
     broken: Vec<DriverAssumption>,
 }
 
 impl DriverQuirks {
-    /// Creates the quirks of a driver of which a self-test found `broken`.
+    /// Creates the quirks of a driver for which a self-test found these broken assumptions.
     pub fn new(broken: &[DriverAssumption]) -> Self {
         Self { broken: broken.to_vec() }
     }
 
-    /// Returns true if the results of a tester may decide.
+    /// Returns true if the results of a tester can be trusted.
     pub fn allows(&self, tester: VisibilityTest) -> bool {
         let rests = |assumption: &DriverAssumption| match assumption.support() {
             Support::Testers(testers) => testers.contains(&tester),
@@ -33,7 +33,7 @@ impl DriverQuirks {
         !self.broken.iter().any(rests)
     }
 
-    /// Returns true if draws may be skipped by an executor.
+    /// Returns true if an executor may skip draws.
     pub fn allows_executor(&self, executor: PredicationMode) -> bool {
         let rests = |assumption: &DriverAssumption| match assumption.support() {
             Support::Executors(executors) => executors.contains(&executor),
@@ -42,14 +42,13 @@ impl DriverQuirks {
         !self.broken.iter().any(rests)
     }
 
-    /// Returns true if boxes of leaves may enable draws: their fragments write how many instances
-    /// there are.
+    /// Returns true if boxes of leaves may enable draws: their fragments write instance counts.
     pub(crate) fn allows_leaf_boxes(&self) -> bool {
         self.allows(VisibilityTest::Flag) && self.allows_executor(PredicationMode::Instances)
     }
 
-    /// Returns the executors that may be used, out of those that the device `has`: the wanted one
-    /// first, then the others in their order. None if none can be trusted.
+    /// Returns the executors that may be used, out of the executors that the device `has`: the
+    /// wanted executor first, then the others in their order. Empty if none can be trusted.
     pub fn executors(
         &self,
         wanted: PredicationMode,
@@ -60,7 +59,7 @@ impl DriverQuirks {
         all.filter(|executor| self.allows_executor(*executor) && has(*executor)).collect()
     }
 
-    /// Returns the first of them.
+    /// Returns the first executor of [`DriverQuirks::executors`].
     pub fn executor(
         &self,
         wanted: PredicationMode,
@@ -69,12 +68,13 @@ impl DriverQuirks {
         self.executors(wanted, has).first().copied()
     }
 
-    /// Returns the executors that may be used on a device for so many draws with a threshold: the
-    /// wanted one, or all, the device's usual one first. Where none can be trusted that one stays:
-    /// nothing is put under a predicate then, since [`DriverQuirks::testers`] leaves no tester.
+    /// Returns the executors that may be used on a device for this number of draws and this
+    /// threshold. With a `wanted` executor it is the only one; otherwise the device's usual
+    /// executor comes first. If no executor can be trusted, the usual one is returned nevertheless:
+    /// [`DriverQuirks::testers`] then allows no tester, so nothing is skipped.
     ///
     /// # Errors
-    /// Those of [`PredicationMode::choose`].
+    /// The errors of [`PredicationMode::choose`].
     pub fn usable_executors(
         &self,
         device: &Device,
@@ -96,8 +96,8 @@ impl DriverQuirks {
         Ok(usable)
     }
 
-    /// Returns the testers that may be used, out of those that a device offers, where an executor
-    /// skips what they find hidden: none if that one cannot be trusted.
+    /// Returns the testers that may be used, out of the testers that a device offers. `executor`
+    /// skips the draws that they find hidden; if it cannot be trusted, no tester may be used.
     pub fn testers(
         &self,
         offered: VisibilityTestSupport,
@@ -119,7 +119,7 @@ impl DriverQuirks {
         }
     }
 
-    /// Returns a sentence for each broken assumption, for people.
+    /// Returns a sentence for each broken assumption, for users.
     pub fn texts(&self) -> Vec<String> {
         let text = |assumption: &DriverAssumption| {
             format!("this driver cannot be trusted with {assumption}: {}", assumption.remedy())

@@ -1,5 +1,5 @@
-//! Changes between two frames of a loop: the size of the image, the number of frames in flight,
-//! the shaders. The scene and the history of views stay, and nothing waits for the GPU.
+//! Changes between two frames: the size of the image, the number of frames in flight, the shaders.
+//! The scene and the history of views stay, and nothing waits for the GPU.
 
 use gpu::{FrameRing, Target};
 use occlusion::{Method, ShaderSet};
@@ -9,12 +9,12 @@ use crate::renderer::{MAX_FRAMES_IN_FLIGHT, Renderer};
 use crate::shading::surfaces::SurfaceResources;
 
 impl Renderer {
-    /// Draws images of `size` pixels from now on. A view from above that does not fit into them
-    /// is no longer shown.
+    /// Draws images of `size` pixels from now on. A view from above that does not fit into the new
+    /// size is no longer shown.
     ///
     /// # Errors
-    /// A size of 0, beyond the device's limits, or too large for a test that smaller images have;
-    /// no memory. Nothing has changed then.
+    /// A size of 0, beyond the device's limits, or too large for a visibility test that the present
+    /// size allows; no memory. Nothing has changed then.
     pub fn resize(&mut self, size: [u32; 2]) -> Result<(), Error> {
         if size == self.size() {
             return Ok(());
@@ -31,7 +31,7 @@ impl Renderer {
         }
         self.passes.target = target;
         self.passes.edges.resized();
-        // These make again what the next frame needs.
+        // The next frame creates the objects of methods again.
         self.methods.iter_mut().for_each(|method| method.resized());
         let area = self.debug_overlay.top_down;
         self.debug_overlay.top_down = area.filter(|area| area.fits(size));
@@ -44,7 +44,7 @@ impl Renderer {
     }
 
     /// Changes the number of frames that may be in flight at once; 0 counts as 1. Results and times
-    /// on their way are lost, which costs some tests and no pixel.
+    /// in flight are lost. This costs some additional tests, but images stay exact.
     ///
     /// # Errors
     /// More than [`MAX_FRAMES_IN_FLIGHT`]; a failed call. Nothing has changed then.
@@ -79,9 +79,8 @@ impl Renderer {
         self.time_passes_of_one_in(1)
     }
 
-    /// Measures the GPU time of the passes of one in `frames` frames from now on, 0 counting as 1.
-    /// On a software driver a frame with timestamps takes a tenth longer, which few such frames
-    /// hide.
+    /// Measures the GPU time of the passes in one of `frames` frames from now on; 0 counts as 1. On
+    /// a software driver, a frame with timestamps takes a tenth longer, so measure few frames.
     ///
     /// # Errors
     /// A device without timestamps.
@@ -89,8 +88,8 @@ impl Renderer {
         Ok(self.frames.time_passes_of_one_in(frames)?)
     }
 
-    /// Returns the interval of the frames in which the GPU time of passes is measured; `None`
-    /// without any.
+    /// Returns the interval between frames in which the GPU time of passes is measured; `None` if
+    /// it is not measured.
     pub fn timed_interval(&self) -> Option<u64> {
         self.frames.timed_interval()
     }
@@ -120,7 +119,7 @@ impl Renderer {
         let attachments = self.passes.target.attachments();
         let executing = self.scene.passes().recompiled(&self.device, &shaders, attachments)?;
         let methods = self.reloaded_methods(&shaders)?;
-        // Nothing fails from here on.
+        // Nothing can fail from here on.
         self.passes.pipelines = pipelines;
         *self.scene.parts_mut().passes = executing;
         self.methods = methods;

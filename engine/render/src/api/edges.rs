@@ -11,13 +11,13 @@ impl Renderer {
         &self.passes.edges.options
     }
 
-    /// Draws the edges of objects in every view from now on, as the options say. The first call
-    /// with a mode but [`EdgeMode::Off`], and one with another crease angle, finds the edges of all
-    /// meshes and waits for copies: not for every frame. Off they cost nothing, and their memory
-    /// stays until no object is outlined either.
+    /// Draws the edges of objects in every view from now on. The first call with a mode other than
+    /// [`EdgeMode::Off`], and a call with another crease angle, find the edges of all meshes and
+    /// wait for copies: do not make such calls in every frame. [`EdgeMode::Off`] costs nothing; the
+    /// memory of the edges is freed once no object is outlined either.
     ///
-    /// Every object around the frustum has its edges drawn, also one that is hidden: the image is
-    /// the same under every strategy.
+    /// The edges of every object around the frustum are drawn, including hidden objects, so the
+    /// image is the same under every strategy.
     ///
     /// # Errors
     /// [`Error::Edges`]; meshes beyond the device's limits, a shader that does not compile, no
@@ -33,11 +33,12 @@ impl Renderer {
         Ok(())
     }
 
-    /// Outlines objects in every view from now on, in the order given: later ones lie above. None
-    /// ends it. The first call finds the edges of all meshes, as [`Renderer::set_edges`] does.
+    /// Outlines objects in every view from now on. Later outlines lie above earlier ones; an empty
+    /// list ends outlining. The first call finds the edges of all meshes, as
+    /// [`Renderer::set_edges`] does.
     ///
     /// # Errors
-    /// As for [`Renderer::set_edges`]; a device that cannot draw to a stencil.
+    /// The errors of [`Renderer::set_edges`]; a device that cannot draw to a stencil.
     pub fn set_outlined(&mut self, outlines: &[ObjectOutline]) -> Result<(), Error> {
         check_outlines(outlines)?;
         let outlines: Vec<_> =
@@ -57,7 +58,7 @@ impl Renderer {
         &self.passes.edges.outlines
     }
 
-    /// Finds the edges of all meshes, unless they are known by the same rules.
+    /// Finds the edges of all meshes, unless edges by the same rules are known.
     fn find_edges(&mut self, options: &EdgeOptions) -> Result<(), Error> {
         let passes = &mut self.passes;
         let known = passes.edges.meshes.as_ref();

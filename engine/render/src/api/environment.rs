@@ -1,4 +1,4 @@
-//! The light from all around, and the exposure.
+//! The light of an environment, and the exposure.
 
 use scene::Environment;
 
@@ -7,9 +7,9 @@ use crate::renderer::Renderer;
 use crate::shading::environment_texture::EnvironmentTexture;
 
 impl Renderer {
-    /// Lights the surfaces from all around by an environment from now on, which is also the sky;
-    /// `None` by the [ambient light](scene::Light) again. Waits for a copy, and compiles passes
-    /// where there was no environment before or is none now: not for every frame.
+    /// Lights the surfaces by an environment from now on, which is also the sky; `None` restores
+    /// the [ambient light](scene::Light). Waits for a copy. Compiles passes if there was no
+    /// environment before or there is none now. Do not call it in every frame.
     ///
     /// # Errors
     /// [`Error::NoSurfacesForEnvironment`]; no memory, a failed call. Nothing has changed then.
@@ -33,8 +33,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// Sets the factor of all light before tone mapping, from 0 on; a number that is not finite
-    /// counts as 1. Nothing happens in scenes without surfaces.
+    /// Sets the factor on all light before tone mapping, at least 0; a number that is not finite
+    /// counts as 1. Does nothing in scenes without surfaces.
     pub fn set_exposure(&mut self, exposure: f32) {
         if let Some(surfaces) = &mut self.passes.gpu_scene.geometry.surfaces {
             surfaces.exposure = if exposure.is_finite() { exposure.max(0.0) } else { 1.0 };

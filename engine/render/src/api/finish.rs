@@ -1,4 +1,4 @@
-//! The end of a walk: its last frame, with what it shows.
+//! The last frame of a walk, with its image and statistics.
 
 use gpu::Readback;
 
@@ -10,12 +10,12 @@ use crate::rgba_image::RgbaImage;
 use crate::views::finish_image;
 
 impl Renderer {
-    /// Waits until every frame is over, and returns the newest one with its statistics and its
-    /// image. Not for a frame loop: it counts as a blocking wait.
+    /// Waits until every frame is over. Returns the newest frame with its statistics and its image.
+    /// Do not use it in a frame loop: it counts as a blocking wait.
     ///
     /// # Errors
-    /// [`gpu::Error::NoImage`] before the first frame, and after one that failed; a view of another
-    /// renderer, no memory, a lost device, or a frame that takes too long.
+    /// [`gpu::Error::NoImage`] before the first frame and after a frame that failed; a view of
+    /// another renderer, no memory, a lost device, or a frame that takes too long.
     pub fn finish(&mut self, state: &mut RenderView) -> Result<LastFrame, Error> {
         self.check_view(state)?;
         self.passes.target.finished()?;

@@ -1,4 +1,4 @@
-//! The renderer's image in the hands of a host.
+//! The renderer's image for use by a host.
 
 use gpu::FinishedImage;
 
@@ -6,13 +6,13 @@ use crate::error::Error;
 use crate::renderer::Renderer;
 
 impl Renderer {
-    /// Returns the image of the newest frame for a host that samples or copies it by commands of
-    /// its own, with the state that it is in and the tick at which it is ready. The host gives it
-    /// back before the next frame, as [`FinishedImage`] says, and uses it no longer when the
-    /// renderer is resized or dropped.
+    /// Returns the image of the newest frame, for a host that samples or copies it by its own
+    /// commands. The result contains the state of the image and the tick at which it is ready. The
+    /// host returns the image before the next frame, as [`FinishedImage`] describes, and does not
+    /// use it after the renderer is resized or dropped.
     ///
     /// # Errors
-    /// [`gpu::Error::NoImage`] before the first frame, and after one that failed.
+    /// [`gpu::Error::NoImage`] before the first frame and after a frame that failed.
     pub fn finished_image(&self) -> Result<FinishedImage, Error> {
         Ok(self.passes.target.finished()?)
     }

@@ -10,22 +10,22 @@ use crate::passes::{SurfaceKind, SurfacePass};
 use crate::renderer::Renderer;
 
 impl Renderer {
-    /// Lets these lights flare in every image from now on, and no others: a glow and ghosts are
-    /// added over what the scene shows. How bright they are follows, some frames late, how much of
-    /// each light is visible ([`RenderView::flares`](crate::RenderView::flares)): opaque and masked
-    /// objects hide it, and transparent ones take their alpha. Nothing waits.
+    /// Replaces the lights that flare in every image from now on: a glow and ghosts are added over
+    /// the scene. The brightness of a flare follows, some frames later, the visible share of its
+    /// light ([`RenderView::flares`](crate::RenderView::flares)): opaque and masked objects hide
+    /// the light, and transparent objects take their alpha. Nothing waits.
     ///
-    /// A flare is known by its place in the list: to move a light, give the list again. A new one
-    /// fades in. Each costs a few small draws per frame and view; none cost nothing. Lights of the
-    /// scene flare by [`LensFlare::of_light`].
+    /// A flare is identified by its index in the list: to move a light, pass the list again. A new
+    /// flare fades in. Each flare costs a few small draws per frame and view; an empty list costs
+    /// nothing. Lights of the scene flare by [`LensFlare::of_light`].
     ///
     /// Frames are the same under every exact strategy. On a device without
     /// [`gpu::OptionalFeature::FragmentStores`], transparent objects let all light through.
     ///
     /// # Errors
-    /// [`Error::Flare`] for one that cannot be drawn; [`Error::SceneTooLarge`] for more than
+    /// [`Error::Flare`] for a flare that cannot be drawn; [`Error::SceneTooLarge`] for more than
     /// [`MAX_FLARES`]; a device that cannot count ([`Renderer::supports_counts`]); a shader that
-    /// does not compile, a failed call. The flares are as before then.
+    /// does not compile, a failed call. Nothing has changed then.
     pub fn set_flares(&mut self, flares: &[LensFlare]) -> Result<(), Error> {
         if flares.len() > MAX_FLARES {
             return Err(Error::SceneTooLarge {

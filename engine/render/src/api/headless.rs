@@ -5,28 +5,28 @@ use scene::Scene;
 use crate::error::Error;
 use crate::renderer::{Renderer, RendererOptions};
 
-/// A renderer in the making, on the best device that there is.
+/// A builder of a renderer on the best available device.
 pub struct HeadlessRenderer<'a> {
     scene: &'a Scene,
     options: RendererOptions,
 }
 
 impl Renderer {
-    /// Begins a renderer of a scene without a window, on a device that it opens itself.
+    /// Begins to build a renderer of a scene without a window, on a device that it opens itself.
     pub fn headless(scene: &Scene) -> HeadlessRenderer<'_> {
         HeadlessRenderer { scene, options: RendererOptions::default() }
     }
 }
 
 impl HeadlessRenderer<'_> {
-    /// Draws images of `width` times `height` pixels in place of 1280x720.
+    /// Sets the size of images in place of 1280x720.
     #[must_use]
     pub fn size(mut self, width: u32, height: u32) -> Self {
         self.options.size = [width, height];
         self
     }
 
-    /// Takes these options in place of the default ones, the size among them.
+    /// Sets all options, including the size.
     #[must_use]
     pub fn options(mut self, options: RendererOptions) -> Self {
         self.options = options;
@@ -36,7 +36,7 @@ impl HeadlessRenderer<'_> {
     /// Opens the device and uploads the scene.
     ///
     /// # Errors
-    /// Those of [`gpu::open`] and of [`Renderer::new`].
+    /// The errors of [`gpu::open`] and of [`Renderer::new`].
     pub fn build(self) -> Result<Renderer, Error> {
         let device = gpu::open()?;
         Renderer::new(&device, self.scene, &self.options)

@@ -8,8 +8,8 @@ use crate::renderer::Renderer;
 use crate::shading::scene_degradations::SceneDegradations;
 
 impl Renderer {
-    /// Returns the parts of the scene that are shown in a degraded form, with shadows as they are
-    /// drawn now; for still parts it is known from the beginning.
+    /// Returns the parts of the scene that are shown in a degraded form, with the present shadows.
+    /// For parts that do not move it is known from the beginning.
     pub fn degradations(&self) -> SceneDegradations {
         let geometry = &self.passes.gpu_scene.geometry;
         let Some(surfaces) = &geometry.surfaces else { return SceneDegradations::default() };

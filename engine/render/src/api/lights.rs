@@ -1,4 +1,4 @@
-//! Lights that come, change and go between frames.
+//! Lights that are added, changed and removed between frames.
 
 use scene::{Light, LightId, LightKind, PunctualLight};
 
@@ -7,28 +7,29 @@ use crate::renderer::Renderer;
 use crate::shading::surfaces::SurfaceResources;
 
 impl Renderer {
-    /// Replaces the sun of a scene without surfaces, the ambient light and the colour of the sky.
+    /// Replaces the light of a scene without surfaces: sun, ambient light and colour of the sky.
     /// The next frame shows it.
     pub fn set_scene_light(&mut self, light: Light) {
         self.passes.gpu_scene.light = light;
     }
 
     /// Adds lights to a scene with surfaces, and returns their ids in the same order. The next
-    /// frame shows them; nothing waits. They take the room of removed ones and of
+    /// frame shows them; nothing waits. They take the room of removed lights and of
     /// [`RendererOptions::spare`](crate::RendererOptions::spare), so an id may have belonged to a
-    /// light that is gone. The cost is that of [`Renderer::set_light`] for each.
+    /// light that was removed. Each light costs as much as a call of [`Renderer::set_light`].
     ///
-    /// The picture of a spot may be a texture that was [added](Renderer::add_textures): it shows as
-    /// far as it has arrived.
+    /// The picture of a spot light may be a texture that was [added](Renderer::add_textures): the
+    /// parts that have arrived are shown.
     ///
-    /// Directional lights are summed in the order in which they came, and in a renderer that is
-    /// made with them from the strongest on: last bits of the colours may differ between the two.
+    /// Directional lights are summed in the order in which they were added, but a new renderer sums
+    /// them from the strongest on: the last bits of colours may differ between the two.
     ///
     /// # Errors
-    /// [`Error::CapacityExceeded`]: there is not enough room for lights of a kind, or no surface
-    /// that they could light; [`Error::LightCookie`]. Nothing has changed then. Spot lights have
-    /// room where the scene had some, or with any
-    /// [`SpareCapacity::lights`](crate::SpareCapacity::lights): pipelines are compiled for them.
+    /// [`Error::CapacityExceeded`] if there is not enough room for lights of a kind, or no surface
+    /// that they could light; [`Error::LightCookie`]. Nothing has changed then. There is room for
+    /// spot lights if the scene began with some, or with any
+    /// [`SpareCapacity::lights`](crate::SpareCapacity::lights), since pipelines are compiled for
+    /// them.
     pub fn add_lights(&mut self, lights: &[PunctualLight]) -> Result<Vec<LightId>, Error> {
         let surfaces = self.passes.gpu_scene.geometry.surfaces.as_mut();
         let left = |kind| surfaces.as_ref().map_or(0, |surfaces| surfaces.light_room(kind));
@@ -56,13 +57,13 @@ impl Renderer {
         Ok(lights.iter().filter_map(add).collect())
     }
 
-    /// Removes lights. The next frame is without them; frames on their way are not. Their ids may
-    /// be given to [lights that are added](Renderer::add_lights). A sun of the scene that stays
-    /// dark because there are too many ([`SceneDegradations::dark_suns`]) does not rise when
-    /// another one goes.
+    /// Removes lights. The next frame is without them; frames in flight still have them. Their ids
+    /// may be reused for [lights that are added](Renderer::add_lights). If a sun of the scene is
+    /// dark because there are too many ([`SceneDegradations::dark_suns`]), it stays dark when
+    /// another sun is removed.
     ///
     /// # Errors
-    /// [`Error::Light`] for the first that is not there. Those before it are removed.
+    /// [`Error::Light`] for the first light that does not exist. The lights before it are removed.
     ///
     /// [`SceneDegradations::dark_suns`]: crate::SceneDegradations::dark_suns
     pub fn remove_lights(&mut self, lights: &[LightId]) -> Result<(), Error> {
@@ -74,14 +75,13 @@ impl Renderer {
     }
 
     /// Replaces a light of a scene with surfaces by a moved or changed one. The next frame shows
-    /// it. The cost grows with the objects around its old and its new place, not with the scene;
-    /// they find their lights once per frame, for any number of changed lights.
+    /// it. The cost grows with the number of objects around its old and its new place, not with the
+    /// scene. These objects look up their lights once per frame, for any number of changed lights.
     ///
     /// # Errors
-    /// [`Error::Light`] for a light that is not in the scene, for another kind of light, since
-    /// pipelines are compiled for the kinds in the scene (remove it and add another then), and for
-    /// a picture that is not there or that pipelines are not compiled for: they are where the scene
-    /// that the renderer began with has a light with a picture.
+    /// [`Error::Light`] for a light that is not in the scene; for another kind of light (remove the
+    /// light and add another); and for a picture that does not exist or that pipelines are not
+    /// compiled for. They are compiled for pictures if the scene began with a light that has one.
     pub fn set_light(&mut self, light: LightId, to: PunctualLight) -> Result<(), Error> {
         let surfaces = lit_surfaces(&mut self.passes.gpu_scene.geometry.surfaces, light)?;
         let before = surfaces.table.get(light).map(|before| before.kind);
@@ -94,7 +94,7 @@ impl Renderer {
     }
 }
 
-/// Returns the surfaces of a scene that has this light.
+/// Returns the surfaces of a scene if it contains the light.
 fn lit_surfaces(
     surfaces: &mut Option<SurfaceResources>,
     light: LightId,
@@ -106,7 +106,7 @@ fn lit_surfaces(
     Ok(surfaces)
 }
 
-/// Counts directional lights, spots and points.
+/// Counts directional, spot and point lights.
 fn count_kinds(lights: &[PunctualLight]) -> (usize, usize, usize) {
     lights.iter().fold((0, 0, 0), |(suns, spots, points), light| match light.kind {
         LightKind::Directional => (suns + 1, spots, points),

@@ -7,17 +7,17 @@ use crate::error::Error;
 use crate::render_view::RenderView;
 use crate::renderer::Renderer;
 
-/// A view, and the counts of what it sees.
+/// A view, and the counts of the samples visible in it.
 type SeenView<'a> = (CullView, Option<&'a SettledCounts>);
 
 impl Renderer {
-    /// Lets objects take the levels of detail ([`Surfaces::levels`](scene::Surfaces::levels)) whose
-    /// errors are too small to be seen by any of the `cameras`; returns the number of objects that
-    /// took another. To be called once per frame, before it: each call looks at no more than 2,048
-    /// objects, in turn, so that larger scenes follow the camera some frames late.
+    /// Chooses levels of detail ([`Surfaces::levels`](scene::Surfaces::levels)) for objects: levels
+    /// whose errors are too small to be seen by any of the `cameras`. Returns the number of objects
+    /// whose level changed. Call it once before each frame: a call visits at most 2,048 objects, in
+    /// turn, so larger scenes follow the camera some frames late.
     ///
-    /// Visibility plays no part in it, so that frames are the same under every strategy;
-    /// [`Renderer::choose_detail_seen`] lets visible samples play one. An error of 0 pixels
+    /// Visibility is not considered, so frames are the same under every strategy;
+    /// [`Renderer::choose_detail_seen`] considers the visible samples. An error of 0 pixels
     /// restores the finest levels.
     pub fn choose_detail(&mut self, cameras: &[Camera], policy: &DetailPolicy) -> u32 {
         let views = cameras.iter().map(|camera| (self.view_of(camera), None));
@@ -25,17 +25,18 @@ impl Renderer {
         self.choose_levels(&views, policy)
     }
 
-    /// Does the same as [`Renderer::choose_detail`], and lets objects of which few samples are
-    /// visible take coarser levels than their distance allows, as [`DetailPolicy::by_samples`]
-    /// says; of several samples per pixel, so many count as one. Samples are known of the objects
-    /// that a view [watches](RenderView::watch): those of their boxes, which no level changes. Of
-    /// others, and of boxes that the eye is in, the distance alone decides. Where several views see
-    /// an object, the finest of their levels is taken.
+    /// Chooses levels of detail as [`Renderer::choose_detail`] does, but objects with few visible
+    /// samples may take coarser levels than their distance allows, as [`DetailPolicy::by_samples`]
+    /// says. With several samples per pixel, all samples of a pixel together count as one. Samples
+    /// are known for objects that a view [watches](RenderView::watch): the samples of their boxes,
+    /// which do not depend on the level. For other objects, and for boxes that contain the eye,
+    /// only the distance decides. If several views see an object, it takes the finest of their
+    /// levels.
     ///
-    /// Counts are as many frames old as are in flight, and one more: so late does what comes out
-    /// from behind a wall get finer. [`RenderView::reset`] forgets them. They are of the finished
-    /// depth, and none is used that happens to arrive earlier, so that frames are the same under
-    /// every exact strategy, and on a GPU of any speed.
+    /// With N frames in flight, counts are N + 1 frames old: an object that comes out from behind a
+    /// wall gets finer with this delay. [`RenderView::reset`] forgets the counts. They are
+    /// counts of the finished depth, and a count is not used before this age even if it arrives
+    /// earlier, so frames are the same under every exact strategy and on a GPU of any speed.
     ///
     /// # Errors
     /// [`Error::ForeignRenderer`] for a view of another renderer. Nothing has changed then.

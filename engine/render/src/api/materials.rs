@@ -1,4 +1,4 @@
-//! Materials that come and go while the renderer runs.
+//! Materials that are added and removed while the renderer runs.
 
 use scene::{Material, MaterialId};
 
@@ -6,17 +6,16 @@ use crate::error::Error;
 use crate::renderer::Renderer;
 
 impl Renderer {
-    /// Adds materials, and returns their ids in the same order: all of them, or none. Meshes that
-    /// are added can have them at once; the next frame uploads them. An id may have belonged to a
-    /// material that was removed. There must be room
-    /// ([`RendererOptions::spare`](crate::RendererOptions::spare)).
+    /// Adds materials, all or none, and returns their ids in the same order. New meshes can use
+    /// them at once; the next frame uploads them. An id may have belonged to a material that was
+    /// removed. There must be room ([`RendererOptions::spare`](crate::RendererOptions::spare)).
     ///
-    /// Their textures are those that the renderer began with and those that were
+    /// The materials can use textures that the renderer began with or that were
     /// [added](Renderer::add_textures).
     ///
     /// # Errors
-    /// [`Error::Material`] for a scene without surfaces, a material that blends, has a number that
-    /// is not finite or a texture that is not there; [`Error::CapacityExceeded`].
+    /// [`Error::Material`] for a scene without surfaces, and for a material that blends or that has
+    /// a number that is not finite or a texture that does not exist; [`Error::CapacityExceeded`].
     pub fn add_materials(&mut self, materials: &[Material]) -> Result<Vec<MaterialId>, Error> {
         let Some(surfaces) = &mut self.passes.gpu_scene.geometry.surfaces else {
             return refused(materials.len(), "the scene has no surfaces");
@@ -39,13 +38,14 @@ impl Renderer {
         Ok(added)
     }
 
-    /// Replaces a material by one of other colours and numbers. The next frame shows it, on every
-    /// mesh that has it.
+    /// Replaces the colours and numbers of a material. The next frame shows them on every mesh that
+    /// has the material.
     ///
     /// # Errors
-    /// [`Error::Material`] for one that is not there, one that is not opaque or is not to be,
-    /// since shadows and depth know its holes, and as for [`Renderer::add_materials`];
-    /// [`Error::CapacityExceeded`] for its texture transforms. Nothing has changed then.
+    /// [`Error::Material`] for a material that does not exist; for a material that is not opaque
+    /// before and after, since shadows and depth depend on its holes; and as for
+    /// [`Renderer::add_materials`]. [`Error::CapacityExceeded`] for its texture transforms. Nothing
+    /// has changed then.
     pub fn set_material(&mut self, material: MaterialId, to: &Material) -> Result<(), Error> {
         let refused = |reason| Error::Material { index: material.0 as usize, reason };
         let surfaces = self.passes.gpu_scene.geometry.surfaces.as_mut();
@@ -55,10 +55,11 @@ impl Renderer {
         surfaces.material_slots.replace(material, to)
     }
 
-    /// Removes materials: all of them, or none. Their places are free at once.
+    /// Removes materials, all or none. Their room is free at once.
     ///
     /// # Errors
-    /// [`Error::Material`] for one that is not there or named twice, or that a mesh has.
+    /// [`Error::Material`] for a material that does not exist, is named twice, or is used by a
+    /// mesh.
     pub fn remove_materials(&mut self, materials: &[MaterialId]) -> Result<(), Error> {
         let Some(surfaces) = &mut self.passes.gpu_scene.geometry.surfaces else {
             return refused(materials.len(), "the scene has no surfaces").map(drop);
@@ -75,7 +76,7 @@ impl Renderer {
     }
 }
 
-/// Refuses the first of some materials; none are no mistake.
+/// Refuses the first of some materials. An empty list is not an error.
 fn refused(count: usize, reason: &'static str) -> Result<Vec<MaterialId>, Error> {
     if count == 0 { Ok(Vec::new()) } else { Err(Error::Material { index: 0, reason }) }
 }

@@ -1,4 +1,4 @@
-//! Meshes that come and go while the renderer runs.
+//! Meshes that are added and removed while the renderer runs.
 
 use occlusion::ScenePartsMut;
 use scene::{MeshId, PreparedMesh};
@@ -8,19 +8,19 @@ use crate::renderer::Renderer;
 use crate::resources::mesh_slots::Residency;
 
 impl Renderer {
-    /// Adds meshes, and returns their ids in the same order: all of them, or none. An id may have
-    /// belonged to a mesh that was removed. There must be room ([`RendererOptions::spare`]).
+    /// Adds meshes, all or none, and returns their ids in the same order. An id may have belonged
+    /// to a mesh that was removed. There must be room ([`RendererOptions::spare`]).
     ///
-    /// Nothing waits: each frame copies some bytes
-    /// ([`RendererOptions::upload_bytes_per_frame`]) of what was added first. Objects can have a
-    /// mesh at once, and are drawn once it is [resident](Renderer::is_resident). Until then they
-    /// hide nothing.
+    /// Nothing waits: each frame copies a number of bytes
+    /// ([`RendererOptions::upload_bytes_per_frame`]), in the order in which things were added.
+    /// Objects can have a mesh at once, and are drawn once it is [resident](Renderer::is_resident).
+    /// Until then they hide nothing.
     ///
-    /// Meshes for transparent objects and skinned ones cannot be added.
+    /// Meshes for transparent objects and skinned meshes cannot be added.
     ///
     /// # Errors
-    /// [`Error::Mesh`] for a mesh without a surface in a scene with surfaces or the other way
-    /// round, for a material that the scene lacks or that blends; [`Error::CapacityExceeded`].
+    /// [`Error::Mesh`] for a mesh without a surface in a scene with surfaces, or the other way
+    /// round, and for a material that the scene lacks or that blends; [`Error::CapacityExceeded`].
     ///
     /// [`RendererOptions::spare`]: crate::RendererOptions::spare
     /// [`RendererOptions::upload_bytes_per_frame`]: crate::RendererOptions::upload_bytes_per_frame
@@ -44,12 +44,11 @@ impl Renderer {
         Ok(added)
     }
 
-    /// Removes meshes: all of them, or none. Frames on their way still draw them; their room is
-    /// free at once.
+    /// Removes meshes, all or none. Frames in flight still draw them; their room is free at once.
     ///
     /// # Errors
-    /// [`Error::Mesh`] for one that is not there or named twice, that an object has, that is
-    /// skinned or one of sprites.
+    /// [`Error::Mesh`] for a mesh that does not exist, is named twice, belongs to an object, is
+    /// skinned, or consists of sprites.
     pub fn remove_meshes(&mut self, meshes: &[MeshId]) -> Result<(), Error> {
         let geometry = &mut self.passes.gpu_scene.geometry;
         for (index, mesh) in meshes.iter().enumerate() {
@@ -70,12 +69,12 @@ impl Renderer {
         matches!(residency, Residency::Resident | Residency::Kept)
     }
 
-    /// Returns true while some mesh is on its way to the GPU: each frame brings it closer.
+    /// Returns true while a mesh is being uploaded. Each frame uploads a part.
     pub fn is_uploading(&self) -> bool {
         !self.passes.gpu_scene.geometry.uploads.is_empty()
     }
 
-    /// Draws the objects of meshes that the last frame completed, from the next one on.
+    /// Draws, from the next frame on, the objects of meshes that the last frame completed.
     pub(crate) fn show_arrived(&mut self) {
         let ScenePartsMut { hierarchy, leaves, .. } = self.scene.parts_mut();
         if self.passes.gpu_scene.geometry.show_arrived(hierarchy, leaves) {

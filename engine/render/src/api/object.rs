@@ -1,4 +1,4 @@
-//! Facts about an object: why it is drawn or not, its triangles; and the outline of its box.
+//! Facts about an object: the decision to draw it, its triangles, and the outline of its box.
 
 use cull::{CullView, FrameId, LeafExplanation, LeafRange, ObjectId, Outcome};
 
@@ -8,8 +8,8 @@ use crate::renderer::Renderer;
 
 impl Renderer {
     /// Explains the decision to draw an object or not in the newest frame of `state`, seen from
-    /// `view`, with the outcome by the newest answers and their frame. `None` if there is no such
-    /// object, or the view is of another renderer.
+    /// `view`. The result contains the outcome of the newest answers and their frame. `None` if
+    /// there is no such object or the view belongs to another renderer.
     pub fn explain_object(
         &self,
         state: &RenderView,
@@ -25,15 +25,15 @@ impl Renderer {
         Some((explained, answers.first().map(|answer| answer.tag.frame).zip(outcome)))
     }
 
-    /// Returns the number of triangles of an object, in the form in which it is drawn; 0 for a
-    /// foreign one.
+    /// Returns the number of triangles of an object at its present level of detail; 0 for an object
+    /// that does not exist.
     pub fn triangles_of(&self, object: ObjectId) -> u64 {
         let leaf = self.scene.hierarchy().leaf_of(object);
         leaf.map_or(0, |first| self.scene.leaves().count(LeafRange { first, count: 1 }).triangles)
     }
 
-    /// Outlines the box of an object in every image from now on, seen through everything; of
-    /// several views, in the first.
+    /// Outlines the box of an object in every image from now on, drawn over everything. Of several
+    /// views, only the first shows it.
     ///
     /// # Errors
     /// A shader that does not compile, a failed call.

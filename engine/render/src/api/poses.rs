@@ -1,4 +1,4 @@
-//! Poses of skinned meshes, whose objects' boxes follow.
+//! Poses of skinned meshes, and the boxes that follow from them.
 
 use crate::gpu_scene::GpuScene;
 use glam::Affine3A;
@@ -11,18 +11,18 @@ use crate::resources::skinned_mesh_state::SkinnedMeshState;
 use crate::update::UpdateScratch;
 
 impl Renderer {
-    /// Sets the pose of a skinned mesh: the next frame shows it, frames on their way do not. Each
-    /// joint transforms points of the mesh at rest to the object's own space; `weights` holds the
-    /// share of each morph target, with any sum. The same pose again costs nothing, and neither do
+    /// Sets the pose of a skinned mesh. The next frame shows it; frames in flight do not. Each
+    /// joint transforms points of the mesh at rest to the object's own space; `weights` has the
+    /// weight of each morph target, with any sum. Repeating a pose costs nothing, and neither do
     /// targets of weight 0.
     ///
-    /// The box of its object follows from any pose ([`scene::PoseBounds`]). The GPU computes the
-    /// vertices in the first frame with a view that the mesh may be in.
+    /// The box of the object follows from the pose ([`scene::PoseBounds`]). The GPU computes the
+    /// vertices in the first frame with a view in which the mesh may be visible.
     ///
     /// # Errors
-    /// [`Error::Pose`]: no such skinned mesh, a number of joints or targets other than it has,
-    /// values that are not finite or move it beyond the possible coordinates. Nothing has changed
-    /// then.
+    /// [`Error::Pose`] for a skinned mesh that does not exist, a wrong number of joints or targets,
+    /// and values that are not finite or that move the mesh beyond the possible coordinates.
+    /// Nothing has changed then.
     pub fn set_pose(
         &mut self,
         skinned_mesh: SkinnedMeshId,
@@ -32,10 +32,8 @@ impl Renderer {
         self.set_each([(skinned_mesh, joints, weights)]).map(drop)
     }
 
-    /// Sets the poses of an update, in their order. Returns the number of poses that changed.
-    ///
-    /// # Errors
-    /// The first impossible pose; those before it are set.
+    /// Sets the poses of an update, in their order. Returns the number of poses that changed. After
+    /// the first impossible pose, the poses before it are set.
     pub(crate) fn set_poses(&mut self, update: &SceneUpdate) -> Result<u32, Error> {
         self.set_each(update.poses.iter().map(|PoseUpdate { skinned_mesh, joints, weights }| {
             let joints = update.joints.get(joints.clone()).unwrap_or_default();

@@ -1,5 +1,4 @@
-//! The renderer's image in a window: the frame is the same as without one, and is shown
-//! afterwards.
+//! Presentation of the renderer's image in a window, after the frame.
 
 use gpu::{PresentResult, Swapchain};
 
@@ -7,15 +6,15 @@ use crate::error::Error;
 use crate::renderer::Renderer;
 
 impl Renderer {
-    /// Shows the newest image in a window that is `window_size` pixels large as far as the caller
-    /// knows. An image of another size is scaled and keeps its proportions, between black borders:
-    /// [`Renderer::resize`] before the frame fills the window. To be called after
-    /// [`Renderer::render`], any number of times. It waits for an image of the window, within the
-    /// swapchain's bound.
+    /// Shows the newest image in a window. `window_size` is the window's size in pixels as the
+    /// caller knows it. An image of another size is scaled with its proportions, between black
+    /// borders; call [`Renderer::resize`] before the frame to fill the window. Call this method
+    /// after [`Renderer::render`], any number of times. It waits for an image of the window, at
+    /// most for the swapchain's time limit.
     ///
     /// # Errors
-    /// A window of another device; no image yet, or none since a frame failed; a failure without
-    /// a name in [`gpu::PresentSkipped`].
+    /// A window of another device; no image yet, or a frame that failed since; a failure that
+    /// [`gpu::PresentSkipped`] does not name.
     pub fn present(
         &self,
         window: &mut Swapchain,

@@ -28,12 +28,12 @@ use crate::views::{
 };
 
 impl Renderer {
-    /// Renders one frame and submits it: of a camera with the default strategy, or of a
-    /// [`FrameRequest`]. Waits for the frame that used this slot N frames ago,
-    /// and for nothing else, unless the strategy blocks ([`Strategy::is_blocking`]).
+    /// Renders one frame and submits it: a camera with the default strategy, or a [`FrameRequest`].
+    /// Waits only for the frame that used this slot N frames ago, unless the strategy blocks
+    /// ([`Strategy::is_blocking`]).
     ///
     /// # Errors
-    /// Those of [`Renderer::render_views`].
+    /// The errors of [`Renderer::render_views`].
     pub fn render<'a>(
         &mut self,
         state: &mut RenderView,
@@ -48,13 +48,13 @@ impl Renderer {
     }
 
     /// Renders one frame of several views, one after the other, and submits them together. Waits
-    /// for the frame that used this slot N frames ago, and for nothing else.
+    /// only for the frame that used this slot N frames ago.
     ///
     /// # Errors
-    /// [`Error::NoView`] without a view: such a frame would leave its image as it is. A strategy
-    /// that the device does not support; an area that is not in the image; an image of another
-    /// size; a view or visible set of another renderer, an image or timeline of another device;
-    /// [`Error::CullView`] and [`Error::StandardDepth`] for a matrix;
+    /// [`Error::NoView`] without a view, since such a frame would leave its image as it is. A
+    /// strategy that the device does not support; an area that is not in the image; an image of
+    /// another size; a view or visible set of another renderer; an image or timeline of another
+    /// device; [`Error::CullView`] and [`Error::StandardDepth`] for a matrix;
     /// [`Error::NoVisibleSet`], [`Error::OldVisibleSet`]; no memory, a lost device, a frame that
     /// takes too long.
     pub fn render_views(
@@ -65,7 +65,8 @@ impl Renderer {
         self.render_targets(targets, request, None)
     }
 
-    /// Renders the same, and copies the image of the scene alone to `scene_image`.
+    /// Renders like [`Renderer::render_views`], and copies the image of the scene alone to
+    /// `scene_image`.
     pub(crate) fn render_targets(
         &mut self,
         targets: &mut [ViewRequest<'_>],
@@ -135,8 +136,9 @@ impl Renderer {
         Ok(report)
     }
 
-    /// Returns the renderings of a frame behind those of its views. Several samples per pixel are
-    /// averaged by the last rendering, where that covers all and nobody reads the image before.
+    /// Returns the renderings of a frame after the renderings of its views. With several samples
+    /// per pixel, the last rendering averages them if it covers the whole image and nothing reads
+    /// the image before.
     fn overlay_scopes(
         &self,
         targets: &[ViewRequest<'_>],
@@ -170,7 +172,7 @@ impl Renderer {
         Ok(views)
     }
 
-    /// Refuses a frame that cannot be drawn. Returns the number of the method that draws it.
+    /// Refuses a frame that cannot be drawn. Returns the index of the method that draws it.
     fn check_frame(
         &self,
         targets: &mut [ViewRequest<'_>],
@@ -196,15 +198,15 @@ impl Renderer {
         Ok(method)
     }
 
-    /// Returns true if cost models learn from the time of the next frame. Draws of the debug
-    /// overlay and of edges beside a plan falsify costs.
+    /// Returns true if cost models learn from the time of the next frame. They do not if the debug
+    /// overlay or edges are drawn, since these are not part of a plan.
     fn is_timed(&self, strategy: Strategy, targets: &[ViewRequest<'_>]) -> bool {
         let views = targets.iter().map(|target| &target.state.visibility);
         let is_alone = self.debug_overlay.is_empty() && !self.passes.edges.has_draws();
         is_alone && self.frame_times.is_due(strategy, views)
     }
 
-    /// Notes in the views that their frame was submitted, and in the report their plans.
+    /// Notes in the views that their frame was submitted, and adds their plans to the report.
     fn note_submitted(
         &mut self,
         targets: &mut [ViewRequest<'_>],
@@ -219,12 +221,13 @@ impl Renderer {
             state.submitted(report.tick, &self.scene, timed_views);
             report.add(state);
         }
-        // Their lessons are for the next frame.
+        // Cost models use these times from the next frame on.
         self.frame_times.teach(targets);
     }
 
-    /// Returns the readers of shadow maps: the debug overlay may draw the scene from elsewhere, and
-    /// with several samples a surface is shaded in the middle of a pixel, where no depth is known.
+    /// Returns the readers of shadow maps. The debug overlay may draw the scene from another place.
+    /// With several samples, a surface is shaded in the middle of a pixel, where the depth is not
+    /// known.
     fn map_uses(&self) -> MapUses {
         if self.debug_overlay.is_empty() && self.samples == SampleCount::One {
             MapUses::ShadedView
@@ -239,8 +242,8 @@ impl Renderer {
         views: &'a [CullView],
         targets: &[ViewRequest<'_>],
     ) -> PoseUploads<'a> {
-        // The debug overlay may draw the scene as seen from elsewhere, and watched objects are
-        // drawn even if they are hidden.
+        // The debug overlay may draw the scene from another place, and watched objects are drawn
+        // even if they are hidden.
         let draws_hidden = |target: &ViewRequest<'_>| target.state.counts.is_watching();
         let draws_all = !self.debug_overlay.is_empty() || self.passes.edges.has_draws();
         if draws_all || targets.iter().any(draws_hidden) {
@@ -250,8 +253,8 @@ impl Renderer {
         }
     }
 
-    /// Refuses a set of another renderer, and an ideal frame without a set of the scene as it is
-    /// now.
+    /// Refuses a set of another renderer, and a frame of the ideal without a set of the present
+    /// scene.
     fn check_visible(&self, strategy: Strategy, visible: Option<&VisibleSet>) -> Result<(), Error> {
         visible.map_or(Ok(()), |visible| self.check_renderer(visible.renderer(), VISIBLE_SET))?;
         match visible {
@@ -262,7 +265,7 @@ impl Renderer {
         }
     }
 
-    /// Creates objects that only some methods and frames need, for the first of these frames.
+    /// Creates the objects that only some methods and frames need, before the first such frame.
     fn prepare(&mut self, method: usize, targets: &[ViewRequest<'_>]) -> Result<(), Error> {
         let Self { device, scene, passes, methods, shaders, .. } = self;
         let is_watching = |target: &ViewRequest<'_>| target.state.counts.is_watching();
@@ -278,7 +281,7 @@ impl Renderer {
     /// Returns the view from `viewpoint` in a part of this renderer's image.
     ///
     /// # Errors
-    /// A matrix that is no projection, or whose depth is not reversed. None for a camera.
+    /// A matrix that is not a projection, or whose depth is not reversed. A camera never fails.
     pub fn view_in(&self, viewpoint: impl Into<Viewpoint>, area: Rect) -> Result<CullView, Error> {
         let view = viewpoint.into().view(&self.device, area)?;
         Ok(CullView { section: self.passes.section.planes, ..view })
@@ -312,7 +315,7 @@ impl Renderer {
     }
 }
 
-/// Reads the results that are there, and plans the views of a frame.
+/// Reads the available results, and plans the views of a frame.
 fn plan_views(
     shares: &mut QueryShares,
     query_budget: usize,
@@ -333,8 +336,8 @@ fn plan_views(
     Ok(())
 }
 
-/// Uploads what the shading of a view, by its number in the frame, draws beside objects. Returns
-/// the number of transparent objects in its frustum.
+/// Uploads what the shading of a view draws besides objects; the view is given by its index in the
+/// frame. Returns the number of transparent objects in its frustum.
 fn begin_view(
     view_pass: &mut ViewPass<'_, '_>,
     number: u32,
@@ -349,7 +352,8 @@ fn begin_view(
     passes.gpu_scene.gather_transparent(frame, scene, view, strategy)
 }
 
-/// Notes the renderings of a view, by its number in the frame. Overlays follow those of the first.
+/// Notes the renderings of a view, by its index in the frame. Overlays follow the renderings of the
+/// first view.
 fn begin_scopes(
     passes: &mut SceneRenderer,
     state: &RenderView,
@@ -384,8 +388,8 @@ fn begin_scopes(
     ]));
 }
 
-/// Records the end of a view, once everything of its frame is drawn: its counts, its flares, its
-/// edges and outlines.
+/// Records the end of a view, after everything of its frame is drawn: counts, flares, edges and
+/// outlines.
 fn finish_view(
     view_pass: &mut ViewPass<'_, '_>,
     flares: &[LensFlare],
@@ -414,13 +418,13 @@ struct Overlays {
     debug_overlay: DebugOverlay,
     /// The box that is outlined.
     outlined: Option<Aabb>,
-    /// The renderings of all of them.
+    /// The renderings of all overlays.
     scopes: ViewScopes,
 }
 
 impl Overlays {
-    /// Draws them over the first view, and copies the image if that is requested. Returns the
-    /// CPU's time.
+    /// Draws the overlays over the first view, and copies the image if that is requested. Returns
+    /// the CPU time of this call.
     fn record(
         self,
         frame: &mut Frame<'_>,
@@ -449,7 +453,7 @@ impl Overlays {
     }
 }
 
-/// Notes the times of frames that are over, as they are known when a slot is used again.
+/// Notes the times of frames that are over, which are known when a slot is used again.
 fn note_times(frame: &Frame<'_>, passes: &mut Vec<PassTime>, frames: &mut FrameTimes) {
     passes.clear();
     passes.extend_from_slice(frame.pass_times());

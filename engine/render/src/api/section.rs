@@ -1,4 +1,4 @@
-//! Section planes: what lies on their removed side is cut away from objects.
+//! Section planes, which cut away the parts of objects on their removed side.
 
 use cull::{ObjectId, SectionMember, SectionPlanes};
 use gpu::{OptionalFeature, Target};
@@ -9,12 +9,12 @@ use crate::renderer::Renderer;
 use crate::section::read_meshes;
 
 impl Renderer {
-    /// Cuts all objects by these planes in every image from now on, but those that are
-    /// [whole](Renderer::set_section_member), and closes solids where they are cut open. The rest
-    /// is not picked, hides nothing and is culled. Without planes nothing is cut.
+    /// Cuts all objects by these planes in every image from now on, except objects that are
+    /// [whole](Renderer::set_section_member), and closes solids where they are cut open. Removed
+    /// parts cannot be picked, hide nothing, and are culled. Without planes nothing is cut.
     ///
-    /// Planes may be other ones in every frame at no cost. The first ones, and the change between
-    /// some and none, compile passes and wait for a copy of the meshes.
+    /// Planes may change in every frame at no cost. The change from no planes to some, or back,
+    /// compiles passes and waits for a copy of the meshes.
     ///
     /// # Errors
     /// A device that cannot draw to a depth with a stencil, or binds too few buffers
@@ -39,8 +39,8 @@ impl Renderer {
         &self.passes.section.planes
     }
 
-    /// Applies section planes to an object from now on, or leaves it whole. Without effect for an
-    /// object that is not there.
+    /// Applies section planes to an object from now on, or leaves it whole. Does nothing for an
+    /// object that does not exist.
     pub fn set_section_member(&mut self, object: ObjectId, member: SectionMember) {
         if self.scene.hierarchy().section_member(object) != member {
             self.scene.parts_mut().hierarchy.set_section_member(object, member);
@@ -48,12 +48,12 @@ impl Renderer {
         }
     }
 
-    /// Returns what section planes do to an object.
+    /// Returns the effect of section planes on an object.
     pub fn section_member(&self, object: ObjectId) -> SectionMember {
         self.scene.hierarchy().section_member(object)
     }
 
-    /// Notes that other parts of objects are there now.
+    /// Notes that other parts of objects are visible now.
     fn section_changed(&mut self) {
         self.revision.advance();
         self.passes.shadows.forget();

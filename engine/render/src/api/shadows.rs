@@ -1,4 +1,4 @@
-//! The shadows of lights: their options, and those of single lights.
+//! The shadows of lights: the options of all, and the shadows of single lights.
 
 use ::shadows::{ShadowMethod, ShadowOptions, ShadowStats};
 use scene::LightId;
@@ -19,11 +19,11 @@ impl Renderer {
         self.passes.shadows.stats()
     }
 
-    /// Draws shadows by other options from now on. Those of
-    /// [single lights](Renderer::set_light_shadow) stay. Compiles passes and makes new maps, unless
-    /// the options are those in use, and for volumes builds the adjacency of all meshes and waits
-    /// for copies: not for every frame. Casters are not culled on a driver whose flags, or
-    /// all executors, are [distrusted](crate::RendererOptions::disabled).
+    /// Draws shadows by other options from now on. The options of [single
+    /// lights](Renderer::set_light_shadow) stay. New options compile passes and create maps; for
+    /// volumes they also build the adjacency of all meshes and wait for copies. Do not change them
+    /// in every frame. Casters are not culled on a driver whose flags, or all of whose executors,
+    /// are [distrusted](crate::RendererOptions::disabled).
     ///
     /// # Errors
     /// [`Error::Shadows`]; [`Error::NoSurfacesForShadows`]; [`Error::MultisampledVolumes`]; maps or
@@ -60,7 +60,7 @@ impl Renderer {
             )
         };
         let volumes = is_new.then(new).transpose()?;
-        // Nothing fails from here on.
+        // Nothing can fail from here on.
         if is_new || !is_by_volumes {
             passes.gpu_scene.geometry.replace_volumes(volumes);
         }
@@ -70,12 +70,12 @@ impl Renderer {
         Ok(())
     }
 
-    /// Sets the shadow of one light; `None` lets it have the shadow that the options say again. It
-    /// stays with the id: a light that is [added](Renderer::add_lights) later may get it.
+    /// Sets the shadow of one light; `None` restores the shadow that the options of all lights say.
+    /// The setting stays with the id: a light that is [added](Renderer::add_lights) later with this
+    /// id has it.
     ///
     /// # Errors
-    /// [`Error::Light`] for a light that is not there, and for a width that is no number or
-    /// negative.
+    /// [`Error::Light`] for a light that does not exist, and for a width that is negative or NaN.
     pub fn set_light_shadow(
         &mut self,
         light: LightId,

@@ -1,4 +1,4 @@
-//! Snapshots: frozen frames that are taken, and drawn from other eyes.
+//! Snapshots: frozen frames, which are drawn from other viewpoints.
 
 use crate::view_pass::ViewPass;
 use cull::{Answer, Camera, CullView, LeafRange, QueryKind, Strategy};
@@ -16,7 +16,7 @@ use crate::resources::skinned_meshes::PoseUploads;
 use crate::shadows::MapUses;
 use crate::views::finish_image;
 
-/// The background: none, as in a drawing, or the scene's sky, as in its other images.
+/// The background: dark, as in a drawing, or the sky of the scene.
 enum Backdrop {
     Dark,
     Sky,
@@ -81,7 +81,7 @@ impl Renderer {
     /// colours, the hidden frontier nodes as boxes coloured by their level, and the frustum.
     ///
     /// # Errors
-    /// A moment of another renderer, an image of another device or size, no memory, a shader that
+    /// A snapshot of another renderer, an image of another device or size, no memory, a shader that
     /// does not compile, a failed call.
     pub fn top_down(
         &mut self,
@@ -98,13 +98,14 @@ impl Renderer {
         Ok(self.device.wait_idle()?)
     }
 
-    /// Draws `moment` as it looks to another eye, without a wait: the culling stands still, the
-    /// camera does not. Beside the drawn objects it shows the hidden frontier nodes and the
-    /// frustum, as [`Renderer::top_down`] does; of the overlay by [`Renderer::set_debug_overlay`]
-    /// it shows the wires and the view from above. `overlay` records over that.
+    /// Draws `moment` from another viewpoint without a wait: the culling is frozen, the camera is
+    /// not. Besides the drawn objects, the image shows the hidden frontier nodes and the frustum,
+    /// as in [`Renderer::top_down`]. Of the overlay set by [`Renderer::set_debug_overlay`], it
+    /// shows the wireframe and the view from above. `overlay` records over that.
     ///
     /// # Errors
-    /// A moment of another renderer, an image of another device or size, no memory, a failed call.
+    /// A snapshot of another renderer, an image of another device or size, no memory, a failed
+    /// call.
     pub fn render_snapshot(
         &mut self,
         snapshot: &VisibilitySnapshot,
@@ -180,8 +181,8 @@ impl Renderer {
         Ok(tick)
     }
 
-    /// Returns the distance from the eye that holds most of the moment's draws, without the few far
-    /// ones.
+    /// Returns the distance from the eye within which most of the snapshot's draws lie, without a
+    /// few far draws.
     fn reach(&self, snapshot: &VisibilitySnapshot) -> f32 {
         reach(self.scene.hierarchy(), snapshot)
     }

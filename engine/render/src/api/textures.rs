@@ -1,4 +1,4 @@
-//! Textures that come and go while the renderer runs.
+//! Textures that are added and removed while the renderer runs.
 
 use scene::{PreparedTexture, TextureId};
 
@@ -7,25 +7,24 @@ use crate::renderer::Renderer;
 use crate::resources::limits;
 
 impl Renderer {
-    /// Adds textures, and returns their ids in the same order: all of them, or none. Materials that
-    /// are [added](Renderer::add_materials) can use them at once. An id may have belonged to a
-    /// texture that was removed. Where textures lie on [pages], there must be room for their size,
-    /// encoding and sampler ([`SpareCapacity::textures`](crate::SpareCapacity::textures)); images
-    /// of their own take none.
+    /// Adds textures, all or none, and returns their ids in the same order. Materials that are
+    /// [added](Renderer::add_materials) can use them at once. An id may have belonged to a texture
+    /// that was removed. If textures lie on [pages], there must be room for their size, encoding
+    /// and sampler ([`SpareCapacity::textures`](crate::SpareCapacity::textures)); textures with
+    /// images of their own need no such room.
     ///
-    /// Nothing waits: each frame copies some rows of what was added first
-    /// ([`RendererOptions::upload_bytes_per_frame`]), and makes the mip maps of what is whole.
-    /// Meshes that were added later arrive later, so that none is drawn without its textures. Where
-    /// the device cannot make mip maps, this call does; it also unpacks compressed blocks that the
-    /// device, or a page, does not take.
+    /// Nothing waits: each frame copies a number of rows
+    /// ([`RendererOptions::upload_bytes_per_frame`]), in the order in which things were added, and
+    /// creates the mip maps of complete textures. Meshes that were added later arrive later, so a
+    /// mesh is never drawn without its textures. If the device cannot create mip maps, this call
+    /// does; it also unpacks compressed blocks that the device, or a page, does not support.
     ///
     /// [pages]: crate::surfaces::TextureStorage::ArrayPacked
     /// [`RendererOptions::upload_bytes_per_frame`]: crate::RendererOptions::upload_bytes_per_frame
     ///
-    /// # Errors
-    /// [`Error::Texture`] for a scene without surfaces or a texture that no room is kept for, or
-    /// beyond the device's size; [`Error::CapacityExceeded`]; no memory for images of their own, or
-    /// for unpacking.
+    /// [`Error::Texture`] for a scene without surfaces, and for a texture that no room is kept for
+    /// or that is larger than the device supports; [`Error::CapacityExceeded`]; no memory for
+    /// images of their own, or for unpacking.
     pub fn add_textures(
         &mut self,
         textures: Vec<PreparedTexture>,
@@ -59,12 +58,12 @@ impl Renderer {
         Ok(added.into_iter().map(|(id, _)| id).collect())
     }
 
-    /// Removes textures: all of them, or none. Frames on their way still show them; their room is
-    /// free at once on pages, and once those frames are over where textures have an image each.
+    /// Removes textures, all or none. Frames in flight still show them. Their room is free at once
+    /// on pages; images of their own are freed once these frames are over.
     ///
     /// # Errors
-    /// [`Error::Texture`] for one that is not there or named twice, that a material uses, or that
-    /// the renderer began with.
+    /// [`Error::Texture`] for a texture that does not exist, is named twice, is used by a material,
+    /// or that the renderer began with.
     pub fn remove_textures(&mut self, textures: &[TextureId]) -> Result<(), Error> {
         let geometry = &mut self.passes.gpu_scene.geometry;
         let Some(surfaces) = &mut geometry.surfaces else {
@@ -84,7 +83,7 @@ impl Renderer {
     }
 }
 
-/// Refuses the first of some textures; none are no mistake.
+/// Refuses the first of some textures. An empty list is not an error.
 fn refused(count: usize) -> Result<Vec<TextureId>, Error> {
     let reason = "the scene has no surfaces";
     if count == 0 { Ok(Vec::new()) } else { Err(Error::Texture { index: 0, reason }) }

@@ -14,8 +14,8 @@ impl Renderer {
         &self.transparency
     }
 
-    /// Returns the order in which transparent objects are blended: the one that is wanted, or
-    /// [`TransparencyMethod::SortedObjects`] where there is a
+    /// Returns the order in which transparent objects are blended: the requested order, or
+    /// [`TransparencyMethod::SortedObjects`] if there is a
     /// [reason](Renderer::transparency_fallback) against it.
     pub fn transparency_method(&self) -> TransparencyMethod {
         match self.transparency_fallback() {
@@ -24,14 +24,14 @@ impl Renderer {
         }
     }
 
-    /// Returns the counts of the fragments that are sorted, of the newest frame whose counts have
-    /// been read; zeros without any.
+    /// Returns the counts of sorted fragments, of the newest frame whose counts have been read;
+    /// zeros if there is no such frame.
     pub fn fragment_counts(&self) -> FragmentCounts {
         self.passes.gpu_scene.fragments().map(Fragments::newest).unwrap_or_default()
     }
 
-    /// Returns the reason why objects are sorted though
-    /// [`TransparencyMethod::SortedFragments`] was wanted, if there is one.
+    /// Returns the reason why objects are sorted although [`TransparencyMethod::SortedFragments`]
+    /// was requested, if there is one.
     pub fn transparency_fallback(&self) -> Option<TransparencyFallback> {
         if self.transparency.method == TransparencyMethod::SortedObjects {
             return None;

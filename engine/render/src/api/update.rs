@@ -1,5 +1,5 @@
-//! Changes of the scene between frames: applied to the hierarchy at once, and to the data on the
-//! GPU at the start of the next frame, in its order. Nothing waits.
+//! Changes of the scene between frames. They are applied to the hierarchy at once, and to the data
+//! on the GPU at the start of the next frame. Nothing waits.
 
 use occlusion::ScenePartsMut;
 use std::collections::HashSet;
@@ -15,10 +15,10 @@ use crate::update::{UpdateReport, UpdateScratch};
 
 impl Renderer {
     /// Applies all changes between two frames: objects first, with [`Renderer::update`], then
-    /// poses, transparent objects and lights. The next frame shows it.
+    /// poses, transparent objects and lights. The next frame shows them.
     ///
     /// # Errors
-    /// The first impossible change. Those before it are made.
+    /// The first impossible change. The changes before it are made.
     pub fn apply(&mut self, update: &SceneUpdate) -> Result<UpdateReport, Error> {
         let began = Instant::now();
         let before = self.scene.hierarchy().work();
@@ -37,16 +37,16 @@ impl Renderer {
         Ok(UpdateReport { added, poses, cpu: began.elapsed(), ..report })
     }
 
-    /// Applies `changes` in their order: all of them, or none if one is impossible. The next frame
-    /// shows them; frames on their way do not. The cost grows with the changes, not with the scene:
-    /// ancestors of moved leaves are refitted, changed leaves are written by the GPU itself.
+    /// Applies `changes` in their order, all or none. The next frame shows them; frames in flight
+    /// do not. The cost grows with the changes, not with the scene: ancestors of moved leaves are
+    /// refitted, and the GPU itself writes the changed leaves.
     ///
-    /// Changes are about objects that were there before. An id that a change frees may be given to
-    /// a later one's object at once; that object can be moved or removed by the next update, when
-    /// its id is known.
+    /// Changes concern objects that existed before the update. An id that a change frees may be
+    /// given to the object of a later change at once; that object can be moved or removed by the
+    /// next update, when its id is known.
     ///
     /// # Errors
-    /// [`Error::Change`] for the first impossible change; then nothing has changed.
+    /// [`Error::Change`] for the first impossible change. Nothing has changed then.
     pub fn update(&mut self, changes: &[ObjectChange]) -> Result<UpdateReport, Error> {
         let began = Instant::now();
         let mut scratch = std::mem::take(&mut self.update_scratch);
@@ -56,7 +56,8 @@ impl Renderer {
         Ok(UpdateReport { cpu: began.elapsed(), ..outcome? })
     }
 
-    /// Finds the first change that is impossible after those before it, and the boxes of them all.
+    /// Finds the first change that is impossible after the changes before it, and the boxes of all
+    /// changes.
     fn check_changes(
         &self,
         changes: &[ObjectChange],
@@ -98,7 +99,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// Refuses an object that was not there before the update, or is removed in it.
+    /// Refuses an object that did not exist before the update or that the update removes.
     fn check_there(&self, object: ObjectId, gone: &HashSet<ObjectId>) -> Result<(), String> {
         if self.scene.hierarchy().contains(object) && !gone.contains(&object) {
             return Ok(());
@@ -112,7 +113,7 @@ impl Renderer {
         bounds.ok_or_else(|| NOWHERE.to_owned())
     }
 
-    /// Refuses a second object of a skinned mesh: the box of one would not hold the other.
+    /// Refuses a second object with a skinned mesh: the box of one object would not hold the other.
     fn check_alone(
         &self,
         object: &Object,
@@ -134,7 +135,7 @@ impl Renderer {
         bounds.ok_or_else(|| NONE.to_owned())
     }
 
-    /// Makes changes that were checked.
+    /// Makes changes that have been checked.
     fn make_changes(
         &mut self,
         changes: &[ObjectChange],
@@ -174,12 +175,12 @@ impl Renderer {
         }
     }
 
-    /// Builds the hierarchy again over the objects as they are now, for large scenes: if an
-    /// [update](Renderer::update) reports that it is worn. The CPU's work is the same as for
-    /// loading the scene; the GPU is not waited for. Views keep their history of objects.
+    /// Builds the hierarchy again over the present objects, for large scenes: when an
+    /// [update](Renderer::update) reports that it has degraded. The CPU's work is the same as when
+    /// the scene is loaded; nothing waits for the GPU. Views keep their history of objects.
     ///
     /// # Errors
-    /// None for objects that were accepted before.
+    /// Does not fail for objects that were accepted before.
     pub fn rebuild_hierarchy(&mut self) -> Result<(), Error> {
         let boxes = self.scene.hierarchy().boxes_of_objects();
         self.scene.parts_mut().hierarchy.rebuild(&boxes)?;

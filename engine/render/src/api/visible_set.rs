@@ -1,6 +1,6 @@
-//! The exact set of objects that own a pixel, found beforehand with a wait: the frame is drawn by
-//! the exact strategy, its objects are drawn once more against the finished depth, and the CPU
-//! waits for the result.
+//! The exact set of objects that own a pixel, found in advance with a wait. The frame is drawn by
+//! the exact strategy, its objects are drawn again against the finished depth, and the CPU waits
+//! for the result.
 
 use cull::{LeafIndex, Rays, Strategy};
 use gpu::{Access, MemoryBarrier};
@@ -14,13 +14,13 @@ use crate::renderer::Renderer;
 use crate::views::{ViewRequest, Viewpoint, ViewsRequest};
 
 impl Renderer {
-    /// Finds the objects that own a pixel of `area` seen from `viewpoint`. Waits for the GPU,
-    /// twice: for measurements, not for a frame loop. `state` is a view kept for this, so that
-    /// its history grows along the path.
+    /// Finds the objects that own a pixel of `area` seen from `viewpoint`. Waits for the GPU twice:
+    /// use it for measurements, not in a frame loop. `state` is a view kept for this purpose, so
+    /// that its history grows along the path.
     ///
     /// # Errors
-    /// A view of another renderer; a matrix that is no projection; a device whose fragment shaders
-    /// cannot write to buffers; no memory; a failed call.
+    /// A view of another renderer; a matrix that is not a projection; a device whose fragment
+    /// shaders cannot write to buffers; no memory; a failed call.
     pub fn visible_set(
         &mut self,
         state: &mut RenderView,
@@ -30,7 +30,8 @@ impl Renderer {
         self.check_view(state)?;
         let viewpoint = viewpoint.into();
         let target = ViewRequest { state: &mut *state, viewpoint, visible: None, rect: area };
-        // With a threshold, and where no test is exact, ours leaves out what this is to find.
+        // The Antumbra strategy may leave out visible objects if there is a threshold, or if no
+        // test is exact.
         let is_exact = self.is_exact() && self.supports(Strategy::ANTUMBRA).is_ok();
         let strategy = if is_exact { Strategy::ANTUMBRA } else { Strategy::FRUSTUM };
         let request = ViewsRequest { strategy, image: None, overlay: None, after: None };
@@ -60,9 +61,9 @@ impl Renderer {
         Ok(VisibleSet { objects: objects.collect(), leaves, revision })
     }
 
-    /// Makes a set valid again that was found when the scene was as it is now, although it has
-    /// changed since then. The caller guarantees that every object has the place and the form that
-    /// it had. For measurements in which the same moments recur.
+    /// Makes a set valid again that was found in the same state of the scene, although the scene
+    /// has changed since. The caller guarantees that every object has the place and the form that
+    /// it had. Use it for measurements that repeat the same moments.
     ///
     /// # Errors
     /// A set that another renderer found.
@@ -83,7 +84,7 @@ impl Renderer {
         node.map_or(0.0, |node| rays.distance_squared(&self.scene.hierarchy().bounds(node)))
     }
 
-    /// Submits a frame that notes those of `leaves` with a pixel of `view`.
+    /// Submits a frame that finds the leaves in `leaves` that own a pixel of `view`.
     pub(crate) fn submit_seen(
         &mut self,
         view: &cull::CullView,
@@ -106,7 +107,7 @@ impl Renderer {
         let values = seen.values.whole();
         commands.pass("find visible", |commands| {
             let between = MemoryBarrier::between;
-            // The frame before may still copy, where nobody waited for it.
+            // The previous frame may still copy, if nothing waited for it.
             commands.barrier(between(&[Access::CopyRead, Access::CopyWrite], &[Access::CopyWrite]));
             commands.fill(values, 0);
             commands.barrier(between(&[Access::CopyWrite], &[Access::FragmentWrite]));

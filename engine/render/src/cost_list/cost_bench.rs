@@ -1,4 +1,4 @@
-//! The frames that costs are measured with: many of one item and little else.
+//! The frames that costs are measured with: one item many times and little else.
 
 use std::time::Instant;
 
@@ -36,7 +36,7 @@ pub(super) struct CostBench {
     view: CullView,
     most: u32,
     ranges: Vec<SkippedRanges>,
-    /// The pass whose flags all fragments may set, where one is chosen otherwise.
+    /// The proxy pass in which all fragments may set flags, on a device that normally chooses one.
     all_fragments: Option<ProxyPass>,
     compute: Option<ComputeTest>,
     queries: QueryRing<()>,
@@ -98,7 +98,7 @@ impl CostBench {
         })
     }
 
-    /// Returns true if the device can do so many of an item.
+    /// Returns true if the device supports `count` of an item.
     pub(super) fn can(&self, item: CostItem, count: u32) -> bool {
         let can_flag = self.renderer.scene.passes().proxies.can_flag();
         match item {
@@ -116,8 +116,8 @@ impl CostBench {
         }
     }
 
-    /// Returns the time of a frame with so many of an item (ns), alone on the GPU; of resets by
-    /// the CPU that of the CPU.
+    /// Returns the time of a frame with `count` of an item (ns), alone on the GPU; for resets by
+    /// the CPU, the CPU time.
     pub(super) fn time_ns(&mut self, item: CostItem, count: u32) -> Result<f64, Error> {
         let count = count.min(self.most);
         if let CostItem::Resets(by) = item {
@@ -179,8 +179,8 @@ impl CostBench {
         Ok(elapsed_ns)
     }
 
-    /// Returns the time of the reset of so many queries: of the call on the CPU, or from submit to
-    /// end.
+    /// Returns the time of resetting `count` queries (ns): of the call on the CPU, or from submit
+    /// to completion.
     fn time_reset_ns(&mut self, by: Resubmission, count: u32) -> Result<f64, Error> {
         let mut frames = FrameRing::new(&self.device, 1)?;
         frames.set_resubmission(by);
@@ -200,7 +200,7 @@ impl CostBench {
     }
 }
 
-/// Begins a range for each draw under predicates.
+/// Begins a range for each predicated draw.
 fn begin_ranges(
     ranges: &mut [SkippedRanges],
     flags: &FlagRing<()>,
@@ -209,7 +209,7 @@ fn begin_ranges(
     count: u32,
 ) -> Result<(), Error> {
     let CostItem::Predicates(executor, result) = item else { return Ok(()) };
-    // All flags are zero, and what has no result is drawn.
+    // All flags are zero; ranges without a flag are drawn.
     let results = match result {
         PredicateResult::Skipped => flags.results(),
         PredicateResult::Taken => None,
@@ -220,7 +220,7 @@ fn begin_ranges(
     Ok(())
 }
 
-/// Returns a box that is a share of the image wide and high.
+/// Returns a box whose width and height are a share of the image.
 fn box_of(share: [f32; 2], view: &CullView) -> ProxyBox {
     let half = (view.rays.right * share[0] - view.rays.down * share[1]) * DISTANCE_M;
     let front = Vec3::new(0.0, 0.0, -DISTANCE_M);
@@ -239,7 +239,7 @@ struct Recorder<'a> {
 }
 
 impl Recorder<'_> {
-    /// Records so many of an item, over an image at whose near plane something hides all.
+    /// Records `count` of an item, over an image that is hidden entirely at the near plane.
     fn record(
         &self,
         commands: &Commands,
@@ -300,7 +300,7 @@ impl Recorder<'_> {
         }
     }
 
-    /// Records so many queries, each around what `record` draws for its number.
+    /// Records `count` queries. `record` draws inside of each query, and gets its index.
     fn each_query(&self, commands: &Commands, count: u32, record: impl Fn(&Commands, u32)) {
         for number in 0..count {
             self.queries.scope(commands, QueryIndex(number), |commands| record(commands, number));

@@ -1,34 +1,35 @@
-//! The items of a cost list, and what their times say. Pure: tests need no device.
+//! The items of a cost list, and their costs. Pure: tests need no device.
 
 use cull::VisibilityTest;
 use gpu::{PredicationMode, Resubmission};
 
-/// Something that a device does many times in a frame.
+/// An action that a device performs many times in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CostItem {
-    /// Draws of a hidden triangle, each under a predicate of this executor, with the resolve of
-    /// all of them.
+    /// Draws of a hidden triangle, each under a predicate of this executor, including the resolve
+    /// of all predicates.
     Predicates(PredicationMode, PredicateResult),
-    /// Begins and ends of occlusion queries around nothing, with the copy of their results.
+    /// Empty occlusion queries, including the copy of their results.
     Queries,
     /// Tests of hidden boxes of this size.
     Boxes(VisibilityTest, BoxSize),
-    /// The same by flags that all fragments may set, on a device where one is chosen otherwise.
+    /// Tests of hidden boxes of this size by flags that all fragments may set, on a device that
+    /// normally chooses one fragment.
     BoxesOfAllFragments(BoxSize),
-    /// Draws of a hidden triangle in indirect calls of so many.
+    /// Draws of a hidden triangle by indirect calls with several draws each.
     IndirectDraws {
-        /// The draws of each call.
+        /// The number of draws per call.
         per_call: u32,
     },
-    /// Ends of a rendering and begins of the next one that loads what is there, each with a draw of
-    /// a hidden triangle.
+    /// Breaks: the end of a rendering, and the begin of the next with a load of the contents. Each
+    /// rendering draws a hidden triangle.
     Breaks,
-    /// Resets of queries: by the CPU, which are timed on the CPU, where frames are submitted once;
-    /// by a command where they may be submitted again.
+    /// Resets of queries. The CPU resets them, and the CPU time counts, if frames are submitted
+    /// once; a command resets them if frames may be submitted again.
     Resets(Resubmission),
 }
 
-/// The result that a predicate is made of.
+/// The result that decides a predicate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PredicateResult {
     /// Zero: the draw is skipped.
@@ -47,7 +48,7 @@ pub enum BoxSize {
 }
 
 impl CostItem {
-    /// Returns all of them, in the order of tables.
+    /// Returns all items, in the order of tables.
     pub fn all() -> Vec<Self> {
         let results = [PredicateResult::Skipped, PredicateResult::Taken];
         let testers = [VisibilityTest::Query, VisibilityTest::Flag, VisibilityTest::Compute];
@@ -67,7 +68,7 @@ impl CostItem {
         all
     }
 
-    /// Returns its name in tables.
+    /// Returns the name of the item in tables.
     #[must_use]
     pub fn name(self) -> String {
         let size = |size| match size {
@@ -95,7 +96,7 @@ impl CostItem {
         }
     }
 
-    /// Returns the most of it that are measured together: what no frame has more of.
+    /// Returns the highest number to measure together, which real frames do not exceed.
     pub(super) fn most(self) -> u32 {
         match self {
             Self::Breaks => 100,
@@ -104,27 +105,27 @@ impl CostItem {
     }
 }
 
-/// The time of so many of an item in one frame.
+/// The time of a number of equal items in one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ItemCost {
     /// The item.
     pub item: CostItem,
-    /// The number of them.
+    /// The number of items.
     pub count: u32,
-    /// The median of the times of all of them together, above that of a frame without any
-    /// (nanoseconds); below 0 where it drowns in noise.
+    /// The median time of all these items together, less the time of a frame without them
+    /// (nanoseconds); may be negative because of noise.
     pub total_ns: f64,
 }
 
 impl ItemCost {
-    /// Returns the time of one of them (nanoseconds).
+    /// Returns the time of one item (nanoseconds).
     #[must_use]
     pub fn each_ns(&self) -> f64 {
         self.total_ns / f64::from(self.count.max(1))
     }
 }
 
-/// Returns the median of several times; NaN of none.
+/// Returns the median of several times; NaN of an empty list.
 pub(super) fn median(times: &mut [f64]) -> f64 {
     times.sort_unstable_by(f64::total_cmp);
     let low = times.len().saturating_sub(1) / 2;
@@ -135,11 +136,9 @@ pub(super) fn median(times: &mut [f64]) -> f64 {
     }
 }
 
-/// Measures everything in turns: each round every candidate once, so that what disturbs the
-/// machine disturbs all alike. Returns the median of each, in their order.
-///
-/// # Errors
-/// The first one of `time`.
+/// Measures every candidate once per round, so that disturbances of the machine affect all
+/// candidates alike. Returns the median of each candidate, in their order, or the first error of
+/// `time`.
 pub(super) fn interleaved_medians<C: Copy, E>(
     candidates: &[C],
     rounds: usize,
@@ -148,7 +147,7 @@ pub(super) fn interleaved_medians<C: Copy, E>(
     let mut times: Vec<Vec<f64>> = vec![Vec::new(); candidates.len()];
     for round in 0..rounds {
         for place in 0..candidates.len() {
-            // Another one first in each round.
+            // Each round begins with another candidate.
             let place = (place + round) % candidates.len();
             if let (Some(candidate), Some(times)) = (candidates.get(place), times.get_mut(place)) {
                 times.push(time(*candidate)?);

@@ -1,6 +1,6 @@
-//! The cost list of a device: times of what a frame does many of, by number, measured with
-//! timestamps of the GPU. It explains a device to people; the costs that decide what is tested
-//! are those of `occlusion::measure`.
+//! The cost list of a device: the times of actions that a frame performs many times, by their
+//! number, measured with GPU timestamps. It describes a device to people. The costs that decide
+//! about tests are measured by `occlusion::measure`.
 
 mod cost_bench;
 mod item;
@@ -17,24 +17,24 @@ pub use item::{BoxSize, CostItem, ItemCost, PredicateResult};
 pub struct CostListOptions {
     /// Size of the image in pixels.
     pub size: [u32; 2],
-    /// The most of an item that are measured together; numbers are powers of ten up to it.
+    /// The highest number of an item to measure together. Numbers are powers of ten up to it.
     pub most: u32,
-    /// The times that each is measured.
+    /// The number of times that each item is measured.
     pub rounds: usize,
-    /// The longest time of a frame: an item is not measured in numbers that would take longer
-    /// (milliseconds).
+    /// The longest time of a frame (milliseconds). Numbers of an item that would take longer are
+    /// not measured.
     pub longest_ms: f64,
 }
 
 impl Default for CostListOptions {
-    /// Returns the extent that takes some minutes on a driver without a GPU.
+    /// Returns an extent that takes some minutes on a software driver.
     fn default() -> Self {
         Self { size: [1280, 720], most: 10_000, rounds: 5, longest_ms: 400.0 }
     }
 }
 
-/// Measures the costs of a device: every item that it has, in numbers of 1, 10, 100 and so on.
-/// Waits for the device again and again.
+/// Measures the costs of every item that a device supports, in numbers of 1, 10, 100 and so on.
+/// Waits for the device many times.
 ///
 /// # Errors
 /// No memory, a failed call, a lost device.
@@ -47,7 +47,7 @@ pub fn cost_list(device: &Device, options: &CostListOptions) -> Result<Vec<ItemC
             if !bench.can(item, count) {
                 continue;
             }
-            // The first time compiles, and says if more would take too long.
+            // The first run compiles shaders, and tells if a higher number would take too long.
             bench.time_ns(item, count)?;
             let once_ns = bench.time_ns(item, count)?;
             candidates.push((item, count));

@@ -1,4 +1,4 @@
-//! The debug overlay of running frames: the depth complexity, wires, the boxes of the frontier, a
+//! The debug overlay of running frames: depth complexity, wireframe, boxes of the frontier, and a
 //! view from above in a corner.
 
 use crate::view_pass::ViewPass;
@@ -19,38 +19,36 @@ use crate::passes::pipelines::Pipelines;
 use crate::render_view::RenderView;
 use crate::views::view_in;
 
-/// The overlay that explains images; of several views, over the first. It shows the plan of the
-/// frame and the history when it is recorded, and waits for nothing.
+/// The overlay that explains images. It lies over the first view of a frame, shows the plan of the
+/// frame and the present history, and waits for nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct DebugOverlay {
-    /// True to draw the edges of all triangles that are taken as visible.
+    /// True to draw the edges of all triangles of visible leaves.
     pub has_wireframe: bool,
-    /// True to draw the boxes of the tested nodes, seen through everything, coloured by their state
-    /// ([`BOX_HIDDEN`], [`BOX_BEHIND`],
-    /// [`BOX_UNKNOWN`], [`BOX_SHOWED`]).
+    /// True to draw the boxes of the tested nodes over everything, coloured by their state
+    /// ([`BOX_HIDDEN`], [`BOX_BEHIND`], [`BOX_UNKNOWN`], [`BOX_SHOWED`]).
     pub has_boxes: bool,
-    /// True to show how many surfaces the draws that are taken as visible have at each pixel,
-    /// hidden ones included, in place of the image ([`LAYERS`](crate::palette::LAYERS)).
-    /// Transparent objects, caps and edges do not count; with several samples per pixel, each
-    /// triangle counts that covers one of them. What this very frame finds visible counts
-    /// from the next one on.
+    /// True to show, in place of the image, the number of surfaces of visible leaves at each pixel,
+    /// including hidden surfaces ([`LAYERS`](crate::palette::LAYERS)). Transparent objects,
+    /// caps and edges do not count. With several samples per pixel, a triangle counts if it covers
+    /// one of them. Objects that this very frame reveals count from the next frame on.
     pub has_depth_complexity: bool,
     /// The part of the image for the view from above.
     pub top_down: Option<Rect>,
 }
 
 const BOXES_AND_WIREFRAME: &str = "boxes and wireframe";
-/// The labels of the passes that explain images or lie over them: their time is not the engine's.
+/// The labels of the passes that explain images or lie over them. Their time is not the engine's.
 pub const OVERLAY_PASSES: [&str; 5] =
     [DEPTH_COMPLEXITY, BOXES_AND_WIREFRAME, VIEW_FROM_ABOVE, OUTLINE, HOST_OVERLAY];
 
 impl DebugOverlay {
-    /// Returns true if it explains nothing.
+    /// Returns true if the overlay shows nothing.
     pub(crate) fn is_empty(&self) -> bool {
         *self == Self::default()
     }
 
-    /// Compiles the passes that it needs.
+    /// Compiles the passes that the overlay needs.
     pub(crate) fn prepare(
         &self,
         pipelines: &mut Pipelines,
@@ -69,7 +67,7 @@ impl DebugOverlay {
         Ok(())
     }
 
-    /// Draws the overlay over the frame that `state` was just recorded for.
+    /// Draws the overlay over the frame of `state` that was just recorded.
     pub(crate) fn record(
         &self,
         view_pass: &mut ViewPass<'_, '_>,
@@ -97,8 +95,8 @@ impl DebugOverlay {
         self.record_corner(view_pass, &snapshot, draws)
     }
 
-    /// Draws the overlay of a frozen moment over its image from another eye: its depth complexity
-    /// and its wires. That image has its hidden boxes already.
+    /// Draws the depth complexity and the wireframe of a snapshot over its image. That image
+    /// already shows the hidden boxes.
     pub(crate) fn record_snapshot(
         &self,
         view_pass: &mut ViewPass<'_, '_>,
@@ -109,7 +107,7 @@ impl DebugOverlay {
         Ok(())
     }
 
-    /// Draws the depth complexity of draws, if that is requested.
+    /// Draws the depth complexity of draws, if requested.
     fn record_depth_complexity(
         &self,
         view_pass: &mut ViewPass<'_, '_>,
@@ -121,7 +119,7 @@ impl DebugOverlay {
         record_depth_complexity(view_pass, draws)
     }
 
-    /// Draws the edges of the triangles of `draws`, if they are requested, and boxes.
+    /// Draws the wireframe of `draws` and boxes, if requested.
     fn record_lines(
         &self,
         view_pass: &mut ViewPass<'_, '_>,
@@ -153,7 +151,7 @@ impl DebugOverlay {
         });
     }
 
-    /// Draws a moment from above, if that is requested.
+    /// Draws a snapshot from above, if requested.
     pub(crate) fn record_corner(
         &self,
         view_pass: &mut ViewPass<'_, '_>,

@@ -1,5 +1,5 @@
-//! The depth complexity of a view: how many surfaces its draws have at each pixel, hidden ones
-//! included. Few where much was culled.
+//! The depth complexity of a view: the number of surfaces that its draws have at each pixel,
+//! including hidden ones. It is low where much was culled.
 //!
 //! ```text
 //! clear     a value per pixel
@@ -18,13 +18,13 @@ use crate::passes::LayersIo;
 /// The label of the pass.
 pub(super) const DEPTH_COMPLEXITY: &str = "depth complexity";
 
-/// The counts of a view, a value per pixel: memory that is kept from frame to frame while they are
+/// The counts of a view, a value per pixel. The memory is kept from frame to frame while they are
 /// shown.
 #[derive(Default)]
 pub(crate) struct LayerCounts(Option<Buffer>);
 
 impl LayerCounts {
-    /// Returns the values of the pixels of a view, in memory that is made when it is first needed.
+    /// Returns the memory of the values, which is created when it is first needed.
     fn of(&mut self, device: &Device, view: &CullView) -> Result<BufferSlice, Error> {
         let bytes = view.size.map(u64::from).iter().product::<u64>() * size_of::<u32>() as u64;
         let buffer = match self.0.take().filter(|buffer| buffer.size_bytes() >= bytes) {
@@ -40,9 +40,6 @@ impl LayerCounts {
 }
 
 /// Draws the depth complexity of `draws` over the image of a view.
-///
-/// # Errors
-/// No memory.
 pub(super) fn record_depth_complexity(
     view_pass: &mut ViewPass<'_, '_>,
     draws: Option<BufferSlice>,
@@ -55,7 +52,7 @@ pub(super) fn record_depth_complexity(
     let counting = passes.target_of(view, None);
     let counting = passes.scope_target(commands, AttachmentSchedule::Layers, counting);
     commands.pass(DEPTH_COMPLEXITY, |commands| {
-        // The frame before may still show its own.
+        // The previous frame may still show its values.
         commands.barrier(between(&[Access::FragmentRead], &[Access::CopyWrite]));
         commands.fill(layers, 0);
         commands.barrier(between(&[Access::CopyWrite], &[Access::FragmentWrite]));

@@ -1,4 +1,4 @@
-//! Views into the renderer: overlays, snapshots, and answers about what is visible.
+//! Insight into the renderer: overlays, snapshots, and answers about what is visible.
 
 pub(crate) mod debug_overlay;
 pub(crate) mod depth_complexity;

@@ -1,6 +1,6 @@
-//! The colours that explain images: a family of hues for each kind of meaning, so that none is
-//! mistaken for another. States have the hues of Okabe and Ito, which differ for any colour vision;
-//! levels have one hue of rising lightness; the frustum has none.
+//! The colours that explain images: a family of hues for each kind of meaning, so that kinds are
+//! not confused. States have the hues of Okabe and Ito, which differ for any colour vision; levels
+//! have one hue of rising lightness; the frustum is white.
 
 use glam::Vec4;
 
@@ -15,23 +15,23 @@ pub struct Swatch {
     alpha: f32,
 }
 
-/// The colour of a box that showed nothing when it was last tested.
+/// The colour of a box that was hidden when it was last tested.
 pub const BOX_HIDDEN: Swatch = Swatch { meaning: "was hidden", rgb: [86, 180, 233], alpha: 0.9 };
-/// The colour of a box that shares the test of another one in front of it.
+/// The colour of a box that shares the test of a box in front of it.
 pub const BOX_BEHIND: Swatch =
     Swatch { meaning: "behind another tested box", rgb: [204, 121, 167], alpha: 0.8 };
 /// The colour of a box that was never tested.
 pub const BOX_UNKNOWN: Swatch = Swatch { meaning: "never tested", rgb: [240, 228, 66], alpha: 0.9 };
-/// The colour of a box that showed when it was last tested.
+/// The colour of a box that was visible when it was last tested.
 pub const BOX_SHOWED: Swatch = Swatch { meaning: "was visible", rgb: [213, 94, 0], alpha: 0.9 };
 /// The colour of the edges of a view's frustum.
 pub const FRUSTUM: Swatch =
     Swatch { meaning: "the camera's frustum", rgb: [255, 255, 255], alpha: 1.0 };
-/// The colour of the edges of triangles that are taken as visible, as in `wireframe.frag`.
+/// The colour of the edges of triangles of visible leaves, as in `wireframe.frag`.
 pub const WIREFRAME: Swatch =
     Swatch { meaning: "triangles taken as visible", rgb: [50, 240, 190], alpha: 1.0 };
 
-/// The colour of the outline of the object that is selected.
+/// The colour of the outline of the selected object.
 pub const SELECTED: Swatch =
     Swatch { meaning: "the selected object", rgb: [150, 255, 30], alpha: 1.0 };
 
@@ -43,8 +43,8 @@ pub const LAYERS: [Swatch; 4] = [
     Swatch { meaning: "128 or more", rgb: layer_colour(128), alpha: 1.0 },
 ];
 
-/// Returns the colour of a pixel at which so many surfaces are drawn, sRGB-encoded: blue, two steps
-/// per surface, tells each number up to 127.
+/// Returns the colour of a pixel with this number of surfaces, sRGB-encoded. The blue channel rises
+/// by two per surface, which identifies each number up to 127.
 pub const fn layer_colour(surfaces: u32) -> [u8; 3] {
     const fn part(surfaces: u32, step: u32) -> u8 {
         let sum = surfaces.saturating_mul(step);
@@ -53,12 +53,12 @@ pub const fn layer_colour(surfaces: u32) -> [u8; 3] {
     [part(surfaces, 32), part(surfaces, 8), part(surfaces, 2)]
 }
 
-/// The deepest level with a colour of its own: those below have the same.
+/// The deepest level with a colour of its own, which all levels below it share.
 const DEEPEST_LEVEL: u32 = 15;
 const COARSE: [f32; 3] = [98.0, 52.0, 196.0];
 const FINE: [f32; 3] = [206.0, 184.0, 255.0];
 
-/// Returns the colour of boxes of that level of the hierarchy: 0 is the root.
+/// Returns the colour of boxes of a level of the hierarchy. The root has level 0.
 pub fn level_colour(level: u32) -> Swatch {
     let share = level.min(DEEPEST_LEVEL) as f32 / DEEPEST_LEVEL as f32;
     let part = |part: usize| (COARSE[part] + (FINE[part] - COARSE[part]) * share).round() as u8;
@@ -67,7 +67,7 @@ pub fn level_colour(level: u32) -> Swatch {
 }
 
 impl Swatch {
-    /// Returns its linear light and its opacity.
+    /// Returns the colour as linear light, with the opacity.
     pub(crate) fn linear(&self) -> Vec4 {
         let light = |encoded: u8| {
             let encoded = f32::from(encoded) / 255.0;
@@ -121,8 +121,7 @@ mod tests {
         assert_eq!(hue(FRUSTUM), None);
     }
 
-    /// Checks the hues as seen by eyes without one kind of cones (Vienot, Brettel and Mollon,
-    /// 1999).
+    /// Checks the hues as seen without one kind of cones (Vienot, Brettel and Mollon, 1999).
     #[test]
     fn states_are_told_apart_with_any_colour_vision() {
         let deutan =

@@ -1,9 +1,10 @@
-//! The object under a pointer: found within each frame, for the image that it shows, and read back
-//! some frames later without a wait.
+//! The object under a pointer. Each frame finds it for its own image, and it is read back some
+//! frames later without a wait.
 //!
-//! After a view is drawn, the objects along the ray of the pixel are drawn once more, cut to that
-//! pixel, against the finished depth. What passes owns the pixel. The frame's own matrices and
-//! buffers decide, so the answer is about what was shown, whatever has moved since.
+//! After a view is drawn, the objects along the ray of the pixel are drawn again, clipped to that
+//! pixel, against the finished depth. A fragment that passes owns the pixel. The search uses the
+//! frame's own matrices and buffers, so the answer is about the image that was shown, even if
+//! things have moved since.
 
 use crate::view_pass::ViewPass;
 use std::collections::VecDeque;
@@ -25,9 +26,9 @@ const WORDS: usize = 2;
 pub struct Pointed {
     /// The frame of the view.
     pub frame: FrameId,
-    /// The pixel, from the upper left of the view's part of the image.
+    /// The pixel, counted from the upper left corner of the view's part of the image.
     pub pixel: [u32; 2],
-    /// The object that owns it, and the point that is seen; `None` where there is only background.
+    /// The object that owns the pixel, and its visible point; `None` for the background.
     pub surface: Option<PointedSurface>,
 }
 
@@ -36,18 +37,18 @@ pub struct Pointed {
 pub struct PointedSurface {
     /// The object.
     pub object: ObjectId,
-    /// The depth as the rasteriser stored it.
+    /// The depth value as stored by the rasteriser.
     pub depth: f32,
-    /// The point in the world, in metres, as exact as the depth.
+    /// The point in the world (metres), as precise as the depth.
     pub point: DVec3,
 }
 
-/// A frame in which the pointer was asked for.
+/// A frame with a request for the object under the pointer.
 struct Asked {
     frame: FrameId,
     pixel: [u32; 2],
     view: CullView,
-    /// The leaves along the ray, ascending, and their objects then.
+    /// The leaves along the ray, ascending, and their objects in that frame.
     candidates: Vec<(LeafIndex, ObjectId)>,
 }
 
@@ -62,13 +63,13 @@ pub(crate) struct Pointer {
 }
 
 impl Pointer {
-    /// Asks for the object at a pixel in each frame from now on, or for none. The newest answer
-    /// stays.
+    /// Requests the object at a pixel in each frame from now on; `None` ends this. The newest
+    /// answer stays.
     pub(crate) fn point_at(&mut self, pixel: Option<[u32; 2]>) {
         self.pixel = pixel;
     }
 
-    /// Returns true if the next frame asks.
+    /// Returns true if the next frame looks for an object.
     pub(crate) fn is_pointing(&self) -> bool {
         self.pixel.is_some()
     }
@@ -83,7 +84,7 @@ impl Pointer {
         let Self { ring: Some(ring), asked, newest, .. } = self else { return };
         ring.collect(completed, |frames, words| {
             let ([frame, ..], [complement, depth_bits]) = (frames, words) else { return };
-            // Frames that never ran do not answer.
+            // Frames that never ran give no answer.
             while let Some(of) = asked.pop_front_if(|asked| asked.frame <= *frame) {
                 if of.frame == *frame {
                     *newest = Some(of.answer(*complement, f32::from_bits(*depth_bits)));
@@ -92,7 +93,7 @@ impl Pointer {
         });
     }
 
-    /// Forgets the ring, where another number of frames is in flight.
+    /// Drops the ring, when the number of frames in flight changes.
     pub(crate) fn forget_ring(&mut self) {
         self.ring = None;
         self.asked.clear();
@@ -130,7 +131,7 @@ pub(crate) fn middle_of(pixel: [u32; 2], size: [u32; 2]) -> Vec2 {
     Vec2::new(x, y) * 2.0 - 1.0
 }
 
-/// Checks that a device finds the object under a pointer.
+/// Checks that a device supports finding the object under a pointer.
 pub(crate) fn check_pointer(device: &Device) -> Result<(), Error> {
     if device.capabilities().has(OptionalFeature::FragmentStores) {
         return Ok(());
@@ -140,11 +141,8 @@ pub(crate) fn check_pointer(device: &Device) -> Result<(), Error> {
     Err(gpu::Error::Unsupported { device: device.adapter().name.clone(), missing, wanted }.into())
 }
 
-/// Records the search for the object under the pointer of a view, once everything of its frame is
+/// Records the search for the object under the pointer of a view, after everything of its frame is
 /// drawn.
-///
-/// # Errors
-/// No memory, or a failed call.
 pub(crate) fn record_pointer(
     view_pass: &mut ViewPass<'_, '_>,
     pointer: &mut Pointer,
@@ -189,8 +187,8 @@ pub(crate) fn record_pointer(
     Ok(())
 }
 
-/// Returns the leaves that may own a sample of a pixel, ascending, and their objects. Which place
-/// of the pixel a sample has is the device's choice.
+/// Returns the leaves that may own a sample of a pixel, ascending, and their objects. The device
+/// decides about the positions of samples in a pixel.
 fn candidates(
     hierarchy: &Hierarchy,
     view: &CullView,

@@ -1,10 +1,11 @@
-//! Counts of the visible samples of single objects: counted by the GPU where a view watches them,
-//! read back some frames later without a wait.
+//! Counts of the visible samples of single objects. The GPU counts them for the objects that a view
+//! watches, and they are read back some frames later without a wait.
 //!
-//! For levels of detail ([`Renderer::choose_detail_seen`](crate::Renderer::choose_detail_seen)) and
-//! other decisions of a program ("Efficient Occlusion Culling", GPU Gems, 29.8.2 and 29.9). After a
-//! frame is drawn, each watched object in the frustum is drawn again under a precise query, and so
-//! is its proxy, with the depth test and without. Counting does not change the image.
+//! The counts serve levels of detail
+//! ([`Renderer::choose_detail_seen`](crate::Renderer::choose_detail_seen)) and other decisions of a
+//! program ("Efficient Occlusion Culling", GPU Gems, 29.8.2 and 29.9). After a frame is drawn, each
+//! watched object in the frustum is drawn again under a precise query. Its proxy is drawn under two
+//! queries, with the depth test and without. Counting does not change the image.
 
 use crate::view_pass::ViewPass;
 use cull::{Containment, CullView, FrameId, Generation, Hierarchy, ObjectId, PlaneMask};
@@ -23,46 +24,44 @@ pub struct VisibleSamples {
     pub object: ObjectId,
     /// The frame of the count.
     pub frame: FrameId,
-    /// The age of that frame in frames of the view. 0 only for objects outside of the frustum, as
-    /// they need no count, and after [`Renderer::wait_idle`](crate::Renderer::wait_idle).
+    /// The age of that frame in frames of the view. 0 only for objects outside of the frustum,
+    /// since they need no count, and after [`Renderer::wait_idle`](crate::Renderer::wait_idle).
     pub age_frames: u64,
-    /// Samples of it where nothing is nearer in the finished image: its pixels, where no two of
-    /// its faces have the same depth. 0 outside of the frustum.
+    /// The number of the object's samples at which nothing is nearer in the finished image: its
+    /// pixels, unless two of its faces have the same depth. 0 outside of the frustum.
     pub samples: u32,
-    /// The same of its proxy. `None` where the near plane would cut it or the eye is in it, and
-    /// outside of the frustum.
+    /// The samples of the proxy. `None` if the near plane would cut the proxy or it contains the
+    /// eye, and outside of the frustum.
     pub proxy: Option<ProxySamples>,
     /// The generation of the hierarchy when the frame was drawn.
     generation: Generation,
 }
 
-/// The number of visible samples in a frame of an object's proxy, which is its box a little
-/// enlarged.
+/// The samples of an object's proxy in a frame. The proxy is the object's box, slightly enlarged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ProxySamples {
-    /// Samples of its front faces where nothing is nearer.
+    /// The number of samples of its front faces at which nothing is nearer.
     pub visible: u32,
-    /// All samples of its front faces in the image.
+    /// The number of all samples of its front faces in the image.
     pub total: u32,
 }
 
 impl ProxySamples {
-    /// Returns the visible share of its part in the image, 0 to 1; 0 if nothing of it is in the
-    /// image.
+    /// Returns the visible share of the proxy's samples in the image, 0 to 1; 0 if it has none.
     pub fn fraction(&self) -> f32 {
         if self.total == 0 { 0.0 } else { self.visible as f32 / self.total as f32 }
     }
 }
 
 impl VisibleSamples {
-    /// Returns the visible share of its proxy, 0 to 1 ([`ProxySamples::fraction`]), where there is
-    /// one.
+    /// Returns the visible share of the object's proxy, 0 to 1 ([`ProxySamples::fraction`]); `None`
+    /// if the proxy was not counted.
     pub fn fraction(&self) -> Option<f32> {
         self.proxy.map(|proxy| proxy.fraction())
     }
 }
 
-/// The subject of a count. The queries of one object follow each other in this order.
+/// The subject of a count. The queries of an object are consecutive, in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum CountKind {
     Object,
@@ -70,7 +69,7 @@ enum CountKind {
     ProxyTotal,
 }
 
-/// A count on its way.
+/// A count in flight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct CountTag {
     kind: CountKind,
@@ -80,7 +79,7 @@ struct CountTag {
 }
 
 impl CountTag {
-    /// Returns the count of the object, without one of the proxy.
+    /// Returns the count of the object, without a count of the proxy.
     fn answer(self, samples: u32) -> VisibleSamples {
         let Self { object, frame, generation, .. } = self;
         VisibleSamples { object, frame, age_frames: 0, samples, proxy: None, generation }
@@ -90,7 +89,7 @@ impl CountTag {
 /// The counts of one view.
 #[derive(Default)]
 pub(crate) struct SampleCounts {
-    /// The watched objects, ascending, each once.
+    /// The watched objects, ascending and without duplicates.
     watched: Vec<ObjectId>,
     /// The newest count of each object that has one, ascending by object.
     newest: Vec<VisibleSamples>,
@@ -141,8 +140,8 @@ impl SampleCounts {
         !self.watched.is_empty()
     }
 
-    /// Drops the ring. The next counting frame makes it again for the number of frames in flight
-    /// then.
+    /// Drops the ring. The next frame that counts creates a new one for the number of frames in
+    /// flight at that time.
     pub(crate) fn forget_ring(&mut self) {
         self.queries = None;
     }
@@ -151,8 +150,8 @@ impl SampleCounts {
         &self.newest
     }
 
-    /// Reads the available results and forgets objects that are gone. `now` is the newest frame.
-    /// Never waits.
+    /// Reads the available results and forgets objects that were removed. `now` is the newest
+    /// frame. Never waits.
     pub(crate) fn collect(&mut self, completed: Tick, hierarchy: &Hierarchy, now: FrameId) {
         let mut collected = std::mem::take(&mut self.collected);
         collected.clear();
@@ -181,7 +180,7 @@ impl SampleCounts {
         self.age(now);
     }
 
-    /// Keeps a count unless a newer one is known or the object is not watched any more.
+    /// Keeps a count, unless a newer one is known or the object is not watched any more.
     fn keep(&mut self, known: VisibleSamples) {
         if self.watched.binary_search(&known.object).is_err() {
             return;
@@ -196,7 +195,8 @@ impl SampleCounts {
         }
     }
 
-    /// Lays out the counts of `frame` in `view`; objects outside of the frustum are known at once.
+    /// Lays out the counts of `frame` in `view`. The counts of objects outside of the frustum are
+    /// known at once.
     fn lay_out(&mut self, scene: &CulledScene, view: &CullView, frame: FrameId) {
         let hierarchy = scene.hierarchy();
         let mut asked = std::mem::take(&mut self.asked);
@@ -224,12 +224,12 @@ impl SampleCounts {
         self.asked = asked;
     }
 
-    /// Returns the counts by which levels of detail are chosen.
+    /// Returns the counts that levels of detail are chosen by.
     pub(crate) fn settled(&self) -> &SettledCounts {
         &self.settled
     }
 
-    /// Forgets the counts by which levels of detail are chosen, up to those of frame `now`.
+    /// Forgets the counts that levels of detail are chosen by, up to the counts of frame `now`.
     pub(crate) fn forget_settled(&mut self, now: FrameId) {
         self.settled.forget(now);
     }
@@ -245,10 +245,7 @@ impl SampleCounts {
     }
 }
 
-/// Counts the objects that the view watches, once everything of its frame is drawn.
-///
-/// # Errors
-/// No memory, or a failed call.
+/// Counts the samples of the objects that the view watches, after everything of its frame is drawn.
 pub(crate) fn count_samples(
     view_pass: &mut ViewPass<'_, '_>,
     counts: &mut SampleCounts,
@@ -326,7 +323,7 @@ fn draw_counted(
 
 pub(crate) const COUNTING: &str = "counting visible samples";
 
-/// Checks that a device counts samples, which `wanted` needs.
+/// Checks that a device counts samples. `wanted` is the purpose, for the error.
 pub(crate) fn check_counts(device: &Device, wanted: &'static str) -> Result<(), Error> {
     if device.capabilities().has(OptionalFeature::PreciseQueries) {
         return Ok(());
@@ -387,7 +384,7 @@ mod tests {
         counts.collect(Tick::default(), &hierarchy, FrameId(2));
         assert_eq!(counts.newest().len(), 1, "{:?}", counts.newest());
         assert_eq!(counts.newest()[0].object, ObjectId(1));
-        // Late news of the object that had the id.
+        // A late count of an earlier object with the same id.
         counts.keep(known(id.0, 1, 10));
         counts.collect(Tick::default(), &hierarchy, FrameId(2));
         assert_eq!(counts.newest().len(), 1);

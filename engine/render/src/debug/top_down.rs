@@ -1,4 +1,4 @@
-//! The view from above of a moment: the drawn objects, the hidden ones as boxes, and the frustum
+//! The view from above of a snapshot: the drawn objects, the hidden ones as boxes, and the frustum
 //! (after the figure of a city walkthrough in GPU Gems 2, chapter 6).
 
 use cull::{Aabb, Camera, CullView, Hierarchy, Projection, Rays};
@@ -15,11 +15,11 @@ use crate::passes::{OverlayIo, OverlayVertex};
 const FRUSTUM_REACH: f32 = 1.0;
 pub(crate) const BACKGROUND: [f32; 3] = [0.02, 0.025, 0.035];
 
-/// The label of the pass that draws a moment from another eye.
+/// The label of the pass that draws a snapshot from another viewpoint.
 pub(crate) const VIEW_FROM_ABOVE: &str = "view from above";
 
-/// Returns the distance from the eye that holds most of the moment's draws, without the few far
-/// ones.
+/// Returns the distance from the eye within which most of the snapshot's draws lie, without a few
+/// far draws.
 pub(crate) fn reach(hierarchy: &Hierarchy, snapshot: &VisibilitySnapshot) -> f32 {
     let distance = |range: &cull::LeafRange| {
         let object = hierarchy.leaf_objects().get(range.first.0 as usize)?;
@@ -32,7 +32,7 @@ pub(crate) fn reach(hierarchy: &Hierarchy, snapshot: &VisibilitySnapshot) -> f32
     distances.get(most).copied().unwrap_or(50.0).clamp(20.0, 2000.0)
 }
 
-/// Returns a camera behind and above the moment's, looking down at its scene.
+/// Returns a camera behind and above the snapshot's camera, looking down at its scene.
 pub(crate) fn above(snapshot: &VisibilitySnapshot, reach: f32) -> Camera {
     let reach = reach * FRUSTUM_REACH;
     let Rays { origin, forward, .. } = snapshot.view.rays;
@@ -49,7 +49,8 @@ pub(crate) fn above(snapshot: &VisibilitySnapshot, reach: f32) -> Camera {
     }
 }
 
-/// The shapes beside the objects: the boxes' faces, and all edges, of the boxes and of the frustum.
+/// The shapes drawn with the objects: the faces of boxes, and the edges of boxes and of the
+/// frustum.
 pub(crate) struct Sketch {
     pub(crate) triangles: Vec<OverlayVertex>,
     pub(crate) lines: Vec<OverlayVertex>,
@@ -57,7 +58,7 @@ pub(crate) struct Sketch {
 }
 
 impl Sketch {
-    /// Creates the sketch of a moment as it looks from above.
+    /// Creates the sketch of a snapshot seen from above.
     pub(crate) fn of(snapshot: &VisibilitySnapshot, reach: f32) -> Self {
         let mut triangles = Vec::new();
         let mut lines = Vec::new();
@@ -78,8 +79,7 @@ impl Sketch {
         Self { triangles, lines, lines_through: Vec::new() }
     }
 
-    /// Creates a sketch of boxes as they look to the eye itself, through everything that hides
-    /// them.
+    /// Creates a sketch of boxes seen from the eye, drawn over everything.
     pub(crate) fn through(boxes: impl Iterator<Item = (Aabb, Swatch)>) -> Self {
         let mut lines_through = Vec::new();
         for (bounds, colour) in boxes {
@@ -104,7 +104,7 @@ impl Sketch {
     }
 }
 
-/// The corners of the six faces: corner `i` has the low or high x, y, z by the bits of `i`.
+/// The corners of the six faces. The bits of corner `i` select the low or high x, y and z.
 const FACES: [[usize; 4]; 6] =
     [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
 
@@ -120,7 +120,8 @@ fn corners_of(bounds: &Aabb) -> [Vec3; 8] {
     })
 }
 
-/// Returns the corners of the view's volume from the near plane to `reach`, numbered as a box's.
+/// Returns the corners of the view's frustum from the near plane to `reach`, numbered like the
+/// corners of a box.
 fn frustum_corners(view: &CullView, reach: f32) -> [Vec3; 8] {
     std::array::from_fn(|corner| {
         let side = |bit: usize| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };

@@ -1,4 +1,4 @@
-//! One moment of a view, frozen: the draws, and the parts of the frontier that stayed hidden.
+//! A frozen moment of a view: the draws, and the parts of the frontier that stayed hidden.
 
 use cull::{Aabb, CullView, FrameId, Hierarchy, LeafIndex, LeafRange, NodeState};
 use gpu::{BufferSlice, Frame, IndirectDraw};
@@ -12,20 +12,20 @@ use crate::render_view::{RenderView, RendererId};
 pub struct VisibilitySnapshot {
     /// The number of the frozen frame in its view.
     pub frame: FrameId,
-    /// The view it was seen from.
+    /// The view that it was seen from.
     pub view: CullView,
     /// The leaves that were drawn; empty after a frame of a [GPU-driven
     /// strategy](cull::Strategy::is_gpu_driven).
     pub drawn: Vec<LeafRange>,
     /// The frontier nodes that stayed hidden: box and level in the hierarchy.
     pub hidden: Vec<(Aabb, u32)>,
-    /// The renderer of these leaves.
+    /// The renderer that the leaves belong to.
     pub(crate) renderer: RendererId,
 }
 
 impl VisibilitySnapshot {
-    /// Returns the newest frame of `state` as far as it is known while it is in flight: the leaves
-    /// taken as visible, and the frontier nodes that were hidden in their last test.
+    /// Returns the newest frame of `state`, as far as it is known while the frame is in flight: the
+    /// visible leaves, and the frontier nodes that were hidden in their last test.
     pub(crate) fn underway(state: &RenderView, hierarchy: &Hierarchy, view: CullView) -> Self {
         let plan = state.plan();
         let one = |first| LeafRange { first, count: 1 };
@@ -43,7 +43,7 @@ impl VisibilitySnapshot {
         }
     }
 
-    /// Uploads the draws of the drawn leaves, as far as they still exist. `None` without any.
+    /// Uploads the draws of the drawn leaves that still exist. Returns `None` if there are none.
     pub(crate) fn upload(
         &self,
         frame: &mut Frame<'_>,

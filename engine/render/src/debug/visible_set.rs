@@ -1,7 +1,7 @@
 //! The exact set of objects that own a pixel, for the strategy `ideal`.
 //!
-//! It is found beforehand with a wait: the frame is drawn by the exact strategy, its objects are
-//! drawn once more against the finished depth, and the CPU waits for the result.
+//! The set is found in advance with a wait. The frame is drawn by the exact strategy, its objects
+//! are drawn again against the finished depth, and the CPU waits for the result.
 
 use cull::{LeafIndex, ObjectId};
 use gpu::{Buffer, Device, MemoryKind, vk};
@@ -10,20 +10,21 @@ use crate::error::Error;
 use crate::render_view::RendererId;
 
 /// The leaves that own at least one pixel of a frame, nearest first. The holes of masked materials
-/// count as covered: leaves with masked materials may be too many, never too few.
+/// count as covered: the set may contain too many leaves with masked materials, never too few.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VisibleSet {
     pub(crate) leaves: Vec<LeafIndex>,
-    /// The same objects, at any place in the hierarchy.
+    /// The objects of these leaves, wherever they are in the hierarchy.
     pub(crate) objects: Vec<ObjectId>,
-    /// The scene as it was then.
+    /// The revision of the scene that the set was found in.
     pub(crate) revision: SceneRevision,
 }
 
 /// The set's name in errors.
 pub(crate) const VISIBLE_SET: &str = "a visible set (`VisibleSet`)";
 
-/// The revision of a renderer's scene: a count of its changes, which make visible sets invalid.
+/// The revision of a renderer's scene: the number of its changes. A change makes visible sets
+/// invalid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct SceneRevision {
     renderer: RendererId,
@@ -46,18 +47,18 @@ impl VisibleSet {
         &self.leaves
     }
 
-    /// Returns the renderer that found it.
+    /// Returns the renderer that found the set.
     pub(crate) fn renderer(&self) -> RendererId {
         self.revision.renderer
     }
 
-    /// Returns true if it was found for the scene in this revision.
+    /// Returns true if the set was found in this revision of the scene.
     pub(crate) fn is_of(&self, revision: SceneRevision) -> bool {
         self.revision == revision
     }
 }
 
-/// The objects on the GPU that finding the set needs.
+/// The GPU objects that the search for the set needs.
 pub(crate) struct SeenLeaves {
     pub(crate) values: Buffer,
     pub(crate) readback: Buffer,

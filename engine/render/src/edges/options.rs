@@ -1,4 +1,4 @@
-//! The options of edges and outlines, and what is impossible.
+//! The options of edges and outlines, and their checks.
 
 use cull::ObjectId;
 use scene::EdgeRules;
@@ -6,29 +6,29 @@ use scene::EdgeRules;
 use crate::error::Error;
 use crate::passes::EdgeStyle;
 
-/// The edges that are drawn, and what they are drawn over.
+/// The edges that are drawn, and the background that they are drawn over.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum EdgeMode {
-    /// None: it costs nothing.
+    /// No edges, at no cost.
     #[default]
     Off,
-    /// Visible edges on paper: surfaces only hide.
+    /// Visible edges on paper. Surfaces only hide.
     Visible,
-    /// Visible edges, and hidden ones in dashes, on paper.
+    /// Visible edges, and hidden edges as dashes, on paper.
     HiddenDashed,
     /// Visible edges over the surfaces.
     Shaded,
-    /// Visible edges over the surfaces, and hidden ones in dashes.
+    /// Visible edges over the surfaces, and hidden edges as dashes.
     ShadedWithHiddenDashed,
 }
 
 impl EdgeMode {
-    /// Returns true if the colours of surfaces are covered by paper.
+    /// Returns true if paper covers the colours of surfaces.
     pub fn is_on_paper(self) -> bool {
         matches!(self, Self::Visible | Self::HiddenDashed)
     }
 
-    /// Returns true if hidden edges are drawn, too.
+    /// Returns true if hidden edges are drawn as well.
     pub fn shows_hidden(self) -> bool {
         matches!(self, Self::HiddenDashed | Self::ShadedWithHiddenDashed)
     }
@@ -52,7 +52,7 @@ pub struct EdgeOptions {
     /// The length of a gap between dashes in pixels: from 0 to 1024.
     pub gap_pixels: f32,
     /// The angle between two faces above which their edge is drawn in any view, in degrees: from 0
-    /// to 180. Edges that fold less are drawn where they are silhouettes.
+    /// to 180. An edge with a smaller angle is drawn where it is a silhouette.
     pub crease_degrees: f32,
 }
 
@@ -72,12 +72,12 @@ impl Default for EdgeOptions {
 }
 
 impl EdgeOptions {
-    /// Returns the rules by which edges are features.
+    /// Returns the rules that make an edge a feature.
     pub(crate) fn rules(&self) -> EdgeRules {
         EdgeRules { crease_degrees: self.crease_degrees, ..EdgeRules::default() }
     }
 
-    /// Returns the look of visible edges.
+    /// Returns the style of visible edges.
     pub(crate) fn visible(&self) -> EdgeStyle {
         EdgeStyle {
             width_pixels: self.width_pixels,
@@ -87,7 +87,7 @@ impl EdgeOptions {
         }
     }
 
-    /// Returns the look of hidden edges.
+    /// Returns the style of hidden edges.
     pub(crate) fn hidden(&self) -> EdgeStyle {
         EdgeStyle {
             colour: self.hidden_colour,
@@ -98,21 +98,20 @@ impl EdgeOptions {
     }
 }
 
-/// A line around objects, seen through everything: around all pixels that they would have if
-/// nothing were before them. Objects of one outline that overlap in the image have one line around
-/// both.
+/// A line around objects, drawn over everything: it surrounds all pixels that the objects would
+/// have if nothing hid them. Objects of one outline that overlap in the image share one line.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectOutline {
-    /// The objects. An id without an object has no outline until an object has it.
+    /// The objects. An id that no object has is ignored until an object gets it.
     pub objects: Vec<ObjectId>,
-    /// Linear red, green and blue.
+    /// The colour: linear red, green and blue.
     pub colour: [f32; 3],
     /// The width of the line in pixels: above 0, at most 32.
     pub width_pixels: f32,
 }
 
 impl ObjectOutline {
-    /// Returns the look of the edges whose outer halves are the line.
+    /// Returns the style of the edges, whose outer halves form the line.
     pub(crate) fn style(&self) -> EdgeStyle {
         EdgeStyle {
             width_pixels: 2.0 * self.width_pixels,
@@ -124,9 +123,6 @@ impl ObjectOutline {
 }
 
 /// Refuses impossible options of edges.
-///
-/// # Errors
-/// [`Error::Edges`].
 pub(crate) fn check_edges(options: &EdgeOptions) -> Result<(), Error> {
     let checks = [
         (is_width(options.width_pixels, 64.0), "a line is above 0 and at most 64 pixels wide"),
@@ -142,9 +138,6 @@ pub(crate) fn check_edges(options: &EdgeOptions) -> Result<(), Error> {
 }
 
 /// Refuses impossible outlines.
-///
-/// # Errors
-/// [`Error::Edges`].
 pub(crate) fn check_outlines(outlines: &[ObjectOutline]) -> Result<(), Error> {
     let is_wide = outlines.iter().all(|outline| is_width(outline.width_pixels, 32.0));
     let is_coloured = outlines.iter().all(|outline| is_colour(&outline.colour));

@@ -1,5 +1,5 @@
-//! Outlines of objects by a stencil: their pixels are marked in it, then their edges are drawn
-//! where no mark is, so that only the outer halves of silhouettes are left.
+//! Outlines of objects by a stencil. The pixels of the objects are marked in the stencil, and their
+//! edges are drawn where there is no mark, so that only the outer halves of silhouettes remain.
 
 use crate::view_pass::ViewPass;
 use cull::{LeafIndex, ObjectId};
@@ -22,10 +22,7 @@ struct OutlineDraws {
     edges: BufferSlice,
 }
 
-/// Outlines objects in a view, if there are any.
-///
-/// # Errors
-/// A device that cannot draw to a stencil beside the colours; no memory.
+/// Outlines objects in a view, if there are outlines.
 pub(crate) fn record_outlines(view_pass: &mut ViewPass<'_, '_>) -> Result<(), Error> {
     let passes = &mut *view_pass.passes;
     if passes.edges.outlines.is_empty() {

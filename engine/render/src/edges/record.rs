@@ -1,7 +1,7 @@
 //! The edges of a view, drawn over its finished image and against its finished depth.
 //!
-//! Which edges show depends on that depth alone, which is the same under every strategy: so are
-//! they. The edges of all objects around the frustum are drawn, whatever hides the objects.
+//! The visible edges depend only on that depth, which is the same under every strategy. The edges
+//! of all objects around the frustum are drawn, including the edges of hidden objects.
 
 use crate::view_pass::ViewPass;
 use gpu::{Access, BufferSlice, Frame, MemoryBarrier};
@@ -20,15 +20,12 @@ const EDGES: &str = "draw edges";
 /// The draws of the transparent objects of a view.
 struct TransparentEdges {
     instances: BufferSlice,
-    /// The states of the instances for section planes: all are cut, pixel by pixel.
+    /// The section states of the instances: all are cut, pixel by pixel.
     states: BufferSlice,
     draws: BufferSlice,
 }
 
 /// Draws the edges of a view, if they are on.
-///
-/// # Errors
-/// No memory.
 pub(crate) fn record_edges(view_pass: &mut ViewPass<'_, '_>) -> Result<(), Error> {
     let ViewPass { passes, frame, scene, view } = view_pass;
     let options = passes.edges.options;
@@ -75,7 +72,7 @@ pub(crate) fn record_edges(view_pass: &mut ViewPass<'_, '_>) -> Result<(), Error
     Ok(())
 }
 
-/// Waits for vertices that passes before wrote: edges read them in another way.
+/// Waits for the vertices that earlier passes wrote: edges read them by other accesses.
 pub(super) fn wait_for_vertices(frame: &Frame<'_>) {
     let written = [Access::ComputeWrite, Access::CopyWrite];
     frame.commands().barrier(MemoryBarrier::between(&written, &[Access::VertexRead]));
@@ -106,7 +103,7 @@ fn transparent_edges(
     Ok(Some(TransparentEdges { instances, states, draws: frame.uploads().push(&draws)? }))
 }
 
-/// Returns the inputs of the pass of edges, once they are built.
+/// Returns the inputs of the edge pass; `None` until they are built.
 pub(super) fn edge_io(passes: &SceneRenderer) -> Option<EdgeIo> {
     let segments = passes.edges.meshes.as_ref()?.segments();
     let instances = passes.gpu_scene.geometry.instances.whole();

@@ -1,4 +1,4 @@
-//! The edges and outlines of a renderer, and what is kept for them.
+//! The edges and outlines of a renderer, and the data kept for them.
 
 use cull::{LeafIndex, LeafRange};
 use gpu::{Frame, StencilTarget};
@@ -14,28 +14,28 @@ use crate::resources::geometry::Geometry;
 #[derive(Default)]
 pub(crate) struct Edges {
     pub(crate) options: EdgeOptions,
-    /// Those that have objects.
+    /// The outlines that have objects.
     pub(crate) outlines: Vec<ObjectOutline>,
     /// The edges of meshes, while edges or outlines are drawn.
     pub(crate) meshes: Option<EdgeMeshes>,
-    /// The marks of outlined objects, for the target that they were made for.
+    /// The stencil for marks of outlined objects, which fits the target.
     pub(super) stencil: Option<StencilTarget>,
-    /// The leaves of a view, kept to allocate nothing.
+    /// The leaves of a view, kept to allocate nothing in the steady state.
     pub(super) ranges: Vec<LeafRange>,
 }
 
 impl Edges {
-    /// Returns true if something is drawn.
+    /// Returns true if edges or outlines are drawn.
     pub(crate) fn has_draws(&self) -> bool {
         self.options.mode != EdgeMode::Off || !self.outlines.is_empty()
     }
 
-    /// Forgets the images of the target before.
+    /// Drops the images of the former target.
     pub(crate) fn resized(&mut self) {
         self.stencil = None;
     }
 
-    /// Takes meshes that were added and are on their way to the GPU.
+    /// Takes meshes that were added and are being uploaded.
     pub(crate) fn take(&mut self, geometry: &Geometry, added: &[MeshId]) {
         let Some(meshes) = &mut self.meshes else { return };
         let coming = geometry.uploads.meshes().filter(|(mesh, ..)| added.contains(mesh));
@@ -44,9 +44,6 @@ impl Edges {
 
     /// Records the upload of what changed since the last frame, before anything of `frame` reads
     /// it.
-    ///
-    /// # Errors
-    /// More segments than the device's storage buffers hold; no memory.
     pub(crate) fn upload(
         &mut self,
         frame: &mut Frame<'_>,

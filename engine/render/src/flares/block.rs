@@ -9,15 +9,15 @@ use crate::passes::FlareBlockRow;
 
 /// A square of whole pixels around the middle of a light, at the light's depth.
 ///
-/// Its sides lie on the edges of pixels, so that it has the same samples on every device.
+/// Its sides lie on the edges of pixels, so it has the same samples on every device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlareBlock {
-    /// The upper left corner in the image of the view (pixels); outside of it for a light at its
-    /// edge.
+    /// The upper left corner in the image of the view (pixels). It may be outside of the image for
+    /// a light at the edge.
     pub origin: [i32; 2],
     /// The length of a side (pixels), [`FlareBlock::LEAST_SIDE`] to [`FlareBlock::LARGEST_SIDE`].
     pub side: u32,
-    /// The depth of the side of the light towards the eye, as it is stored: 0 for a sun.
+    /// The stored depth of the near side of the light: 0 for a sun.
     pub depth: f32,
     /// The middle of the light, in normalised device coordinates.
     pub middle: Vec2,
@@ -31,14 +31,14 @@ struct SeenLight {
 }
 
 impl FlareBlock {
-    /// The side of the block of a light that is far away: few samples, yet not one that is all or
-    /// nothing.
+    /// The side of the block of a distant light: few samples, yet enough for a fraction between all
+    /// and nothing.
     pub const LEAST_SIDE: u32 = 3;
-    /// The side of the block of a light that is near: enough for a smooth fraction.
+    /// The side of the block of a near light, with enough samples for a smooth fraction.
     pub const LARGEST_SIDE: u32 = 24;
 
-    /// Returns the block of a flare in a view whose depth is reversed. `None` where no part of it
-    /// is in the image, and for a light that the near plane cuts or that is behind the eye.
+    /// Returns the block of a flare in a view with reversed depth. `None` if the block is outside
+    /// of the image, and for a light that the near plane cuts or that is behind the eye.
     #[must_use]
     pub fn of(flare: &LensFlare, view: &CullView) -> Option<Self> {
         let light = match flare.place {
@@ -59,7 +59,7 @@ impl FlareBlock {
         block.area(view.size).map(|_| block)
     }
 
-    /// Returns the pixels of it that are in an image of `size` pixels; `None` if none is.
+    /// Returns the pixels of the block in an image of `size` pixels; `None` if there are none.
     #[must_use]
     pub fn area(&self, size: [u32; 2]) -> Option<Rect> {
         let sides = [0, 1].map(|axis| {
@@ -72,15 +72,15 @@ impl FlareBlock {
         (width > 0 && height > 0).then_some(Rect { origin: [x, y], size: [width, height] })
     }
 
-    /// Returns it as the shaders see it, in an image that lies at `place` in its target (pixels);
-    /// its pixels follow `first_cell` others.
+    /// Returns the block as the shaders read it, for an image at `place` in its target (pixels).
+    /// The block's pixels follow `first_cell` pixels of other blocks.
     pub(super) fn row(&self, place: [u32; 2], first_cell: u32) -> FlareBlockRow {
         let Self { origin: low, side, depth, .. } = *self;
         let target_low = [0, 1].map(|axis| low[axis].saturating_add_unsigned(place[axis]));
         FlareBlockRow { low, target_low, side, depth, first_cell, unused: 0 }
     }
 
-    /// Returns the number of its pixels, in the image and outside of it.
+    /// Returns the number of pixels in the block, inside and outside of the image.
     #[must_use]
     pub fn pixels(&self) -> u32 {
         self.side * self.side
@@ -88,7 +88,7 @@ impl FlareBlock {
 }
 
 impl SeenLight {
-    /// Returns a light at a point, as far away as its side towards the eye.
+    /// Returns a light at a point, with the distance of its near side.
     fn lamp(flare: &LensFlare, view: &CullView) -> Option<Self> {
         let FlarePlace::At(point) = flare.place else { return None };
         let rays = &view.rays;
@@ -107,8 +107,8 @@ impl SeenLight {
         (0.0..=1.0).contains(&depth).then_some(Self { clip, depth, radius_pixels })
     }
 
-    /// Returns a light that is infinitely far away, behind all things. Parallel rays do not meet
-    /// it.
+    /// Returns a light that is infinitely far away. It is never seen by the parallel rays of an
+    /// orthographic view.
     fn sun(flare: &LensFlare, view: &CullView) -> Option<Self> {
         let FlarePlace::Towards(direction) = flare.place else { return None };
         let clip = view.view_proj * direction.normalize_or_zero().extend(0.0);
@@ -164,7 +164,7 @@ mod tests {
             let off = [0, 1].map(|axis| (block.origin[axis] - middle[axis]).abs());
             assert!(off[0] <= 1 && off[1] <= 1, "{z}: {block:?}");
             assert_eq!(block.pixels(), side * side);
-            // Stored depth is the near plane over the view depth.
+            // The stored depth is the near plane divided by the view depth.
             let expected = 0.5 / (-z - 0.5);
             assert!((block.depth - expected).abs() <= expected * 1.0e-5, "{z}: {block:?}");
         }

@@ -1,4 +1,5 @@
-//! The counts of a view's flares: laid out for a frame, read back some frames later without a wait.
+//! The counts of a view's flares: laid out for a frame, and read back some frames later without a
+//! wait.
 
 use cull::{CullView, FrameId};
 use gpu::{QueryIndex, QueryRing, Tick};
@@ -8,24 +9,24 @@ use crate::flares::block::FlareBlock;
 use crate::flares::history::{FlareHistory, FlareSamples, FlareState};
 use crate::passes::{FlareBlockRow, FlareSprite, TRANSMITTANCE_LEVELS};
 
-/// The subject of a count. The queries of one flare follow each other in this order.
+/// The subject of a count. The queries of a flare are consecutive, in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum FlareCount {
     Total,
     Visible,
-    /// The light that the transmittance lets through, in levels: counted where there may be one.
+    /// The light that transparent objects let through, in levels; counted if there may be any.
     Transmitted,
 }
 
-/// A count on its way.
+/// A count in flight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct FlareTag {
     count: FlareCount,
     flare: u32,
     frame: FrameId,
-    /// Samples of its whole block.
+    /// The number of samples in the whole block.
     block: u32,
-    /// The history that it belongs to.
+    /// The number of the history that the count belongs to.
     epoch: u32,
 }
 
@@ -33,13 +34,13 @@ pub(super) struct FlareTag {
 #[derive(Default)]
 pub(super) struct FlareRequests {
     pub(super) tags: Vec<FlareTag>,
-    /// The blocks, and the first of the queries of each.
+    /// The blocks, and the first query of each.
     pub(super) rows: Vec<FlareBlockRow>,
     pub(super) queries: Vec<QueryIndex>,
-    /// The pixels of all blocks.
+    /// The number of pixels in all blocks.
     pub(super) cells: u32,
-    /// The upper left and the lower right corner of what covers all blocks, in the image of the
-    /// view.
+    /// The upper left and the lower right corner of the rectangle around all blocks, in the image
+    /// of the view.
     pub(super) covering: [[u32; 2]; 2],
 }
 
@@ -53,7 +54,7 @@ pub(crate) struct FlareCounts {
     pub(super) is_asking: bool,
     pub(super) asked: FlareRequests,
     collected: Vec<(u32, FlareSamples)>,
-    /// The sprites of the frame being recorded, kept to allocate nothing.
+    /// The sprites of the frame being recorded, kept to allocate nothing in the steady state.
     pub(super) sprites: Vec<FlareSprite>,
     epoch: u32,
 }
@@ -64,13 +65,13 @@ impl FlareCounts {
         &self.states
     }
 
-    /// Drops the ring. The next counting frame makes it again for the number of frames in flight
-    /// then.
+    /// Drops the ring. The next frame that counts creates a new one for the number of frames in
+    /// flight at that time.
     pub(crate) fn forget_ring(&mut self) {
         self.queries = None;
     }
 
-    /// Forgets all counts, those on their way too.
+    /// Forgets all counts, including counts in flight.
     pub(crate) fn reset(&mut self) {
         self.histories.clear();
         self.epoch = self.epoch.wrapping_add(1);
@@ -106,8 +107,9 @@ impl FlareCounts {
         }
     }
 
-    /// Lays out the counts of `frame` in `view`: what is not in the image is known at once. With
-    /// `has_transmittance`, what transparent objects let through is counted too.
+    /// Lays out the counts of `frame` in `view`. Counts of blocks outside of the image are known at
+    /// once. With `has_transmittance`, the light that transparent objects let through is counted as
+    /// well.
     pub(super) fn lay_out(
         &mut self,
         flares: &[LensFlare],
@@ -147,8 +149,8 @@ impl FlareCounts {
         }
     }
 
-    /// Decides how bright the flares are in frame `now`, by the counts of the frame that was so
-    /// many frames before it.
+    /// Sets the brightness of the flares in frame `now`, by counts that are at least
+    /// `frames_in_flight` frames old.
     pub(super) fn advance(&mut self, now: FrameId, frames_in_flight: usize) {
         self.states.clear();
         let delay_frames = frames_in_flight as u64;

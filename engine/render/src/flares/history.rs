@@ -9,29 +9,29 @@ use cull::FrameId;
 pub struct FlareSamples {
     /// The frame of the counts.
     pub frame: FrameId,
-    /// The age of that frame in frames of the view when it decided about the newest one: as many as
-    /// are in flight, once a frame of that age has been drawn.
+    /// The age of that frame, in frames of the view, when it decided about the newest frame. With N
+    /// frames in flight it is N, once a frame of that age has been drawn.
     pub age_frames: u64,
-    /// Samples where no opaque or masked object is nearer than the light.
+    /// The number of samples at which no opaque or masked object is nearer than the light.
     pub visible: u32,
-    /// Samples in the image.
+    /// The number of samples in the image.
     pub total: u32,
-    /// Samples of the whole block, in the image and outside of it.
+    /// The number of samples in the whole block, inside and outside of the image.
     pub block: u32,
-    /// The part of the light, 0 to 1, that transparent objects in front of it let through, the mean
-    /// of the visible samples: each object takes its alpha. Known to a 32nd.
+    /// The share of the light, 0 to 1, that transparent objects in front of it let through, as the
+    /// mean over the visible samples. Each object takes its alpha. The resolution is 1/32.
     pub let_through: f32,
 }
 
 impl FlareSamples {
-    /// Returns the counts of a block of so many samples in the image and altogether, all of them
-    /// hidden.
+    /// Returns the counts of a block with `total` samples in the image and `block` samples in all,
+    /// none of them visible.
     pub(super) fn of(frame: FrameId, total: u32, block: u32) -> Self {
         Self { frame, age_frames: 0, visible: 0, total, block, let_through: 1.0 }
     }
 
-    /// Returns the visible share of the block's part in the image, 0 to 1, times what transparent
-    /// objects let through; 0 if nothing of it is in the image.
+    /// Returns the visible share of the block's samples in the image, 0 to 1, times the share that
+    /// transparent objects let through; 0 if no sample is in the image.
     #[must_use]
     pub fn fraction(&self) -> f32 {
         match self.total {
@@ -40,8 +40,8 @@ impl FlareSamples {
         }
     }
 
-    /// Returns the share of the block that is in the image, 0 to 1: a light leaves the image
-    /// smoothly.
+    /// Returns the share of the block that is in the image, 0 to 1, which lets a light leave the
+    /// image smoothly.
     #[must_use]
     pub fn in_image(&self) -> f32 {
         self.total as f32 / self.block.max(1) as f32
@@ -51,31 +51,31 @@ impl FlareSamples {
 /// The state of a flare in the newest frame of a view.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FlareState {
-    /// The counts that decided; `None` before there were any.
+    /// The counts that decided; `None` before the first counts.
     pub samples: Option<FlareSamples>,
-    /// The brightness that it was drawn with, 0 to 1: it follows the fraction.
+    /// The brightness that the flare was drawn with, 0 to 1, which follows the fraction.
     pub brightness: f32,
 }
 
 impl FlareState {
-    /// Returns the fraction of the counts that decided; 0 without any.
+    /// Returns the fraction of the counts that decided; 0 without counts.
     #[must_use]
     pub fn fraction(&self) -> f32 {
         self.samples.map_or(0.0, |samples| samples.fraction())
     }
 }
 
-/// The most by which the brightness changes from one frame to the next: the few samples of a light
-/// that is far away come and go in steps.
+/// The highest change of the brightness from one frame to the next, since the few samples of a
+/// distant light come and go in steps.
 const FADE_A_FRAME: f32 = 0.25;
 
-/// The age beyond those in flight at which counts say nothing any more (frames).
+/// The additional age, beyond the frames in flight, above which counts are not used (frames).
 const TOO_OLD_FRAMES: u64 = 8;
 
 /// The counts of one flare in one view.
 #[derive(Default)]
 pub(super) struct FlareHistory {
-    /// Counts that no frame has used yet, the oldest first.
+    /// The counts that no frame has used yet, from the oldest on.
     arrived: VecDeque<FlareSamples>,
     state: FlareState,
     /// The brightness in the newest frame that was submitted.
@@ -89,8 +89,9 @@ impl FlareHistory {
         self.arrived.insert(place, samples);
     }
 
-    /// Decides about frame `now` by the newest counts that are at least `delay_frames` old, however
-    /// young others are: when results arrive depends on the GPU's time, and the image must not.
+    /// Decides about frame `now` by the newest counts that are at least `delay_frames` old, even if
+    /// younger ones have arrived: their arrival depends on the time that the GPU takes, and the
+    /// image must not.
     pub(super) fn advance(&mut self, now: FrameId, delay_frames: u64) -> FlareState {
         let is_due = |samples: &FlareSamples| samples.frame.0 + delay_frames <= now.0;
         while self.arrived.front().is_some_and(is_due) {
@@ -109,7 +110,8 @@ impl FlareHistory {
         self.state
     }
 
-    /// Notes that the newest frame was submitted: one that never is changes no brightness.
+    /// Notes that the newest frame was submitted. Frames that are not submitted change no
+    /// brightness.
     pub(super) fn submitted(&mut self) {
         self.shown = self.state.brightness;
     }
@@ -145,7 +147,7 @@ mod tests {
     #[test]
     fn counts_of_the_same_age_decide_whenever_they_arrive() {
         let counts = [16, 0, 8, 8, 16, 4, 0, 16, 2, 2, 10];
-        // In time, all at once in wrong order, and as early as is possible.
+        // In time, all at once in the wrong order, and as early as possible.
         let arrivals: [fn(u64) -> u64; 3] = [|frame| frame + 2, |_| 1, |frame| frame + frame % 3];
         let runs = arrivals.map(|arrival| {
             let mut history = FlareHistory::default();
@@ -181,7 +183,7 @@ mod tests {
             if now < 20 {
                 history.take(counted(now, if now < 10 { 16 } else { 6 }));
             }
-            // A frame that is never submitted comes before each.
+            // A frame that is never submitted comes before each frame.
             history.advance(FrameId(now), 1);
             let state = history.advance(FrameId(now), 1);
             history.submitted();

@@ -1,5 +1,5 @@
-//! Lens flares ("Efficient Occlusion Culling", GPU Gems, 29.8): how much of a light shows, counted
-//! without a wait, decides how bright its flare is.
+//! Lens flares ("Efficient Occlusion Culling", GPU Gems, 29.8). The visible share of a light is
+//! counted without a wait, and decides about the brightness of its flare.
 //!
 //! ```text
 //! block    a square of pixels at the light's place and depth, larger where it is nearer
@@ -9,8 +9,8 @@
 //! sprites  the glow and the ghosts, added to the finished image
 //! ```
 //!
-//! The counts are of the finished depth, which every exact strategy leaves the same, and a frame
-//! uses those of exactly N frames ago, also if younger ones happen to have arrived: so the image
+//! The counts are counts of the finished depth, which is the same under every exact strategy. A
+//! frame uses the counts of exactly N frames ago, even if younger counts have arrived. So the image
 //! depends neither on culling nor on the time that the GPU takes.
 
 mod block;

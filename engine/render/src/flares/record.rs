@@ -13,11 +13,8 @@ use crate::flares::sprites::sprites;
 use crate::passes::FlareBlockIo;
 use crate::scene_renderer::SceneRenderer;
 
-/// Counts the flares of a view, once everything of its frame is drawn, and draws those that earlier
-/// frames have counted.
-///
-/// # Errors
-/// No memory, or a failed call.
+/// Counts the flares of a view, after everything of its frame is drawn, and draws the flares by the
+/// counts of earlier frames.
 pub(crate) fn record_flares(
     view_pass: &mut ViewPass<'_, '_>,
     flares: &[LensFlare],
@@ -60,8 +57,8 @@ fn has_transparent(passes: &SceneRenderer) -> bool {
     passes.gpu_scene.transparent.as_ref().is_some_and(|transparent| !transparent.list().is_empty())
 }
 
-/// Adds up how much the transparent objects in front of the lights take at each pixel of the
-/// blocks.
+/// Adds up, at each pixel of the blocks, the light that transparent objects in front of the lights
+/// take.
 fn record_transmittance(
     view_pass: &mut ViewPass<'_, '_>,
     counts: &FlareCounts,

@@ -1,18 +1,18 @@
-//! The sprites of a flare: the glow at its light, and ghosts on the line through the middle of the
-//! image.
+//! The sprites of a flare: the glow at its light, and ghosts on the line from the light through the
+//! middle of the image.
 
 use glam::Vec2;
 use scene::LensFlare;
 
 use crate::passes::{FlareShape, FlareSprite};
 
-/// A ghost: an image of the light that the surfaces of a lens mirror.
+/// A ghost: an image of the light, reflected by the surfaces of a lens.
 struct Ghost {
-    /// Its place on the line: 1 is the light, 0 the middle of the image.
+    /// The place on the line: 1 is the light, 0 the middle of the image.
     place: f32,
-    /// Its radius in halves of the height of the image.
+    /// The radius in units of half the height of the image.
     radius: f32,
-    /// Its share of the light's red, green and blue.
+    /// The factors on the light's red, green and blue.
     tint: [f32; 3],
 }
 
@@ -26,7 +26,7 @@ const GHOSTS: [Ghost; 6] = [
 ];
 
 /// Returns the sprites of a flare whose light is at `middle` in normalised device coordinates, in
-/// an image of `size` pixels. There are none without brightness.
+/// an image of `size` pixels. Without brightness there are none.
 pub(super) fn sprites(
     flare: &LensFlare,
     middle: Vec2,

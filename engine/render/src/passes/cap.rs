@@ -1,5 +1,5 @@
-//! The cap pass: closes solids where section planes cut them open, by the parity of the faces that
-//! lie behind the plane.
+//! The cap pass: closes solids where section planes cut them open, by the parity of the number of
+//! faces behind the plane.
 //!
 //! ```text
 //! per cap   count    the object's faces behind the plane, whatever hides them: odd is inside
@@ -23,19 +23,19 @@ use crate::resources::instance::Instance;
 /// The number of storage buffers of all pipelines of the pass.
 const BUFFERS: u32 = 4;
 
-/// The use of caps by a rendering.
+/// The output of a rendering of caps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CapKind {
-    /// Colour and depth, where nothing nearer is there.
+    /// Colour and depth, where nothing is nearer.
     Whole,
-    /// Depth alone.
+    /// Only depth.
     Depth,
-    /// The colour of those that own a pixel of the finished depth. Of equally near surfaces the
-    /// larger value of each channel is kept.
+    /// The colour of the caps that own a pixel of the finished depth. Where surfaces are equally
+    /// near, the larger value of each channel is kept.
     Colour,
-    /// A note of the leaf of each cap that owns a pixel of the finished depth.
+    /// The leaf of each cap that owns a pixel of the finished depth.
     Seen,
-    /// A note of the leaf and the depth of the nearest of them.
+    /// The leaf and the depth of the nearest cap.
     Pointed,
 }
 
@@ -63,15 +63,15 @@ pub(crate) struct CapDraw {
     pub(crate) shell: Shell,
 }
 
-/// The inputs of the pass: reads positions, indices, instances, caps and the planes of the view.
+/// The inputs of the pass: positions, indices, instances, caps and the planes of the view are read.
 #[derive(Clone, Copy)]
 pub(crate) struct CapIo<'a> {
     pub(crate) opaque: OpaqueIo,
-    /// A [`CapRow`] for each of the draws.
+    /// A [`CapRow`] for each draw.
     pub(crate) rows: BufferSlice,
     pub(crate) draws: &'a [CapDraw],
-    /// The notes: one value per leaf for [`CapKind::Seen`], the leaf and the depth for
-    /// [`CapKind::Pointed`].
+    /// The output of [`CapKind::Seen`], one value per leaf, or of [`CapKind::Pointed`], the leaf
+    /// and the depth.
     pub(crate) notes: Option<BufferSlice>,
 }
 
@@ -89,12 +89,12 @@ const _: () = assert!(size_of::<Constants>() == 92);
 /// The pass that draws caps.
 pub(crate) struct CapPass {
     count: GraphicsPipeline,
-    /// The same for meshes with the backs of triangles as triangles of their own.
+    /// The count for meshes in which the backs of triangles are separate triangles.
     count_fronts: GraphicsPipeline,
     whole: GraphicsPipeline,
     depth: GraphicsPipeline,
     colour: GraphicsPipeline,
-    /// Keeps the parity of those that own a pixel.
+    /// Keeps the parity of the caps that own a pixel.
     mark: GraphicsPipeline,
     seen: Option<GraphicsPipeline>,
     pointed: Option<GraphicsPipeline>,
@@ -102,16 +102,13 @@ pub(crate) struct CapPass {
 
 impl CapPass {
     /// Compiles the pass for renderings to `attachments`, which have a stencil.
-    ///
-    /// # Errors
-    /// A failed call.
     pub(crate) fn new(
         device: &Device,
         shaders: &ShaderSet,
         attachments: Attachments,
     ) -> Result<Self, Error> {
         let storage = StorageLayout::new::<Constants>(BUFFERS);
-        // What lies beyond the far plane of an orthographic view counts, too.
+        // Faces beyond the far plane of an orthographic view must count as well.
         let range = if device.capabilities().has(OptionalFeature::DepthClamp) {
             DepthRange::Clamped
         } else {
@@ -169,7 +166,7 @@ impl CapPass {
         })
     }
 
-    /// Draws the caps of a view, in their order, over a stencil of 0.
+    /// Draws the caps of a view in their order. The stencil must be 0.
     pub(crate) fn draw(&self, commands: &Commands, io: &CapIo<'_>, view: &CullView, kind: CapKind) {
         let (Some(first), Some(section)) = (io.draws.first(), io.opaque.section) else { return };
         let notes = io.notes.unwrap_or(section.planes);

@@ -1,4 +1,4 @@
-//! The caster pass: the depth of objects as lights see them.
+//! The caster pass: the depth of objects seen from lights.
 
 use ::shadows::ShadowBias;
 use cull::CullView;
@@ -16,8 +16,8 @@ use crate::passes::{MidpointPass, SurfaceIo, SurfaceKind, SurfacePass};
 use crate::resources::instance::Instance;
 use crate::shading::surfaces::SurfaceResources;
 
-/// The pass that draws casters of shadows to [`DepthLayers`], nearest depths
-/// first: with the holes of masked materials where there are any.
+/// The pass that draws casters of shadows to [`DepthLayers`] and keeps the nearest depth. It cuts
+/// the holes of masked materials, if there are any.
 pub enum CasterPass {
     /// Without holes.
     Whole(WholeCasters),
@@ -25,22 +25,23 @@ pub enum CasterPass {
     Masked(SurfacePass),
 }
 
-/// The inputs of the pass: reads positions, indices, instances, and of surfaces what cuts holes.
+/// The inputs of the pass: positions, indices, instances, and the data of surfaces that cuts holes
+/// are read.
 #[derive(Clone, Copy)]
 pub struct CasterIo<'a> {
     /// [`Vertex`](scene::Vertex)es of all meshes.
     pub vertices: BufferSlice,
     /// The 32-bit indices of all meshes, three per triangle.
     pub indices: BufferSlice,
-    /// One instance per leaf.
+    /// An instance per leaf.
     pub instances: BufferSlice,
     /// The scene's surfaces.
     pub surfaces: &'a SurfaceResources,
-    /// Section planes as the light sees them, for passes that were compiled to be cut.
+    /// Section planes in the light's view, for passes that were compiled with section planes.
     pub section: Option<SectionIo>,
 }
 
-/// The pass that draws casters without holes, of which it needs positions alone.
+/// The pass that draws casters without holes. It reads only positions.
 pub struct WholeCasters {
     pipeline: GraphicsPipeline,
 }
@@ -77,19 +78,19 @@ impl CasterIo<'_> {
     }
 }
 
-/// The side of casters that is drawn, as a light sees them.
+/// The side of casters that is drawn, seen from a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CasterSide {
-    /// All triangles: a wall stops light whichever side it shows.
+    /// All triangles: a wall stops light from both sides.
     Both,
     /// Triangles that face the light.
     Fronts,
-    /// Triangles that face away from it.
+    /// Triangles that face away from the light.
     Backs,
 }
 
 impl CasterSide {
-    /// Returns the faces of triangles that are left out.
+    /// Returns the faces to cull.
     pub(super) fn culled_faces(self) -> vk::CullModeFlags {
         match self {
             Self::Both => vk::CullModeFlags::NONE,
@@ -117,17 +118,14 @@ impl CasterSide {
 
 /// The passes that draw shadow maps.
 pub(crate) struct MapPasses {
-    /// The side of casters that maps hold, or the fronts that midpoints are made of.
+    /// The pass for the side of casters that maps hold, or for the fronts of midpoints.
     pub(crate) casters: CasterPass,
-    /// The other side of midpoints, and the pass that makes them.
+    /// The pass for the backs of midpoints, and the pass that writes midpoints.
     pub(crate) midpoints: Option<(CasterPass, MidpointPass)>,
 }
 
 impl MapPasses {
     /// Compiles the passes for a scene.
-    ///
-    /// # Errors
-    /// A failed call.
     pub(crate) fn new(
         device: &Device,
         shaders: &ShaderSet,
@@ -174,7 +172,7 @@ impl CasterPass {
         })
     }
 
-    /// Binds everything but the view.
+    /// Binds everything except the view.
     pub fn bind(&self, commands: &Commands, io: &CasterIo<'_>) {
         match self {
             Self::Whole(WholeCasters { pipeline }) => {
@@ -185,13 +183,13 @@ impl CasterPass {
         }
     }
 
-    /// Sets the light's view of a map; the caller then records draws.
+    /// Sets the light's view of a map. The caller then records draws.
     pub fn set_view(&self, commands: &Commands, io: &CasterIo<'_>, view: &CullView) {
         match self {
             Self::Whole(WholeCasters { pipeline }) => {
                 commands.push_constants(pipeline, &SeenConstants::of(view));
             }
-            // Nothing is shaded.
+            // Only depth is drawn, so any light will do.
             Self::Masked(pass) => {
                 pass.set_view(commands, &io.surface(), view, &Light::afternoon());
             }

@@ -16,9 +16,9 @@ use crate::passes::section::{culled_faces, cut_depth_stages, section_buffers, wi
 use crate::resources::instance::Instance;
 use occlusion::{Error, ShaderSet};
 
-/// The pass that draws objects a second time against their own depth, and proxies at any depth.
-/// Writes nothing: queries around the draws count. The positions of objects are invariant, so a
-/// sample passes where the object is the nearest.
+/// The pass that draws objects again against their own depth, and proxies with and without a depth
+/// test. It writes nothing: queries around the draws count samples. The positions of objects are
+/// invariant, so a sample passes where the object is the nearest.
 pub struct CountPass {
     objects: GraphicsPipeline,
     proxies: GraphicsPipeline,
@@ -26,9 +26,6 @@ pub struct CountPass {
 
 impl CountPass {
     /// Compiles the pass for renderings to `attachments`.
-    ///
-    /// # Errors
-    /// A failed call.
     pub fn new(
         device: &Device,
         shaders: &ShaderSet,
@@ -57,20 +54,20 @@ impl CountPass {
         })
     }
 
-    /// Binds everything for objects; the caller then records [`CountPass::draw`] for each.
+    /// Binds everything for objects. The caller then records [`CountPass::draw`] for each.
     pub fn bind_objects(&self, commands: &Commands, io: &OpaqueIo, view: &CullView) {
         with_section(&[io.instances], io.section, |all| commands.bind(&self.objects, all));
         commands.bind_geometry(io.vertices, Some(io.indices));
         commands.push_constants(&self.objects, &SeenConstants::of(view));
     }
 
-    /// Draws an object. Not indirectly: Mesa 22.3's lavapipe lets an indirect draw take the count
-    /// of the previous counted one.
+    /// Draws an object. The draw is direct, since on Mesa 22.3's Lavapipe an indirect draw takes
+    /// the count of an earlier counted draw.
     pub fn draw(&self, commands: &Commands, draw: &IndirectDraw) {
         commands.draw_indexed(draw);
     }
 
-    /// Binds everything for proxies as if nothing hid them; the caller then records
+    /// Binds everything for proxies without a depth test. The caller then records
     /// [`CountPass::draw_proxy`] for each.
     pub fn bind_proxies(&self, commands: &Commands, io: &ProxyIo, view: &CullView) {
         commands.bind(&self.proxies, &[io.boxes]);

@@ -1,4 +1,5 @@
-//! The edge pass: segments of edges as lines that are pixels wide, over a depth that is there.
+//! The edge pass: segments of edges as lines with a width in pixels, drawn against an existing
+//! depth.
 
 use bytemuck::{Pod, Zeroable};
 use cull::{CullView, ProjectionKind};
@@ -13,13 +14,13 @@ use super::opaque::{OpaquePass, anchored};
 use super::section::{SectionIo, section_buffers, with_section};
 use crate::resources::instance::Instance;
 
-/// The stage that widens lines.
+/// The shader stage that widens lines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EdgePath {
     /// A geometry shader. For devices with [`OptionalFeature::GeometryShaders`].
     GeometryShader,
-    /// The vertex shader, which finds the line of its segment for each corner of a strip. The same
-    /// picture, to the bit, at several times the work.
+    /// The vertex shader, which computes the line of its segment for each corner of a strip. The
+    /// image is the same to the bit, at several times the work.
     Quads,
 }
 
@@ -33,7 +34,7 @@ impl EdgePath {
         }
     }
 
-    /// Returns a name for people.
+    /// Returns the name of the path for users.
     pub const fn name(self) -> &'static str {
         match self {
             Self::GeometryShader => "a geometry shader",
@@ -41,7 +42,7 @@ impl EdgePath {
         }
     }
 
-    /// Returns the vertices that a segment is drawn by.
+    /// Returns the number of vertices that a segment is drawn with.
     fn vertices(self) -> u32 {
         match self {
             Self::GeometryShader => 1,
@@ -49,7 +50,7 @@ impl EdgePath {
         }
     }
 
-    /// Returns the draw of segments by the instance of this number.
+    /// Returns the draw of segments with the instance of this index.
     pub(crate) fn draw(self, segments: &std::ops::Range<u32>, instance: u32) -> UnindexedDraw {
         UnindexedDraw {
             vertex_count: self.vertices().saturating_mul(segments.len() as u32),
@@ -60,37 +61,37 @@ impl EdgePath {
     }
 }
 
-/// The lines that are drawn where a test passes.
+/// The lines that are drawn, by their depth test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum EdgeTest {
-    /// Those that nothing hides.
+    /// Lines that nothing hides.
     Visible,
-    /// All others.
+    /// Hidden lines.
     Hidden,
 }
 
-/// The look of lines.
+/// The style of lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct EdgeStyle {
     pub(crate) width_pixels: f32,
-    /// Linear red, green and blue.
+    /// The colour: linear red, green and blue.
     pub(crate) colour: [f32; 3],
-    /// The length of a dash and of a gap in pixels; a dash of 0 for lines without gaps.
+    /// The length of a dash in pixels; 0 for lines without gaps.
     pub(crate) dash_pixels: f32,
     pub(crate) gap_pixels: f32,
 }
 
-/// The buffers of the pass: reads instances, segments and the vertices of all meshes; writes the
-/// colour that is being rendered to.
+/// The buffers of the pass. Instances, segments and the vertices of all meshes are read; the colour
+/// that is being rendered to is written.
 #[derive(Clone, Copy)]
 pub(crate) struct EdgeIo {
-    /// One instance per leaf, or per draw.
+    /// An instance per leaf, or per draw.
     pub(crate) instances: BufferSlice,
     /// [`EdgeSegment`]s.
     pub(crate) segments: BufferSlice,
     /// The vertices, as a storage buffer.
     pub(crate) vertices: BufferSlice,
-    /// The section planes that cut lines, where there are any.
+    /// The section planes that cut lines, if there are any.
     pub(crate) section: Option<SectionIo>,
 }
 
@@ -108,9 +109,9 @@ pub(crate) struct EdgeSegment {
 const _: () = assert!(size_of::<EdgeSegment>() == 20);
 
 impl EdgeSegment {
-    /// In place of the corner of a face that there is not.
+    /// Stands for the corner of a missing second face.
     pub(crate) const NO_FACE: u32 = u32::MAX;
-    /// In place of the run of a smooth edge.
+    /// Stands for the run of a smooth edge.
     pub(crate) const SMOOTH: u32 = u32::MAX;
 }
 
@@ -149,11 +150,11 @@ impl Constants {
     }
 }
 
-/// Returns the difference of depth over the width of a pixel along the view: a factor of the depth,
-/// and what is added to that.
+/// Returns the change of depth over the width of a pixel along the view, as a linear function of
+/// the depth: its factor and its constant.
 fn depth_step(view: &CullView) -> [f32; 2] {
     let [_, height] = view.size;
-    // In metres, in perspective at a distance of one.
+    // In metres; in perspective at a distance of one metre.
     let pixel_m = 2.0 * view.rays.down.length() / height.max(1) as f32;
     let [constant, scaled] = view.rays.depth;
     match view.rays.kind {
@@ -169,7 +170,7 @@ pub(crate) struct EdgePass {
     all: Buffer,
 }
 
-/// The pipelines that mark objects in a stencil, and draw edges where no mark is.
+/// The pipelines that mark objects in a stencil, and draw edges where there is no mark.
 pub(crate) struct OutlinePass {
     pub(crate) mark: OpaquePass,
     edges: GraphicsPipeline,
@@ -178,9 +179,6 @@ pub(crate) struct OutlinePass {
 
 impl EdgePass {
     /// Compiles the pass for renderings to `attachments`.
-    ///
-    /// # Errors
-    /// No memory, a failed call.
     pub(crate) fn new(
         device: &Device,
         shaders: &ShaderSet,
@@ -197,7 +195,7 @@ impl EdgePass {
         })
     }
 
-    /// Binds the pipeline of a test; the caller then [draws](EdgePass::draw).
+    /// Binds the pipeline of a test. The caller then [draws](EdgePass::draw).
     pub(crate) fn bind(
         &self,
         commands: &Commands,
@@ -213,7 +211,7 @@ impl EdgePass {
         bind(commands, pipeline, io, view, style);
     }
 
-    /// Draws [`UnindexedDraw`]s with what is bound.
+    /// Draws [`UnindexedDraw`]s with the bound pipeline.
     pub(crate) fn draw(&self, commands: &Commands, draws: BufferSlice) {
         commands.draw_all_unindexed_indirect(draws, self.all.whole());
     }
@@ -221,9 +219,6 @@ impl EdgePass {
 
 impl OutlinePass {
     /// Compiles the pass for renderings to the colours of `attachments` with a stencil.
-    ///
-    /// # Errors
-    /// No memory, a failed call.
     pub(crate) fn new(
         device: &Device,
         shaders: &ShaderSet,
@@ -243,7 +238,7 @@ impl OutlinePass {
         })
     }
 
-    /// Draws the edges of objects where no mark is.
+    /// Draws the edges of objects where there is no mark.
     pub(crate) fn draw(
         &self,
         commands: &Commands,
@@ -296,7 +291,7 @@ fn info<'a>(
     })
 }
 
-/// Returns the count of all draws, however many there are.
+/// Returns a buffer with a draw count that exceeds every number of draws.
 fn all_draws(device: &Device) -> Result<Buffer, Error> {
     let most = [device.adapter().limits.max_draw_indirect_count.max(1)];
     Ok(device.upload("all edges", &most, vk::BufferUsageFlags::INDIRECT_BUFFER)?)

@@ -10,39 +10,41 @@ use gpu::{
 
 use occlusion::{Error, ShaderSet};
 
-/// The levels by which the count of a transmitted block knows what is let through at a pixel.
+/// The number of levels by which the count of a transmitted block resolves the transmittance of a
+/// pixel.
 pub(crate) const TRANSMITTANCE_LEVELS: u32 = 32;
 
-/// Two triangles.
+/// The vertices of two triangles.
 const SQUARE_VERTICES: u32 = 6;
 
 /// The pass of lens flares.
 pub struct FlarePass {
     total: GraphicsPipeline,
     visible: GraphicsPipeline,
-    /// Missing where fragment shaders cannot write what the transmittance is made of.
+    /// `None` if fragment shaders cannot write the transmittance.
     transmitted: Option<GraphicsPipeline>,
     sprites: GraphicsPipeline,
 }
 
-/// The samples of a block that are counted.
+/// The samples of a block to count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BlockCount {
-    /// All in the image.
+    /// All samples in the image.
     Total,
-    /// Those where the finished depth is not nearer.
+    /// The samples at which the finished depth is not nearer.
     Visible,
-    /// The same, [`TRANSMITTANCE_LEVELS`] times each, less what the transmittance takes.
+    /// The samples at which the finished depth is not nearer, [`TRANSMITTANCE_LEVELS`] times each,
+    /// less the levels that transparent objects take.
     Transmitted,
 }
 
-/// The buffers of the counts: reads blocks, the transmittance and the finished depth; writes
-/// nothing.
+/// The buffers of the counts. Blocks, transmittance and the finished depth are read; nothing is
+/// written.
 #[derive(Clone, Copy)]
 pub struct FlareBlockIo {
     /// A [`FlareBlockRow`] per block.
     pub blocks: BufferSlice,
-    /// The light that transparent objects take at each pixel of the blocks, where there are any.
+    /// The light that transparent objects take at each pixel of the blocks, if there are any.
     pub transmittance: Option<BufferSlice>,
 }
 
@@ -56,47 +58,47 @@ impl FlareBlockIo {
     }
 }
 
-/// A block as the shaders see it.
+/// A block in the form that the shaders read.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct FlareBlockRow {
     /// Upper left corner in the image of the view (pixels).
     pub low: [i32; 2],
-    /// The same in the target (pixels).
+    /// The upper left corner in the target (pixels).
     pub target_low: [i32; 2],
     /// The length of a side (pixels).
     pub side: u32,
     /// The stored depth of the light.
     pub depth: f32,
-    /// The number of its first pixel among those of all blocks.
+    /// The index of its first pixel among the pixels of all blocks.
     pub first_cell: u32,
-    /// 0.
+    /// Padding, 0.
     pub unused: u32,
 }
 
-/// The look of a sprite.
+/// The shape of a sprite.
 #[repr(transparent)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct FlareShape(u32);
 
 impl FlareShape {
-    /// Brightest in its middle.
+    /// A glow, brightest in its middle.
     pub const GLOW: Self = Self(0);
     /// A disk with a bright rim.
     pub const GHOST: Self = Self(1);
 }
 
-/// A soft sprite of a flare, as the shaders see it.
+/// A soft sprite of a flare, in the form that the shaders read.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 pub struct FlareSprite {
-    /// Its middle in normalised device coordinates.
+    /// The middle, in normalised device coordinates.
     pub middle: [f32; 2],
-    /// Its radius across and down, in normalised device coordinates.
+    /// The horizontal and vertical radius, in normalised device coordinates.
     pub radius: [f32; 2],
-    /// Linear red, green and blue that its brightest place adds.
+    /// The linear red, green and blue that its brightest point adds.
     pub colour: [f32; 3],
-    /// Its look.
+    /// The shape.
     pub shape: FlareShape,
 }
 
@@ -113,9 +115,6 @@ const _: () = assert!(size_of::<FlareSprite>() == 32);
 
 impl FlarePass {
     /// Compiles the pass for renderings to `attachments`.
-    ///
-    /// # Errors
-    /// A failed call.
     pub fn new(
         device: &Device,
         shaders: &ShaderSet,
@@ -127,7 +126,7 @@ impl FlarePass {
             storage: StorageLayout::new::<Constants>(1),
             depth,
             attachments,
-            // A transmitted block has so many instances.
+            // A transmitted block has [`TRANSMITTANCE_LEVELS`] instances.
             instance_bytes: size_of::<FlareBlockRow>() as u32 / TRANSMITTANCE_LEVELS,
             ..GraphicsPipelineInfo::of(name, block)
         };
@@ -140,7 +139,7 @@ impl FlarePass {
             fragment: Some(shaders.find("flare.frag")?),
             storage: StorageLayout { buffers: 1, ..StorageLayout::default() },
             depth: DepthMode::Ignored,
-            // With an alpha of 0 this adds.
+            // With an alpha of 0, this adds.
             blend: Blend::Premultiplied,
             attachments,
             ..GraphicsPipelineInfo::of("lens flares", sprite).numbered::<FlareSprite>()
@@ -155,7 +154,7 @@ impl FlarePass {
         })
     }
 
-    /// Binds everything for one kind of count; the caller then records [`FlarePass::draw_block`]
+    /// Binds everything for one kind of count. The caller then records [`FlarePass::draw_block`]
     /// for each block.
     pub fn bind_blocks(
         &self,
@@ -191,7 +190,7 @@ impl FlarePass {
     }
 }
 
-/// Returns how many times a count draws each block.
+/// Returns the number of times that a count draws each block.
 fn levels(kind: BlockCount) -> u32 {
     if kind == BlockCount::Transmitted { TRANSMITTANCE_LEVELS } else { 1 }
 }

@@ -1,4 +1,4 @@
-//! The passes of transparent objects whose fragments are sorted.
+//! The passes of transparent objects with sorted fragments.
 
 use gpu::{
     Attachments, Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
@@ -9,7 +9,7 @@ use occlusion::{Error, ShaderSet};
 use crate::passes::{SurfaceKind, SurfacePass, SurfaceShadows};
 use crate::shading::surfaces::SurfaceResources;
 
-/// The buffers of the passes: the lists of a view, the counts of a frame.
+/// The buffers of the passes: the lists of a view, and the counts of a frame.
 #[derive(Clone, Copy)]
 pub(crate) struct FragmentIo {
     /// The lists and their fragments.
@@ -18,8 +18,8 @@ pub(crate) struct FragmentIo {
     pub(crate) counts: BufferSlice,
 }
 
-/// The pass that stores the fragments of objects in a list per pixel, and the one that blends each
-/// list over the image, in the order of its depths.
+/// The pass that stores the fragments of objects in a list per pixel, and the pass that blends each
+/// list over the image in the order of depth.
 pub(crate) struct FragmentPasses {
     pub(crate) storing: SurfacePass,
     sorting: GraphicsPipeline,
@@ -28,9 +28,6 @@ pub(crate) struct FragmentPasses {
 impl FragmentPasses {
     /// Compiles the passes for a scene and its shadows, and for renderings to `attachments`, on a
     /// device whose fragment shaders write to buffers.
-    ///
-    /// # Errors
-    /// A failed call.
     pub(crate) fn new(
         device: &Device,
         shaders: &ShaderSet,

@@ -1,5 +1,5 @@
-//! The layers pass: how many surfaces are drawn at each pixel of a view, hidden ones included, and
-//! that number as a colour.
+//! The layers pass: counts the surfaces at each pixel of a view, including hidden ones, and shows
+//! the counts as colours.
 
 use bytemuck::{Pod, Zeroable};
 use cull::CullView;
@@ -21,16 +21,16 @@ pub(crate) struct LayersPass {
     showing: GraphicsPipeline,
 }
 
-/// The buffers of the pass: reads those of the opaque pass; counts in a value per pixel.
+/// The buffers of the pass. The buffers of the opaque pass are read; a value per pixel counts.
 #[derive(Clone, Copy)]
 pub(crate) struct LayersIo {
     /// The buffers of the draws.
     pub(crate) opaque: OpaqueIo,
-    /// A value per pixel of the view, rows from the top, 0 at first.
+    /// A value per pixel of the view, in rows from the top, initially 0.
     pub(crate) layers: BufferSlice,
 }
 
-/// The part of the image that is counted in; mirrors the end of `layers_main.glsl`'s constants.
+/// The counted part of the image; mirrors the end of the constants in `layers_main.glsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct AreaConstants {
@@ -57,9 +57,6 @@ impl AreaConstants {
 
 impl LayersPass {
     /// Compiles the pass for renderings to `attachments`.
-    ///
-    /// # Errors
-    /// A device whose fragment shaders cannot write to buffers; a failed call.
     pub(crate) fn new(
         device: &Device,
         shaders: &ShaderSet,
@@ -98,7 +95,7 @@ impl LayersPass {
         })
     }
 
-    /// Binds everything that counts; the caller then records draws.
+    /// Binds everything for counting. The caller then records draws.
     pub(crate) fn bind(&self, commands: &Commands, io: &LayersIo, view: &CullView) {
         let own = [io.opaque.instances, io.layers];
         with_section(&own, io.opaque.section, |all| commands.bind(&self.counting, all));

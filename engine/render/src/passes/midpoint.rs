@@ -1,4 +1,4 @@
-//! The midpoint pass: shadow maps with depths halfway between two sides of casters.
+//! The midpoint pass: shadow maps with depths halfway between the two sides of casters.
 
 use ::shadows::MIDPOINT_TEXELS;
 use bytemuck::{Pod, Zeroable};
@@ -14,12 +14,12 @@ pub(crate) struct MidpointPass {
     pipeline: GraphicsPipeline,
 }
 
-/// The inputs of the pass: reads the depths of both sides, which lie at the places of the tiles.
+/// The inputs of the pass: the depths of both sides, at the places of the tiles, are read.
 #[derive(Clone, Copy)]
 pub(crate) struct MidpointIo<'a> {
-    /// The nearest depths of what faces the light.
+    /// The nearest depths of the faces towards the light.
     pub(crate) fronts: SampledTexture<'a>,
-    /// The nearest depths of what faces away from it.
+    /// The nearest depths of the faces away from the light.
     pub(crate) backs: SampledTexture<'a>,
 }
 
@@ -27,16 +27,17 @@ pub(crate) struct MidpointIo<'a> {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct MidpointTile {
-    /// The most by which a front is moved: the first, and the second times its depth.
+    /// The highest distance by which a front is moved, in depth: a constant, and a factor on its
+    /// depth.
     reach: [f32; 2],
     layer: u32,
 }
 
 impl MidpointTile {
-    /// Returns the tile of a light's view in a layer.
+    /// Creates the tile of a light's view in a layer.
     pub(crate) fn new(view: &CullView, layer: u32) -> Self {
         let [_, scaled] = view.rays.depth;
-        // The image is a square, and depth falls with the distance: linearly, or as its inverse.
+        // The image is a square. Depth falls with the distance, either linearly or as its inverse.
         let side_m = 2.0 * view.rays.right.length();
         let texels = MIDPOINT_TEXELS / view.size[0].max(1) as f32;
         let reach = match view.rays.kind {
@@ -49,9 +50,6 @@ impl MidpointTile {
 
 impl MidpointPass {
     /// Compiles the pass.
-    ///
-    /// # Errors
-    /// A failed call.
     pub(crate) fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
         let info = GraphicsPipelineInfo {
             fragment: Some(shaders.find("midpoint.frag")?),
@@ -63,7 +61,7 @@ impl MidpointPass {
         Ok(Self { pipeline: GraphicsPipeline::new(device, &info)? })
     }
 
-    /// Binds everything but the tile.
+    /// Binds everything except the tile.
     pub(crate) fn bind(&self, commands: &Commands, io: &MidpointIo<'_>) {
         commands.bind_sampled(&self.pipeline, &[], &[io.fronts, io.backs], SampledArrays::NONE);
     }
@@ -82,7 +80,7 @@ mod tests {
 
     use super::*;
 
-    /// Returns the depth that a view has at a distance before its eye.
+    /// Returns the depth at a distance in front of a view's eye.
     fn depth_at(view: &CullView, distance_m: f32) -> f32 {
         let clip = view.view_proj * (Vec3::NEG_Z * distance_m).extend(1.0);
         clip.z / clip.w
@@ -101,7 +99,7 @@ mod tests {
             let view = CullView::new(&camera, [512; 2], 8);
             let MidpointTile { reach: [constant, scaled], layer } = MidpointTile::new(&view, 3);
             assert_eq!(layer, 3);
-            // Where a tile is ten times as wide as at 1 m, if it widens.
+            // A tile that widens is ten times as wide here as at 1 m.
             let side_m = 10.0 * side_at;
             let moved_m = 10.0 + MIDPOINT_TEXELS * side_m / 512.0;
             let near = depth_at(&view, 10.0);

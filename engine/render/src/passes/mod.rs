@@ -1,4 +1,4 @@
-//! The passes: each a struct with its pipeline, and an `Io` that lists its reads and writes.
+//! The passes. Each is a struct with its pipeline, and has an `Io` struct of its reads and writes.
 
 mod cap;
 mod caster;

@@ -1,4 +1,4 @@
-//! The opaque pass: the colour of objects, under any strategy.
+//! The opaque pass: the colour of objects, under every strategy.
 
 use bytemuck::{Pod, Zeroable};
 use cull::CullView;
@@ -12,7 +12,7 @@ use crate::passes::section::{SectionIo, culled_faces, section_buffers, with_sect
 use crate::resources::instance::Instance;
 use occlusion::{Error, SectionShaders, ShaderSet};
 
-/// The pass that draws opaque objects: nearer ones win.
+/// The pass that draws opaque objects with a depth test.
 pub struct OpaquePass {
     pipeline: GraphicsPipeline,
 }
@@ -27,17 +27,17 @@ enum Kind {
     Mark,
 }
 
-/// The buffers of the pass: reads vertices, indices and instances; writes the colour and depth that
-/// are being rendered to.
+/// The buffers of the pass. Vertices, indices and instances are read; the colour and depth that are
+/// being rendered to are written.
 #[derive(Clone, Copy)]
 pub struct OpaqueIo {
     /// The vertices of all meshes.
     pub vertices: BufferSlice,
     /// The 32-bit indices of all meshes, three per triangle.
     pub indices: BufferSlice,
-    /// One instance per leaf.
+    /// An instance per leaf.
     pub instances: BufferSlice,
-    /// Section planes, for passes that were compiled to be cut.
+    /// Section planes, for passes that were compiled with section planes.
     pub section: Option<SectionIo>,
 }
 
@@ -54,16 +54,16 @@ struct Constants {
 
 const _: () = assert!(size_of::<Constants>() == 128);
 
-/// Returns a whole image's matrix of places relative to the anchor, with the anchor itself in its
-/// last column, where clip x and y are 0: three columns; then the anchor, and clip z there. Clip w
-/// there is sent apart.
+/// Returns the matrix for positions relative to the anchor, packed with the anchor. The first three
+/// columns are columns of the matrix. The last column would have clip x and y of 0: it holds the
+/// anchor and clip z instead, and clip w is passed separately.
 pub(super) fn anchored(view: &CullView) -> [f32; 16] {
     let mut matrix = view.from_anchor;
     matrix.w_axis = view.anchor.extend(matrix.w_axis.z);
     matrix.to_cols_array()
 }
 
-/// The positions of [`Vertex`]es, for passes that need nothing else of them.
+/// The positions of [`Vertex`]es, for passes that read nothing else.
 pub(super) const POSITIONS: VertexLayout<'static> = VertexLayout {
     stride_bytes: size_of::<Vertex>() as u32,
     attributes: &[(vk::Format::R32G32B32_SFLOAT, 0)],
@@ -83,8 +83,8 @@ impl OpaquePass {
         Self::of_kind(device, shaders, attachments, Kind::Whole)
     }
 
-    /// Compiles a pass that writes the same depth, to the bit, and no colour. Queries on its draws
-    /// also count samples that are as near as the depth so far.
+    /// Compiles a pass that writes the same depth as [`OpaquePass::new`], to the bit, and no
+    /// colour. Queries on its draws also count samples that are as near as the depth so far.
     ///
     /// # Errors
     /// A failed call.
@@ -120,11 +120,8 @@ impl OpaquePass {
         Self::of_kind(device, shaders, attachments, Kind::Wireframe)
     }
 
-    /// Compiles a pass that marks the pixels of objects in the stencil of `attachments`, whatever
-    /// is before them, and writes nothing else.
-    ///
-    /// # Errors
-    /// A failed call.
+    /// Compiles a pass that marks the pixels of objects in the stencil of `attachments`, including
+    /// hidden ones, and writes nothing else.
     pub(crate) fn marking(
         device: &Device,
         shaders: &ShaderSet,
@@ -163,7 +160,7 @@ impl OpaquePass {
         };
         let stencil = if kind == Kind::Mark { StencilMode::Mark } else { StencilMode::Ignored };
         let polygon = if kind == Kind::Wireframe { Polygon::Wireframe } else { Polygon::Filled };
-        // A vertex shader writes no more than its fragment shader reads.
+        // A vertex shader may write only what its fragment shader reads.
         let has_positions_alone =
             section == SectionShaders::Cut && matches!(kind, Kind::Depth | Kind::Mark);
         let vertex = if has_positions_alone {
@@ -197,7 +194,7 @@ impl OpaquePass {
         Ok(Self { pipeline })
     }
 
-    /// Binds everything; the caller then records draws, each a leaf or a range of leaves.
+    /// Binds everything. The caller then records draws, each a leaf or a range of leaves.
     pub fn bind(&self, commands: &Commands, io: &OpaqueIo, view: &CullView, light: &Light) {
         self.bind_inputs(commands, io);
         self.set_view(commands, view, light);

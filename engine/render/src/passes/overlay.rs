@@ -1,4 +1,4 @@
-//! The overlay pass: coloured triangles and lines in the world, for views that explain.
+//! The overlay pass: coloured triangles and lines in the world, for images that explain.
 
 use bytemuck::{Pod, Zeroable};
 use cull::CullView;
@@ -9,22 +9,23 @@ use gpu::{
 
 use occlusion::{Error, ShaderSet};
 
-/// The pass that draws translucent triangles and lines over a finished image, hidden by its depth
-/// or not.
+/// The pass that draws translucent triangles and lines over a finished image, with or without a
+/// depth test.
 pub struct OverlayPass {
     triangles: GraphicsPipeline,
     lines: GraphicsPipeline,
     lines_through: GraphicsPipeline,
 }
 
-/// The buffers of the pass: reads vertices; blends into the colour that is being rendered to.
+/// The buffers of the pass. Vertices are read; the colour that is being rendered to is blended
+/// with.
 #[derive(Clone, Copy)]
 pub struct OverlayIo {
     /// [`OverlayVertex`]es, three per triangle, and their number.
     pub triangles: (BufferSlice, u32),
     /// [`OverlayVertex`]es, two per line, and their number.
     pub lines: (BufferSlice, u32),
-    /// The same, of lines seen through everything.
+    /// [`OverlayVertex`]es of lines drawn over everything, two per line, and their number.
     pub lines_through: (BufferSlice, u32),
 }
 
@@ -49,9 +50,6 @@ const _: () = assert!(size_of::<Constants>() == 80);
 
 impl OverlayPass {
     /// Compiles the pass for renderings to `attachments`.
-    ///
-    /// # Errors
-    /// A failed call.
     pub fn new(
         device: &Device,
         shaders: &ShaderSet,

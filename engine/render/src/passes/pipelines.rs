@@ -12,7 +12,7 @@ use crate::passes::{
 use crate::shading::depth_first::Shading;
 use crate::shading::surfaces::SurfaceResources;
 
-/// The passes of a renderer. [`Pipelines::compile`] is the one list of them, for new renderers and
+/// The passes of a renderer. [`Pipelines::compile`] is the only list of them, for new renderers and
 /// for other shaders.
 pub(crate) struct Pipelines {
     pub(crate) opaque: OpaquePass,
@@ -20,22 +20,22 @@ pub(crate) struct Pipelines {
     pub(crate) shading: Option<Shading>,
     /// The pass of transparent objects, if there are any.
     pub(crate) transparent: Option<SurfacePass>,
-    /// The passes of transparent objects whose fragments are sorted, if any are.
+    /// The passes of transparent objects with sorted fragments, if fragments are sorted.
     pub(crate) fragments: Option<FragmentPasses>,
     /// The pass of skinned meshes, if there are any.
     pub(crate) skinning: Option<SkinningPass>,
     /// The passes of shadow maps, if there are any.
     pub(crate) maps: Option<MapPasses>,
-    /// The pass that tests which casters matter, where they are culled.
+    /// The pass that tests which casters matter, if casters are culled.
     pub(crate) shadow_tests: Option<BoxVolumePass>,
     /// The pass of shadow volumes, if there are any.
     pub(crate) volumes: Option<VolumePass>,
-    /// The opaque pass in two, for methods that draw depth first.
+    /// The opaque pass in two parts, for methods that draw depth first.
     pub(crate) depth_first: OnDemand<DepthFirst>,
     pub(crate) caps: OnDemand<CapPass>,
     pub(crate) count: OnDemand<CountPass>,
     pub(crate) flares: OnDemand<FlarePass>,
-    /// The pass of transparent objects before flares, if there are both.
+    /// The pass of transparent objects in front of flares, if there are both.
     pub(crate) transmittance: Option<SurfacePass>,
     pub(crate) seen: OnDemand<SeenPass>,
     pub(crate) pointer: OnDemand<PointerPass>,
@@ -46,10 +46,10 @@ pub(crate) struct Pipelines {
     pub(crate) outlines: OnDemand<OutlinePass>,
 }
 
-/// The parts of a scene that have passes of their own.
+/// The parts of a scene that need passes of their own.
 #[derive(Clone, Copy)]
 pub(crate) struct PassNeeds<'a> {
-    /// The images that all but shadow maps are drawn to.
+    /// The images that all passes except shadow maps draw to.
     pub(crate) attachments: Attachments,
     pub(crate) surfaces: Option<&'a SurfaceResources>,
     pub(crate) has_transparent: bool,
@@ -72,10 +72,8 @@ fn surface_shadows(options: &ShadowOptions) -> Option<SurfaceShadows> {
 }
 
 impl Pipelines {
-    /// Compiles the passes that a scene needs, and of those on demand the ones in `former`.
-    ///
-    /// # Errors
-    /// A shader that does not fit its pass, a failed call.
+    /// Compiles the passes that a scene needs, and the passes on demand that are compiled in
+    /// `former`.
     pub(crate) fn compile(
         device: &Device,
         shaders: &ShaderSet,
@@ -168,10 +166,7 @@ pub(crate) struct OnDemand<P> {
 }
 
 impl<P> OnDemand<P> {
-    /// Compiles the pass unless it is compiled already.
-    ///
-    /// # Errors
-    /// What the device lacks for the pass, a shader that does not fit it, a failed call.
+    /// Compiles the pass unless it is already compiled.
     pub(crate) fn prepare(&mut self, device: &Device, shaders: &ShaderSet) -> Result<(), Error> {
         if self.pass.is_none() {
             self.pass = Some((self.compile)(device, shaders, self.attachments)?);
@@ -185,7 +180,7 @@ impl<P> OnDemand<P> {
     }
 }
 
-/// The passes with the shaders before, if there were any.
+/// The passes with the former shaders, if there are any.
 struct Former<'a> {
     device: &'a Device,
     shaders: &'a ShaderSet,
@@ -194,7 +189,7 @@ struct Former<'a> {
 }
 
 impl Former<'_> {
-    /// Returns a pass on demand, compiled if the former one is.
+    /// Returns a pass on demand, which is compiled if the former one is.
     fn again<P>(
         &self,
         pass_of: fn(&Pipelines) -> &OnDemand<P>,
@@ -208,7 +203,7 @@ impl Former<'_> {
     }
 }
 
-/// The opaque pass in two: depth, then colour.
+/// The opaque pass in two parts: depth, then colour.
 pub(crate) struct DepthFirst {
     pub(crate) depth: OpaquePass,
     pub(crate) colour: OpaquePass,

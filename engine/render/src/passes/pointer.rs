@@ -13,30 +13,27 @@ use crate::passes::seen::SeenConstants;
 use crate::resources::instance::Instance;
 use occlusion::{Error, ShaderSet};
 
-/// The pass that draws objects a second time where their depth equals the finished one. The
-/// positions are invariant, so the objects that were drawn there pass, and no hole of a masked
-/// material does.
+/// The pass that draws objects again where their depth equals the finished depth. The positions are
+/// invariant, so a fragment passes exactly where its object was drawn, and not in a hole of a
+/// masked material.
 pub(crate) struct PointerPass {
     pipeline: GraphicsPipeline,
 }
 
-/// The buffers of the pass: reads those of the opaque pass, and the finished depth; writes the
-/// pointed object.
+/// The buffers of the pass. The buffers of the opaque pass and the finished depth are read; the
+/// pointed object is written.
 #[derive(Clone, Copy)]
 pub(crate) struct PointerIo {
     /// The buffers of the draws.
     pub(crate) opaque: OpaqueIo,
-    /// Two words, 0 before: the complement of the number of the first leaf that owns the pixel, and
-    /// the bits of its depth.
+    /// Two words, initially 0: the complement of the first leaf that owns the pixel, and the bits
+    /// of its depth.
     pub(crate) pointed: BufferSlice,
 }
 
 impl PointerPass {
     /// Compiles the pass for renderings to `attachments`, on a device whose fragment shaders write
     /// to buffers.
-    ///
-    /// # Errors
-    /// A failed call.
     pub(crate) fn new(
         device: &Device,
         shaders: &ShaderSet,
@@ -52,7 +49,7 @@ impl PointerPass {
                 storage: StorageLayout::new::<SeenConstants>(2 + section_buffers(section)),
                 cull: culled_faces(section, vk::CullModeFlags::BACK),
                 depth: DepthMode::Equal,
-                // Leaf and depth are noted apart, and must be of one object.
+                // Leaf and depth are written separately, and must belong to the same object.
                 fragments: FragmentChoice::FirstSample,
                 attachments,
                 ..GraphicsPipelineInfo::of("pointer", vertex).numbered::<Instance>()
@@ -61,7 +58,7 @@ impl PointerPass {
         Ok(Self { pipeline })
     }
 
-    /// Binds everything; the caller then records the draws of the objects along the ray.
+    /// Binds everything. The caller then records the draws of the objects along the ray.
     pub(crate) fn bind(&self, commands: &Commands, io: &PointerIo, view: &CullView) {
         let own = [io.opaque.instances, io.pointed];
         with_section(&own, io.opaque.section, |all| commands.bind(&self.pipeline, all));

@@ -1,4 +1,4 @@
-//! Section planes as passes of objects read them, and what passes are compiled for to be cut.
+//! Section planes in the form that passes of objects read, and the variants of passes that are cut.
 
 use bytemuck::{Pod, Zeroable};
 use cull::{CullView, SectionMode, SectionPlanes};
@@ -7,17 +7,17 @@ use gpu::Spirv;
 use gpu::{BufferSlice, vk};
 use occlusion::{Error, SectionShaders, ShaderSet};
 
-/// The buffers behind all others of passes that are [cut](SectionShaders::Cut).
+/// The last buffers of passes that are [cut](SectionShaders::Cut).
 #[derive(Clone, Copy)]
 pub struct SectionIo {
     /// The planes of the view.
     pub(crate) planes: BufferSlice,
-    /// Their effects on each instance, in sixteen bits.
+    /// The effects of the planes on each instance, 16 bits per instance.
     pub(crate) states: BufferSlice,
 }
 
 impl SectionIo {
-    /// Returns the same planes for other instances.
+    /// Returns these planes with the states of other instances.
     pub(crate) fn of_states(self, states: BufferSlice) -> Self {
         Self { states, ..self }
     }
@@ -55,9 +55,9 @@ impl SectionRow {
     }
 }
 
-/// The image of a view as shaders of sections see it: places in pixels from its middle, and depths.
+/// The image of a view as section shaders use it: positions in pixels from its middle, and depths.
 pub(crate) struct ImageRows {
-    /// From (pixels, depth, 1) to homogeneous coordinates of the world, relative to the anchor.
+    /// Maps (pixels, depth, 1) to homogeneous coordinates of the world, relative to the anchor.
     to_place: DMat4,
     middle: [f32; 2],
 }
@@ -71,14 +71,14 @@ impl ImageRows {
         Self { to_place: view.from_anchor.as_dmat4().inverse() * to_ndc, middle }
     }
 
-    /// Returns the row for the places of the image that is `row` for homogeneous coordinates of the
-    /// world, relative to the anchor.
+    /// Returns the row that applies to positions in the image, from the row that applies to
+    /// homogeneous coordinates of the world relative to the anchor.
     pub(crate) fn row(&self, row: DVec4) -> DVec4 {
         self.to_place.transpose() * row
     }
 }
 
-/// Returns the storage buffers that a pass of objects has more than its own.
+/// Returns the number of additional storage buffers of a pass of objects.
 pub(super) fn section_buffers(section: SectionShaders) -> u32 {
     match section {
         SectionShaders::Whole => 0,
@@ -86,8 +86,8 @@ pub(super) fn section_buffers(section: SectionShaders) -> u32 {
     }
 }
 
-/// Returns the faces that a pass of objects leaves out. One that is cut draws all and leaves out
-/// the backs of single objects itself: into an open shell one looks.
+/// Returns the faces that a pass of objects culls. A pass that is cut draws both sides, since an
+/// open shell shows its inside; its shaders leave out the backs of objects that are not cut.
 pub(super) fn culled_faces(section: SectionShaders, faces: vk::CullModeFlags) -> vk::CullModeFlags {
     match section {
         SectionShaders::Whole => faces,
@@ -95,7 +95,7 @@ pub(super) fn culled_faces(section: SectionShaders, faces: vk::CullModeFlags) ->
     }
 }
 
-/// Calls `bind` with the buffers of a pass and those of section planes behind them.
+/// Calls `bind` with the buffers of a pass, followed by the buffers of section planes.
 pub(super) fn with_section(
     own: &[BufferSlice],
     section: Option<SectionIo>,
@@ -107,8 +107,8 @@ pub(super) fn with_section(
     }
 }
 
-/// Returns the vertex stage of passes that draw nothing but the depth of objects, and the fragment
-/// stage if they are cut.
+/// Returns the vertex shader of passes that draw only the depth of objects, and the fragment shader
+/// if they are cut.
 pub(super) fn cut_depth_stages(shaders: &ShaderSet) -> Result<(&Spirv, Option<&Spirv>), Error> {
     Ok(match shaders.section() {
         SectionShaders::Whole => (shaders.find("seen.vert")?, None),

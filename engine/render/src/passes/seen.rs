@@ -13,23 +13,23 @@ use crate::passes::section::{culled_faces, section_buffers, with_section};
 use crate::resources::instance::Instance;
 use occlusion::{Error, ShaderSet};
 
-/// The pass that draws objects a second time against their own depth. A fragment that passes is
-/// visible; it notes its leaf. The positions are invariant, so equal objects have equal depths.
+/// The pass that draws objects again against their own depth. A fragment that passes is visible and
+/// records its leaf. The positions are invariant, so equal objects have equal depths.
 pub struct SeenPass {
     pipeline: GraphicsPipeline,
 }
 
-/// The buffers of the pass: reads those of the opaque pass, and the finished depth; writes one
-/// value per leaf.
+/// The buffers of the pass. The buffers of the opaque pass and the finished depth are read; a value
+/// per leaf is written.
 #[derive(Clone, Copy)]
 pub struct SeenIo {
     /// The buffers of the draws.
     pub opaque: OpaqueIo,
-    /// One value per leaf of the scene: 1 for each that is seen, the others stay as they are.
+    /// A value per leaf of the scene. Visible leaves are set to 1; other values stay.
     pub seen: BufferSlice,
 }
 
-/// The push constants by which `seen.vert` finds positions.
+/// The push constants that `seen.vert` computes positions from.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub(super) struct SeenConstants {
@@ -52,9 +52,6 @@ impl SeenConstants {
 
 impl SeenPass {
     /// Compiles the pass for renderings to `attachments`.
-    ///
-    /// # Errors
-    /// A device whose fragment shaders cannot write to buffers; a failed call.
     pub fn new(
         device: &Device,
         shaders: &ShaderSet,
@@ -84,7 +81,7 @@ impl SeenPass {
         Ok(Self { pipeline })
     }
 
-    /// Binds everything; the caller then records the same draws as before.
+    /// Binds everything. The caller then records the same draws as before.
     pub fn bind(&self, commands: &Commands, io: &SeenIo, view: &CullView) {
         let own = [io.opaque.instances, io.seen];
         with_section(&own, io.opaque.section, |all| commands.bind(&self.pipeline, all));

@@ -1,18 +1,19 @@
-//! The skinning pass: computes the vertices of skinned meshes before their first draw in a frame,
-//! some of them only if a result on the GPU says that they are drawn.
+//! The skinning pass: computes the vertices of skinned meshes before their first draw in a frame.
+//! Some are computed only if a result on the GPU says that they are drawn.
 
 use bytemuck::{Pod, Zeroable};
 use gpu::{Access, BufferSlice, Commands, ComputePipeline, Device, MemoryBarrier, StorageLayout};
 
 use occlusion::{Error, ShaderSet};
 
-/// The pass that writes the vertices of meshes, morphed and skinned, into their places among all
-/// others.
+/// The pass that writes morphed and skinned vertices to the places of their meshes among all
+/// vertices.
 pub(crate) struct SkinningPass {
     pipeline: ComputePipeline,
 }
 
-/// The buffers of the pass: reads mesh data and poses; writes positions, normals and tangents.
+/// The buffers of the pass. Mesh data and poses are read; positions, normals and tangents are
+/// written.
 #[derive(Clone, Copy)]
 pub(crate) struct SkinningIo {
     /// The [`Vertex`](scene::Vertex)es of all meshes.
@@ -23,61 +24,58 @@ pub(crate) struct SkinningIo {
     pub(crate) mesh_data: BufferSlice,
     /// The poses of this frame, as 32-bit values.
     pub(crate) poses: BufferSlice,
-    /// A flag per pose, which the shader sets; `None` if nobody reads them.
+    /// A flag per pose, which the shader sets; `None` if the flags are not read.
     pub(crate) written: Option<BufferSlice>,
 }
 
-/// One mesh; mirrors `skinning.comp`. Places are numbers of values.
+/// The job of one mesh; mirrors `skinning.comp`. Offsets count 32-bit values.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 pub(crate) struct SkinningJob {
     pub(crate) vertex_count: u32,
     pub(crate) first_vertex: u32,
-    /// In the mesh data: the vertices at rest.
+    /// The offset of the vertices at rest in the mesh data.
     pub(crate) rest: u32,
-    /// In the mesh data: the joints and weights of each vertex.
+    /// The offset of the joints and weights of each vertex in the mesh data.
     pub(crate) skin: u32,
-    /// Groups of four joints per vertex; 0 without a skin.
+    /// The number of groups of four joints per vertex; 0 without a skin.
     pub(crate) joint_sets: u32,
-    /// In the poses: the rows of each joint.
+    /// The offset of the rows of each joint in the poses.
     pub(crate) joints: u32,
-    /// In the poses: the targets with a weight.
+    /// The offset of the targets with a weight in the poses.
     pub(crate) targets: u32,
     pub(crate) target_count: u32,
-    /// The number of the result that decides, or [`NOTHING`].
+    /// The index of the result that decides, or [`NOTHING`].
     pub(crate) result: u32,
     pub(crate) threshold_samples: u32,
-    /// The number of the flag, or [`NOTHING`].
+    /// The index of the flag, or [`NOTHING`].
     pub(crate) flag: u32,
 }
 
 const _: () = assert!(size_of::<SkinningJob>() == 44);
 
-/// No list, no result, no flag; mirrors `skinning.comp`.
+/// Stands for no list, no result or no flag; mirrors `skinning.comp`.
 pub(crate) const NOTHING: u32 = u32::MAX;
 
-/// Values of a vertex at rest.
+/// The number of values of a vertex at rest.
 pub(crate) const REST_VALUES: u32 = 7;
 
 const GROUP_THREADS: u32 = 64;
 
-/// The most workgroups: more do not make it faster, and every device allows 65535.
+/// The highest number of workgroups. More are not faster, and every device allows 65535.
 const GROUPS_MAX: u32 = 4096;
 
 impl SkinningPass {
     /// Compiles the pass.
-    ///
-    /// # Errors
-    /// A failed call.
     pub(crate) fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
         let storage = StorageLayout::new::<SkinningJob>(6);
         let name = "skinning.comp";
         Ok(Self { pipeline: ComputePipeline::new(device, name, shaders.find(name)?, storage)? })
     }
 
-    /// Skins meshes, each at most once, where the given results say so: `None` for all jobs that no
-    /// result decides. Commands that were recorded before, in this frame or an earlier one, still
-    /// read the old vertices: one queue runs them all.
+    /// Skins meshes, each at most once. With `results`, a job runs only if its result says so.
+    /// Commands that were recorded earlier, in this frame or another, still read the old vertices,
+    /// since all run on one queue.
     pub(crate) fn record(
         &self,
         commands: &Commands,
@@ -86,12 +84,12 @@ impl SkinningPass {
     ) {
         let between = MemoryBarrier::between;
         commands.pass("skin meshes", |commands| {
-            // The flags were just cleared.
+            // The flags have just been cleared.
             let before = [Access::AttributeRead, Access::ComputeWrite, Access::CopyWrite];
             commands.barrier(between(&before, &[Access::ComputeWrite]));
             let mut bound = None;
             for (results, job) in jobs {
-                // What is not read or written still needs a buffer.
+                // A buffer must be bound even if it is not used.
                 let results = results.unwrap_or(io.mesh_data);
                 if bound.replace(results) != Some(results) {
                     let written = io.written.unwrap_or(io.vertices);
@@ -103,7 +101,7 @@ impl SkinningPass {
                 let groups = job.vertex_count.div_ceil(GROUP_THREADS);
                 commands.dispatch([groups.clamp(1, GROUPS_MAX), 1, 1]);
             }
-            // The next round writes other results of the buffers just read.
+            // The next round writes other results to the buffers just read.
             let next = [
                 Access::AttributeRead,
                 Access::CopyWrite,

@@ -1,4 +1,4 @@
-//! The sky pass: a colour, or the light from all around, where nothing was drawn.
+//! The sky pass: a colour or an environment where no object was drawn.
 
 use bytemuck::{Pod, Zeroable};
 use cull::{CullView, ProjectionKind};
@@ -11,7 +11,7 @@ use gpu::{
 use occlusion::{Error, ShaderSet};
 use scene::{Backdrop, Environment, Sky, SkyDisk};
 
-/// The pass that draws one triangle over all of the area at the farthest depth: it shows where
+/// The pass that draws a triangle over the whole area at the farthest depth, which is visible where
 /// nothing is nearer.
 pub struct SkyPass {
     plain: GraphicsPipeline,
@@ -19,20 +19,20 @@ pub struct SkyPass {
     panorama: GraphicsPipeline,
 }
 
-/// The inputs of [`SkyPass::draw_around`]: reads the sky and, if there is one, the panorama.
+/// The inputs of [`SkyPass::draw_around`]: the sky and, if there is one, the panorama are read.
 #[derive(Clone, Copy)]
 pub(crate) struct SkyIo<'a> {
     /// One [`SkyRow`].
     pub(crate) sky: BufferSlice,
-    /// The panorama; none where the sky is computed.
+    /// The panorama; `None` if the sky is computed.
     pub(crate) panorama: Option<&'a TextureArray>,
 }
 
-/// The backdrop of an environment, as `sky_main.glsl` reads it.
+/// The backdrop of an environment, in the form that `sky_main.glsl` reads.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 pub struct SkyRow {
-    /// Colours and the direction to the sun, each with a 0 behind it.
+    /// The direction to the sun. Its last value and the last values of the colours are 0.
     pub towards_sun: [f32; 4],
     /// As in [`Sky`].
     pub zenith: [f32; 4],
@@ -42,7 +42,8 @@ pub struct SkyRow {
     pub ground: [f32; 4],
     /// As in [`Sky`].
     pub glow: [f32; 4],
-    /// The direction to the middle of the disk, and the distance of its edge on the unit sphere.
+    /// The direction to the middle of the disk, and the distance from there to its edge on the unit
+    /// sphere.
     pub disk: [f32; 4],
     /// The radiance of the disk, and the distance at which its edge begins to fade.
     pub radiance: [f32; 4],
@@ -56,7 +57,7 @@ struct Constants {
 
 const _: () = assert!(size_of::<Constants>() == 16);
 
-/// Rays through the image, and their places in it.
+/// Rays through the image, and their positions in it.
 #[repr(C)]
 #[derive(Clone, Copy, Pod, Zeroable)]
 struct AroundConstants {
@@ -68,11 +69,11 @@ struct AroundConstants {
 
 const _: () = assert!(size_of::<AroundConstants>() == 56);
 
-/// The share of its radius over which the edge of a disk fades.
+/// The share of a disk's radius over which its edge fades.
 const DISK_EDGE: f32 = 0.15;
 
 impl SkyRow {
-    /// Returns the backdrop of an environment: all dark but its disk where that is a panorama.
+    /// Returns the backdrop of an environment; for a panorama it is dark except for the disk.
     pub(crate) fn of(environment: &Environment) -> Self {
         let dark = [0.0; 3];
         let nowhere =
@@ -83,8 +84,8 @@ impl SkyRow {
         };
         let none = SkyDisk { towards: Vec3::Y, radius_rad: 0.0, radiance: dark };
         let disk = environment.disk().copied().unwrap_or(none);
-        // The part of a unit vector that lies along the middle of the disk, at both ends of its
-        // edge: small angles have no digits left in their cosine, so their distance is compared.
+        // Distances on the unit sphere at both ends of the disk's edge. They are compared in place
+        // of cosines, which have too few digits for small angles.
         let [outer, inner] =
             [1.0, 1.0 - DISK_EDGE].map(|share: f32| 2.0 * (0.5 * disk.radius_rad * share).sin());
         let with = |[x, y, z]: [f32; 3], w| [x, y, z, w];
@@ -136,7 +137,7 @@ impl SkyPass {
         })
     }
 
-    /// Draws the sky in a linear colour, against the depth that is there.
+    /// Draws the sky in a linear colour, against the present depth.
     pub fn draw(&self, commands: &Commands, sky: [f32; 3]) {
         let [red, green, blue] = sky;
         commands.bind(&self.plain, &[]);
@@ -144,7 +145,7 @@ impl SkyPass {
         commands.draw(3, 0);
     }
 
-    /// Draws an environment as a view sees it, with a factor of all light.
+    /// Draws an environment in a view, with a factor on all light.
     pub(crate) fn draw_around(
         &self,
         commands: &Commands,

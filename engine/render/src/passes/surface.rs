@@ -21,31 +21,30 @@ use occlusion::{Error, SectionShaders, ShaderSet};
 /// The output of a surface pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfaceKind {
-    /// Depth alone, with the holes of masked materials. Where there are none,
-    /// [`OpaquePass::depth_only`](crate::passes::OpaquePass::depth_only) draws the same depth for
-    /// less.
+    /// Only depth, with the holes of masked materials. In scenes without holes,
+    /// [`OpaquePass::depth_only`](crate::passes::OpaquePass::depth_only) draws the same depth at
+    /// less cost.
     Depth,
-    /// The colour of the surfaces that own a pixel of the finished depth, drawn by either of the
-    /// two. Of equally near surfaces the larger value of each channel is kept, so the order of
-    /// draws decides nothing: start from black.
+    /// The colour of the surfaces that own a pixel of the finished depth, whichever pass drew the
+    /// depth. Where surfaces are equally near, the larger value of each channel is kept, so the
+    /// order of draws does not matter: clear to black before.
     Colour,
-    /// Transparent objects over the finished image, hidden by nearer surfaces; draw them back to
+    /// Transparent objects over the finished image, hidden by nearer surfaces. Draw them back to
     /// front.
     Transparent,
-    /// Transparent objects in any order: their fragments are not drawn but stored, to be sorted.
-    /// For devices with [`gpu::OptionalFeature::FragmentStores`] and
-    /// [`gpu::OptionalFeature::SectionBuffers`].
+    /// Transparent objects in any order. Their fragments are stored and sorted later. For devices
+    /// with [`gpu::OptionalFeature::FragmentStores`] and [`gpu::OptionalFeature::SectionBuffers`].
     Fragments,
-    /// The depth of casters of shadows, with the holes of masked materials, to
+    /// The depth of shadow casters, with the holes of masked materials, to
     /// [`DepthLayers`](gpu::DepthLayers).
     Casters(CasterSide),
-    /// The light of lens flares that transparent objects take, added up in a buffer, in any order.
+    /// The light of lens flares that transparent objects take, added up in a buffer in any order.
     /// For devices with [`gpu::OptionalFeature::FragmentStores`].
     Transmittance,
 }
 
-/// The pass that draws objects of a scene with surfaces. Compiled for the features that its
-/// materials and lights use.
+/// The pass that draws objects of a scene with surfaces. It is compiled for the features that the
+/// materials and lights of the scene use.
 pub struct SurfacePass {
     pipeline: GraphicsPipeline,
     inputs: Inputs,
@@ -54,10 +53,10 @@ pub struct SurfacePass {
 /// The shadows that a pass draws with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfaceShadows {
-    /// Those of maps, with a filter.
+    /// Shadow maps, with a filter.
     Maps(ShadowFilter),
-    /// Those of volumes. They are of the surfaces that own a pixel: transparent ones have none of
-    /// them.
+    /// Shadow volumes. They belong to the surfaces that own a pixel, so transparent surfaces do not
+    /// receive them.
     Volumes,
 }
 
@@ -66,11 +65,11 @@ pub enum SurfaceShadows {
 enum Inputs {
     /// Materials and their textures, which cut holes.
     Holes,
-    /// All but shadows.
+    /// All inputs except shadows.
     Lights,
-    /// All, with shadow maps.
+    /// All inputs, with shadow maps.
     Maps,
-    /// All, with a mask of shadow volumes.
+    /// All inputs, with a mask of shadow volumes.
     Mask,
 }
 
@@ -97,7 +96,7 @@ impl Inputs {
         }
     }
 
-    /// Returns the number of textures beside the pages: the environment, and of shadows the maps
+    /// Returns the number of textures besides pages: the environment, and for shadow maps the maps
     /// twice and the samples of filters.
     fn textures(self) -> u32 {
         match self {
@@ -108,22 +107,22 @@ impl Inputs {
     }
 }
 
-/// The inputs of the pass: reads positions, surface vertices, indices, instances, materials,
-/// textures, lights and their lists; writes the colour and depth that are being rendered to.
+/// The inputs of the pass. Positions, surface vertices, indices, instances, materials, textures,
+/// lights and their lists are read; the colour and depth that are being rendered to are written.
 #[derive(Clone, Copy)]
 pub struct SurfaceIo<'a> {
     /// [`Vertex`](scene::Vertex)es of all meshes.
     pub vertices: BufferSlice,
     /// The 32-bit indices of all meshes, three per triangle.
     pub indices: BufferSlice,
-    /// One instance per leaf, or per transparent object; their last values are
+    /// An instance per leaf, or per transparent object. The last values of an instance are
     /// [`SurfaceResources::instance_tail`]s.
     pub instances: BufferSlice,
-    /// The scene's surfaces, with the second half of its vertices.
+    /// The scene's surfaces, with the surface half of its vertices.
     pub surfaces: &'a SurfaceResources,
-    /// The shadows of its lights, for passes that were compiled for them.
+    /// The shadows of its lights, for passes that were compiled with shadows.
     pub shadows: Option<ShadowIo<'a>>,
-    /// Section planes, for passes that were compiled to be cut.
+    /// Section planes, for passes that were compiled with section planes.
     pub section: Option<SectionIo>,
     /// The lists of fragments, for [`SurfaceKind::Fragments`].
     pub fragments: Option<BufferSlice>,
@@ -146,11 +145,11 @@ const _: () = assert!(size_of::<Constants>() == 128);
 /// The specialisation constant of `surface_constants.glsl` that selects a filter.
 const SHADOW_FILTER: u32 = 14;
 
-/// The specialisation constant of `surface_constants.glsl` for the pages of pictures that spots
-/// project.
+/// The specialisation constant of `surface_constants.glsl` for the pages with pictures of spot
+/// lights.
 const PICTURE_PAGES: u32 = 16;
 
-/// The specialisation constant of `surface_constants.glsl` for light from an environment.
+/// The specialisation constant of `surface_constants.glsl` for the light of an environment.
 const ENVIRONMENT: u32 = 15;
 
 /// The specialisation constant of `surface_constants.glsl` for several samples per pixel.
@@ -166,16 +165,16 @@ const ATTRIBUTES: [(vk::Format, u32); 5] = [
     (vk::Format::R16G16B16A16_UNORM, 32),
 ];
 
-/// Of [`Vertex`](scene::Vertex)es their positions, and their colours for the share of the object's
-/// tint.
+/// The positions of [`Vertex`](scene::Vertex)es, and their colours, which contain the share of the
+/// object's tint.
 const POSITIONS_AND_TINTS: VertexLayout<'static> = VertexLayout {
     attributes: &[(vk::Format::R32G32B32_SFLOAT, 0), (vk::Format::R8G8B8A8_UNORM, 16)],
     ..POSITIONS
 };
 
 impl SurfacePass {
-    /// Compiles the pass for a scene and its shadows, and for renderings to `attachments`; passes
-    /// of depth alone have no shadows.
+    /// Compiles the pass for a scene and its shadows, and for renderings to `attachments`. Passes
+    /// of depth have no shadows.
     ///
     /// # Errors
     /// A failed call.
@@ -209,7 +208,7 @@ impl SurfacePass {
         let stage = |name: &str, end: &str| {
             shaders.find_of_objects(name, end).map(|shader| shader.specialised(&constants))
         };
-        // Holes are a matter of texture coordinates and colours alone, the last three.
+        // Holes depend only on texture coordinates and colours, the last three attributes.
         let (first, attributes) = if is_depth {
             (POSITIONS, &ATTRIBUTES[2..])
         } else {
@@ -250,22 +249,22 @@ impl SurfacePass {
         Ok(Self { pipeline: GraphicsPipeline::new(device, &info)?, inputs })
     }
 
-    /// Binds everything; the caller then records draws of one instance each, since a draw has one
+    /// Binds everything. The caller then records draws with one instance each, since a draw has one
     /// material.
     pub fn bind(&self, commands: &Commands, io: &SurfaceIo<'_>, view: &CullView, light: &Light) {
         self.bind_inputs(commands, io);
         self.set_view(commands, io, view, light);
     }
 
-    /// Binds everything but the view.
+    /// Binds everything except the view.
     pub(super) fn bind_inputs(&self, commands: &Commands, io: &SurfaceIo<'_>) {
         let [materials, transforms, lights, lists] = io.surfaces.buffers();
         let own = [io.instances, materials, transforms, lights, lists];
         self.bind_buffers(commands, io, own);
     }
 
-    /// Binds everything for [`SurfaceKind::Transmittance`]: reads the blocks of flares and adds to
-    /// their transmittance, which lie where other kinds have lights and their lists.
+    /// Binds everything for [`SurfaceKind::Transmittance`]. The blocks of flares and their
+    /// transmittance are bound in place of the lights and their lists.
     pub fn bind_transmittance(
         &self,
         commands: &Commands,
@@ -353,7 +352,7 @@ impl SurfacePass {
     }
 }
 
-/// Returns the name of a pass and of its shaders, its test of the depth, and the use of its colour.
+/// Returns the name of a pass and of its shaders, its depth test, and its use of colour.
 fn look_of(kind: SurfaceKind) -> (&'static str, &'static str, DepthMode, Blend) {
     match kind {
         SurfaceKind::Depth => {
@@ -375,16 +374,16 @@ fn look_of(kind: SurfaceKind) -> (&'static str, &'static str, DepthMode, Blend) 
     }
 }
 
-/// Calls `bind` with the buffers of a pass and those behind them, of section planes and of
-/// fragments. All transparent objects are cut: none has a state.
+/// Calls `bind` with the buffers of a pass, followed by the buffers of section planes and of
+/// fragments. Section planes cut all transparent objects, which have no states.
 fn with_others(own: &[BufferSlice], io: &SurfaceIo<'_>, bind: impl FnOnce(&[BufferSlice])) {
     let Some(fragments) = io.fragments else { return with_section(own, io.section, bind) };
     let planes = io.section.map(|section| section.planes);
     bind(&own.iter().copied().chain(planes).chain([fragments]).collect::<Vec<_>>());
 }
 
-/// Returns the name of the fragment shader of a pass with these inputs, whose other shaders have
-/// the name `shader`.
+/// Returns the name of the fragment shader of a pass with these inputs. `shader` is the name of its
+/// other shaders.
 fn fragment_shader(kind: SurfaceKind, inputs: Inputs, shader: &'static str) -> &'static str {
     match (kind, inputs) {
         (SurfaceKind::Transmittance, _) => "flare_transmittance",
@@ -396,17 +395,17 @@ fn fragment_shader(kind: SurfaceKind, inputs: Inputs, shader: &'static str) -> &
     }
 }
 
-/// Returns the number of buffers behind those of the inputs.
+/// Returns the number of buffers after the buffers of the inputs.
 fn other_buffers(kind: SurfaceKind, section: SectionShaders) -> u32 {
     match (kind, section) {
-        // The lists, and planes without states.
+        // The lists of fragments, and planes without states.
         (SurfaceKind::Fragments, SectionShaders::Whole) => 1,
         (SurfaceKind::Fragments, SectionShaders::Cut) => 2,
         _ => section_buffers(section),
     }
 }
 
-/// Returns the specialisation constant of the filter of maps.
+/// Returns the specialisation constant for the filter of shadow maps.
 fn filter_constant(shadows: SurfaceShadows) -> Option<(u32, u32)> {
     match shadows {
         SurfaceShadows::Maps(filter) => Some((SHADOW_FILTER, filter_number(filter))),

@@ -1,4 +1,4 @@
-//! The push constants of shadow volumes: the view, the light, and where volumes begin and end.
+//! The push constants of shadow volumes: the view, the light, and the begin and end of volumes.
 
 use bytemuck::{Pod, Zeroable};
 use cull::{CullView, ProjectionKind};
@@ -7,22 +7,22 @@ use shadows::{Caps, VolumeCounting, VolumeEnd, VolumeKind};
 
 use crate::passes::opaque::anchored;
 
-/// Casters that are drawn alike.
+/// Casters that are drawn in the same way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct VolumeGroup {
-    /// The way of counting, right for the eye.
+    /// The counting that is correct for the eye.
     pub counting: VolumeCounting,
-    /// The algorithm, right for the mesh and the light.
+    /// The algorithm that is correct for the mesh and the light.
     pub kind: VolumeKind,
-    /// The place of their far end among those of the light.
+    /// The index of their far end among the ends of the light.
     pub end: usize,
 }
 
 impl VolumeGroup {
-    /// The most groups of a light: of six sides and infinity.
+    /// The highest number of groups per light: six sides and infinity, four groups each.
     pub const MOST: usize = 4 * 7;
 
-    /// Returns all groups of a light whose volumes have so many ends.
+    /// Returns all groups of a light with `ends` far ends.
     pub fn all(ends: usize) -> impl Iterator<Item = Self> + Clone {
         let countings = [VolumeCounting::ZPass, VolumeCounting::ZFail];
         let kinds = [VolumeKind::Plain, VolumeKind::Robust];
@@ -51,8 +51,8 @@ pub(super) struct VolumeConstants {
 
 const _: () = assert!(size_of::<VolumeConstants>() == 128);
 
-/// The part of a pixel's height, at its distance, by which a near cap is farther than the surface
-/// that it is made of: drivers may round the corners of a surface that they clip to so much.
+/// The distance by which a near cap is farther than the surface that it is made of, as a part of
+/// the height of a pixel there: drivers may round the corners of a clipped surface by that much.
 const CAP_SHIFT: f32 = 1.0 / 16.0;
 
 impl VolumeConstants {
@@ -83,10 +83,10 @@ impl VolumeConstants {
     }
 }
 
-/// Returns the factor of a near cap's depth, and what is taken off it.
+/// Returns the factor on a near cap's depth, and the value that is subtracted from it.
 fn cap_depth(view: &CullView) -> [f32; 2] {
     let [_, height] = view.size;
-    // In metres, in perspective at a distance of one.
+    // In metres; in perspective at a distance of one metre.
     let shift_m = CAP_SHIFT * 2.0 * view.rays.down.length() / height.max(1) as f32;
     match view.rays.kind {
         ProjectionKind::Perspective => [1.0 - shift_m.min(0.5), 0.0],

@@ -1,5 +1,5 @@
-//! The compute pass that extrudes shadow volumes into a list of vertices, where there is no
-//! geometry stage.
+//! The compute pass that extrudes shadow volumes into a list of vertices, for devices without
+//! geometry shaders.
 
 use bytemuck::{Pod, Zeroable};
 use gpu::{
@@ -11,13 +11,13 @@ use occlusion::{Error, ShaderSet};
 use super::volume_constants::VolumeConstants;
 use super::volumes::VolumeIo;
 
-/// The triangles that are extruded at once: their volumes take 24 MiB.
+/// The number of triangles that are extruded at once. Their volumes take 24 MiB.
 const BATCH_TRIANGLES: u32 = 1 << 16;
 
-/// The most casters that are extruded at once: every device allows 65535 workgroups.
+/// The highest number of casters that are extruded at once. Every device allows 65535 workgroups.
 const BATCH_CASTERS: usize = 1 << 15;
 
-/// The most vertices that a triangle is extruded to: two caps and three sides of two triangles.
+/// The highest number of vertices per triangle: two caps, and three sides of two triangles.
 const VERTICES_PER_TRIANGLE: u64 = 24;
 
 const GROUP_THREADS: u32 = 64;
@@ -34,15 +34,15 @@ pub(super) struct ExtrusionJob {
 
 const _: () = assert!(size_of::<ExtrusionJob>() == 16);
 
-/// Jobs that are extruded at once, on the GPU.
+/// Jobs on the GPU that are extruded at once.
 pub(super) struct Batch {
     jobs: BufferSlice,
     count: u32,
-    /// The triangles of the largest job.
+    /// The number of triangles of the largest job.
     most_triangles: u32,
 }
 
-/// The pass, and the list that it writes.
+/// The compute pass, and the list that it writes.
 pub(super) struct Extruder {
     pipeline: ComputePipeline,
     extruded: Buffer,
@@ -51,10 +51,7 @@ pub(super) struct Extruder {
 }
 
 impl Batch {
-    /// Uploads jobs, of which there is at least one.
-    ///
-    /// # Errors
-    /// No memory.
+    /// Uploads jobs, of which there must be at least one.
     pub(super) fn upload(frame: &mut Frame<'_>, jobs: &[ExtrusionJob]) -> Result<Self, Error> {
         let most_triangles = jobs.iter().map(|job| job.triangle_count).max().unwrap_or_default();
         let slice = frame.uploads().push(jobs)?;
@@ -64,9 +61,6 @@ impl Batch {
 
 impl Extruder {
     /// Compiles the pass.
-    ///
-    /// # Errors
-    /// No memory, a failed call.
     pub(super) fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
         let storage = StorageLayout::new::<VolumeConstants>(6);
         let name = "volume_extrude.comp";
@@ -82,7 +76,7 @@ impl Extruder {
         Ok(Self { pipeline, extruded, draw })
     }
 
-    /// Splits draws of triangles with adjacency into batches that fit the list.
+    /// Splits draws of triangles with adjacency into batches that fit into the list.
     pub(super) fn batches(draws: impl Iterator<Item = IndirectDraw>) -> Vec<Vec<ExtrusionJob>> {
         let mut batches = Vec::new();
         let mut batch = Vec::new();
@@ -113,7 +107,7 @@ impl Extruder {
         batches
     }
 
-    /// Extrudes a batch, outside of rendering, over what was drawn last.
+    /// Extrudes a batch, outside of rendering, and replaces the previous batch.
     pub(super) fn extrude(
         &self,
         commands: &Commands,
@@ -125,7 +119,7 @@ impl Extruder {
         let draw = self.draw.whole();
         let used = [Access::IndirectRead, Access::AttributeRead];
         commands.barrier(between(&used, &[Access::CopyWrite, Access::ComputeWrite]));
-        // No vertices yet, of one instance.
+        // One instance, without vertices yet.
         commands.fill(draw, 0);
         commands.barrier(between(&[Access::CopyWrite], &[Access::CopyWrite]));
         commands.fill(draw.part(4, 4), 1);
@@ -138,7 +132,7 @@ impl Extruder {
         commands.barrier(between(&[Access::ComputeWrite], &used));
     }
 
-    /// Draws what was extruded, inside of rendering; `all` holds the count of all draws.
+    /// Draws the extruded batch, inside a rendering. `all` holds the count of all draws.
     pub(super) fn draw(&self, commands: &Commands, all: BufferSlice) {
         commands.bind_geometry(self.extruded.whole(), None);
         commands.draw_all_unindexed_indirect(self.draw.whole(), all);

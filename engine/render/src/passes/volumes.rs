@@ -1,5 +1,5 @@
-//! The volume pass: stencil shadow volumes against a depth that is there, and a mask of the pixels
-//! that are in the shadow of each light.
+//! The volume pass: stencil shadow volumes against an existing depth, and a mask of the pixels that
+//! are in the shadow of each light.
 //!
 //! ```text
 //! copy depth      depth -> depth with a stencil beside it
@@ -25,7 +25,7 @@ use super::volume_constants::{VolumeConstants, VolumeGroup};
 use super::volume_extruder::{Batch, Extruder};
 use crate::resources::instance::Instance;
 
-/// The stage that extrudes volumes.
+/// The shader stage that extrudes volumes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VolumePath {
     /// A geometry shader. For devices with [`OptionalFeature::GeometryShaders`].
@@ -48,13 +48,13 @@ impl VolumePath {
 /// An object that casts a shadow.
 #[derive(Clone, Copy, Debug)]
 pub struct VolumeCaster {
-    /// Its triangles with adjacency, six indices each; the first instance is its leaf.
+    /// The draw of its triangles with adjacency, six indices each. The first instance is its leaf.
     pub draw: IndirectDraw,
-    /// The way to draw it.
+    /// The group that it is drawn with.
     pub group: VolumeGroup,
 }
 
-/// A light and the objects that may shade what is seen.
+/// A light, and the objects that may cast shadows on visible surfaces.
 #[derive(Clone, Copy, Debug)]
 pub struct VolumeLight<'a> {
     /// The light in homogeneous coordinates: a point with w = 1, or the direction towards it with
@@ -62,11 +62,11 @@ pub struct VolumeLight<'a> {
     pub light: Vec4,
     /// The far ends of its volumes.
     pub ends: &'a [VolumeEnd],
-    /// The bits that are set in the mask where it is in shadow.
+    /// The bits that are set in the mask where the light is shadowed.
     pub bits: u32,
     /// The layer of the mask.
     pub layer: u32,
-    /// The part of the view that it reaches. Nothing is in shadow elsewhere.
+    /// The part of the view that the light reaches. Nothing is shadowed elsewhere.
     pub area: LitArea,
     /// The objects.
     pub casters: VolumeCasters<'a>,
@@ -75,14 +75,14 @@ pub struct VolumeLight<'a> {
 /// The objects that cast shadows under a light.
 #[derive(Clone, Copy, Debug)]
 pub enum VolumeCasters<'a> {
-    /// All of these.
+    /// All objects of a list.
     All(&'a [VolumeCaster]),
-    /// Groups of those that are drawn alike, by the number that their owner knows them by: it draws
-    /// them, for [`VolumePath::GeometryShader`].
+    /// Groups of objects, each with the index by which its owner knows it. The owner draws them,
+    /// for [`VolumePath::GeometryShader`].
     Culled(&'a [(VolumeGroup, usize)]),
 }
 
-/// The buffers of the pass: reads vertices, adjacency and instances; writes the mask.
+/// The buffers of the pass. Vertices, adjacency and instances are read; the mask is written.
 #[derive(Clone, Copy)]
 pub struct VolumeIo {
     /// The vertices of all meshes, also a storage buffer for [`VolumePath::Compute`].
@@ -90,10 +90,10 @@ pub struct VolumeIo {
     /// The adjacency of all meshes ([`shadows::VolumeMesh::triangles`]), 32-bit indices; also a
     /// storage buffer for [`VolumePath::Compute`].
     pub adjacency: BufferSlice,
-    /// One instance per leaf.
+    /// An instance per leaf.
     pub instances: BufferSlice,
-    /// 32 bits per pixel of the view, rows from the top without gaps, in as many layers as lights
-    /// name.
+    /// The mask: 32 bits per pixel of the view, in rows from the top without gaps, with all layers
+    /// that lights name.
     pub mask: BufferSlice,
 }
 
@@ -118,10 +118,10 @@ struct MaskBits {
     layer: u32,
 }
 
-/// The owner of culled groups: draws the one of a number.
+/// A closure that draws the culled group of an index.
 pub type DrawGroup<'a> = &'a dyn Fn(&Commands, usize);
 
-/// Casters of a group, on the GPU.
+/// The casters of a group on the GPU.
 enum Work {
     /// A group that its owner draws.
     Culled(usize),
@@ -135,7 +135,7 @@ enum Work {
 pub struct VolumePass {
     target: StencilTarget,
     depths: Buffer,
-    /// The count of all draws, however many there are.
+    /// A draw count that exceeds every number of draws.
     all: Buffer,
     passing: GraphicsPipeline,
     failing: GraphicsPipeline,
@@ -244,9 +244,9 @@ impl VolumePass {
         Ok(VolumeDraws { lights: prepared })
     }
 
-    /// Records the pass for a view: the mask gets each light's bits at the pixels that lie in the
-    /// volumes of its casters, and is 0 elsewhere. `from` holds the depth of the view and must be
-    /// prepared again to be drawn to. Of a view that is larger than the pass nothing is in shadow.
+    /// Records the pass for a view. The mask gets each light's bits at the pixels in the volumes of
+    /// its casters, and is 0 elsewhere. `from` holds the depth of the view, and must be prepared
+    /// again before drawing to it. If the view is larger than the pass, nothing is shadowed.
     /// `culled` draws culled groups.
     pub fn record(
         &mut self,
@@ -279,7 +279,7 @@ impl VolumePass {
         });
     }
 
-    /// Copies the depth of a view, and empties the mask.
+    /// Copies the depth of a view, and clears the mask.
     fn load_depth(
         &mut self,
         commands: &Commands,
@@ -291,7 +291,7 @@ impl VolumePass {
         let depths = self.depths.whole();
         commands.barrier(between(&[Access::CopyRead, Access::FragmentRead], &[Access::CopyWrite]));
         if self.extruder.is_some() {
-            // Vertices may be of poses that were just computed.
+            // Vertices may belong to poses that were just computed.
             commands.barrier(between(&[Access::ComputeWrite], &[Access::ComputeRead]));
         }
         from.copy_depth_to(commands, view.origin, view.size, depths);
@@ -310,7 +310,7 @@ impl VolumePass {
         lights: &[LightDraws],
         culled: DrawGroup<'_>,
     ) {
-        // The mask holds all that anybody reads.
+        // Only the mask is read afterwards.
         let target = self.target.render_target(view.size).forgotten();
         commands.rendering(target, |commands| {
             for light in lights {
@@ -334,8 +334,9 @@ impl VolumePass {
         });
     }
 
-    /// Extrudes the volumes of a light batch by batch, and draws each. Only extruding breaks the
-    /// rendering, which starts with what the light before left and ends with the mask of this one.
+    /// Extrudes the volumes of a light batch by batch, and draws each batch. Only extruding breaks
+    /// the rendering, which begins with the stencil after the previous light and ends with the mask
+    /// of this one.
     fn draw_extruded(
         &self,
         commands: &Commands,
@@ -395,7 +396,7 @@ impl VolumePass {
     }
 }
 
-/// Creates the depth with its stencil, and the depths on their way there.
+/// Creates the depth with a stencil, and the buffer through which depths are copied to it.
 fn images(device: &Device, size: [u32; 2]) -> Result<(StencilTarget, Buffer), Error> {
     let target = StencilTarget::new(device, size, "shadow volumes")?;
     let size_bytes = size.iter().map(|side| u64::from(*side)).product::<u64>() * 4;
@@ -404,7 +405,7 @@ fn images(device: &Device, size: [u32; 2]) -> Result<(StencilTarget, Buffer), Er
     Ok((target, depths))
 }
 
-/// Clips to what a light reaches, and counts from 0 there.
+/// Clips to the area that a light reaches, and starts counting from 0 there.
 fn begin_light(commands: &Commands, light: &LightDraws) {
     let LitArea { origin, size } = light.area;
     commands.clear_stencil(origin, size);

@@ -1,9 +1,9 @@
-//! The edges of meshes on the GPU: the segments of each draw, and a draw of them for each leaf.
-//! Only renderers that draw edges have them; they are built from what the GPU holds, and from
-//! meshes that come later.
+//! The edges of meshes on the GPU: the segments of each draw, and a draw of segments for each leaf.
+//! Only renderers that draw edges have them. They are built from the meshes on the GPU, and from
+//! meshes that are added later.
 //!
-//! A segment names vertices and holds no positions, so that edges follow the poses of skinned
-//! meshes. Which edges are features is decided at rest.
+//! A segment refers to vertices and holds no positions, so edges follow the poses of skinned
+//! meshes. The choice of feature edges is made at rest.
 
 use std::ops::Range;
 
@@ -24,7 +24,8 @@ use crate::resources::mesh_slots::{MeshPlace, Residency};
 use crate::resources::skinned_meshes::SkinnedMeshes;
 use crate::resources::volume_meshes::Contents;
 
-/// The most segments of a chain whose dashes are one pattern: the shader adds their lengths up.
+/// The highest number of segments in a chain with one dash pattern: the shader adds up their
+/// lengths.
 const RUN_SEGMENTS: u32 = 128;
 
 const SEGMENT_BYTES: u64 = size_of::<EdgeSegment>() as u64;
@@ -37,24 +38,21 @@ pub(crate) struct EdgeMeshes {
     path: EdgePath,
     rules: EdgeRules,
     segments: Buffer,
-    /// Those before room was made for more, until a frame that copies them was submitted.
+    /// The former, smaller buffer, until a frame that copies it has been submitted.
     former: Option<Buffer>,
     /// The number of segments, on the GPU and in `coming`.
     count: u32,
     /// The segments of each draw, by `MeshDrawId`.
     draws: Vec<Range<u32>>,
-    /// Segments of meshes that came later, which the next frame uploads, from the end of those on
-    /// the GPU on.
+    /// Segments of meshes that were added later. The next frame uploads them after the segments on
+    /// the GPU.
     coming: Vec<EdgeSegment>,
-    /// One draw per leaf.
+    /// A draw per leaf.
     leaf_draws: Buffer,
 }
 
 impl EdgeMeshes {
-    /// Builds the edges of all meshes but those of sprites. Waits for copies.
-    ///
-    /// # Errors
-    /// More vertices or segments than the device's storage buffers hold; no memory, a failed call.
+    /// Builds the edges of all meshes except sprites. Waits for copies.
     pub(crate) fn new(
         device: &Device,
         geometry: &Geometry,
@@ -120,7 +118,7 @@ impl EdgeMeshes {
         })
     }
 
-    /// Returns the rules by which edges are features.
+    /// Returns the rules that make an edge a feature.
     pub(crate) fn rules(&self) -> &EdgeRules {
         &self.rules
     }
@@ -142,14 +140,14 @@ impl EdgeMeshes {
         self.path.draw(&segments, instance)
     }
 
-    /// Takes a mesh on its way to the GPU.
+    /// Takes a mesh that is being uploaded.
     pub(crate) fn add(&mut self, id: MeshId, mesh: &PreparedMesh, place: &MeshPlace) {
         let positions = positions_of(mesh);
         for ((id, _), triangles) in place.draws(id).zip(levels_of(mesh)) {
             let source = EdgeSource { positions: &positions, triangles, faces: &[] };
             let before = self.count - self.coming.len() as u32;
             let range = append(&mut self.coming, &source, place, self.rules);
-            // Numbered from those on the GPU on.
+            // Numbers continue after the segments on the GPU.
             for segment in &mut self.coming[range.start as usize..range.end as usize] {
                 if segment.run != EdgeSegment::SMOOTH {
                     segment.run += before;
@@ -163,11 +161,8 @@ impl EdgeMeshes {
         }
     }
 
-    /// Records the upload of segments that came, and of the draws of leaves that changed, before
-    /// anything of `frame` reads them.
-    ///
-    /// # Errors
-    /// More segments than the device's storage buffers hold; no memory.
+    /// Records the upload of new segments and of changed draws of leaves, before anything of
+    /// `frame` reads them.
     pub(crate) fn upload(
         &mut self,
         frame: &mut Frame<'_>,
@@ -234,14 +229,14 @@ fn segments_usage() -> vk::BufferUsageFlags {
         | vk::BufferUsageFlags::TRANSFER_DST
 }
 
-/// Refuses more segments than the device's storage buffers hold, and than a draw of 18 vertices for
-/// each can name.
+/// Refuses more segments than the device's storage buffers hold, or than a draw with 18 vertices
+/// per segment can address.
 fn check_segments(device: &Device, count: usize) -> Result<(), Error> {
     const SIMPLER: &str = "use simpler meshes, or leave edges and outlines off";
     check_storage(device, "segments of edges", count as u64, SEGMENT_BYTES, SIMPLER)
 }
 
-/// Appends the segments of triangles. Returns their places.
+/// Appends the segments of triangles. Returns their range.
 fn append(
     all: &mut Vec<EdgeSegment>,
     source: &EdgeSource<'_>,

@@ -1,5 +1,5 @@
-//! The scene in GPU memory, in the order of the hierarchy's leaves: a subtree is a range of each
-//! array.
+//! The scene in GPU memory, in the order of the hierarchy's leaves, so that a subtree is a range of
+//! each array.
 
 mod api;
 
@@ -29,43 +29,43 @@ use crate::resources::volume_meshes::{VolumeDraw, VolumeMeshes};
 use crate::section::SectionMeshes;
 use crate::shading::surfaces::{SurfaceOptions, SurfaceResources};
 
-/// Memory that a renderer takes for each object while it is made (bytes): its instance, by object
-/// and by leaf, its box, its draw, and some numbers; and the part of that on the device, whose
-/// memory may be the machine's.
+/// The memory per object while a renderer is created (bytes): the instance by object and by leaf,
+/// the box, the draw, and some numbers. Device memory is included, since it may be the machine's
+/// memory.
 const UPLOAD_BYTES_PER_OBJECT: usize = 3 * size_of::<Instance>()
     + 2 * (size_of::<ProxyBox>() + size_of::<IndirectDraw>())
     + size_of::<[u64; 8]>();
 
-/// The mesh of an id without an object.
+/// The mesh index of an id without an object.
 const NO_MESH: u32 = u32::MAX;
 
-/// Meshes, instances and the CPU's data to draw a leaf.
+/// Meshes, instances, and the CPU data to draw a leaf.
 pub(crate) struct Geometry {
     pub(crate) vertices: Buffer,
-    /// The number of vertices, from the first on, that belong to skinned meshes.
+    /// The number of vertices of skinned meshes, which come first.
     skinned_vertices: u64,
     pub(crate) indices: Buffer,
     pub(crate) instances: Buffer,
-    /// The surfaces of a scene that has them.
+    /// The surfaces, if the scene has surfaces.
     pub(crate) surfaces: Option<SurfaceResources>,
-    /// The draws of meshes, and of their coarser levels behind those.
+    /// The draws of meshes, followed by the draws of their coarser levels.
     mesh_draws: Arc<[MeshDraw]>,
     pub(crate) meshes: MeshSlots,
     pub(crate) uploads: UploadQueue,
-    /// The meshes as shadow volumes are extruded from them, while such are drawn.
+    /// The meshes in the form that shadow volumes are extruded from, while volumes are drawn.
     pub(crate) volumes: Option<VolumeMeshes>,
-    /// The meshes as section planes cut them, while there are such planes.
+    /// The meshes in the form that section planes cut, while there are planes.
     pub(crate) section_meshes: Option<SectionMeshes>,
-    /// Objects whose meshes are on their way.
+    /// The objects whose meshes are being uploaded.
     waiting: Vec<ObjectId>,
     mesh_bounds: Vec<Aabb>,
     pub(crate) lods: LodTable,
     // By object.
     object_meshes: Vec<u32>,
-    /// The draw of each object: that of its mesh, or of a coarser level.
+    /// The draw of each object: the draw of its mesh, or of a coarser level.
     object_lods: Vec<u32>,
     object_instances: Vec<Instance>,
-    /// By mesh: true if it is skinned, so that its box is the box of its one object.
+    /// True for each mesh that is skinned. Its box is the box of its only object.
     is_skinned: Vec<bool>,
     /// The objects of skinned meshes.
     owners: HashMap<u32, ObjectId>,
@@ -111,7 +111,7 @@ impl Geometry {
         let to_come = spare.meshes as usize;
         let mut mesh_bounds: Vec<Aabb> = scene.meshes.iter().map(|mesh| mesh.bounds).collect();
         mesh_bounds.resize(mesh_bounds.len() + to_come, Aabb::EMPTY);
-        // Volumes are built from copies, and read vertices where a compute shader extrudes them.
+        // Volumes are built from copies. Where a compute shader extrudes them, it reads vertices.
         let index = vk::BufferUsageFlags::INDEX_BUFFER | vk::BufferUsageFlags::TRANSFER_SRC;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let skinned_vertices = skinned_vertices(scene);
@@ -145,13 +145,13 @@ impl Geometry {
         })
     }
 
-    /// Returns the draws of leaves: of meshes, and of coarser levels behind those.
+    /// Returns the draws of meshes, followed by the draws of coarser levels.
     pub(crate) fn mesh_draws(&self) -> &Arc<[MeshDraw]> {
         &self.mesh_draws
     }
 
-    /// Returns the draw of an object: its mesh, or a coarser level of it; none while the mesh is on
-    /// its way.
+    /// Returns the draw of an object: its mesh or a coarser level; no draw while the mesh is being
+    /// uploaded.
     pub(crate) fn draw_of(&self, object: ObjectId) -> MeshDrawId {
         let mesh = self.object_meshes.get(object.0 as usize).copied().unwrap_or(NO_MESH);
         match (self.object_lods.get(object.0 as usize), self.meshes.residency(MeshId(mesh))) {
@@ -160,7 +160,7 @@ impl Geometry {
         }
     }
 
-    /// Returns the reason why a mesh does not fit the scene.
+    /// Refuses a mesh that does not fit the scene, with the reason.
     pub(crate) fn check_mesh(&self, mesh: &PreparedMesh) -> Result<(), &'static str> {
         match (&self.surfaces, mesh.surface()) {
             (None, None) => Ok(()),
@@ -170,10 +170,7 @@ impl Geometry {
         }
     }
 
-    /// Takes a mesh that fits, which is drawn when it has arrived.
-    ///
-    /// # Errors
-    /// [`Error::CapacityExceeded`].
+    /// Takes a mesh that fits. It is drawn once it has been uploaded.
     pub(crate) fn add_mesh(
         &mut self,
         mesh: PreparedMesh,
@@ -200,7 +197,7 @@ impl Geometry {
         Ok(id)
     }
 
-    /// Forgets a mesh that no object has.
+    /// Removes a mesh that no object has.
     pub(crate) fn remove_mesh(&mut self, mesh: MeshId, leaves: &mut LeafTable) {
         for draw in self.meshes.remove(mesh) {
             self.set_mesh_draw(draw, MeshDraw::default(), leaves);
@@ -245,13 +242,13 @@ impl Geometry {
         true
     }
 
-    /// Returns the draw of a mesh; an empty one where the scene does not have it.
+    /// Returns the draw of a mesh; an empty draw if the scene does not have the mesh.
     pub(crate) fn mesh_draw(&self, mesh: MeshId) -> IndirectDraw {
         self.mesh_draws.get(mesh.0 as usize).map(|mesh| mesh.draw).unwrap_or_default()
     }
 
-    /// Returns the draw of an object as a caster of shadows: always its mesh itself, so that no
-    /// shadow depends on how far an eye is; nothing while the mesh is on its way.
+    /// Returns the draw of an object as a shadow caster: always the finest level, so that shadows
+    /// do not depend on the distance of an eye. Empty while the mesh is being uploaded.
     pub(crate) fn caster_draw(&self, object: ObjectId, leaf: LeafIndex) -> IndirectDraw {
         let mesh = MeshId(self.object_meshes.get(object.0 as usize).copied().unwrap_or(NO_MESH));
         match self.meshes.residency(mesh) {
@@ -262,9 +259,9 @@ impl Geometry {
         }
     }
 
-    /// Replaces the volumes of all meshes by those that were built just now, or by none.
+    /// Replaces the volumes of all meshes by new ones, or removes them.
     pub(crate) fn replace_volumes(&mut self, volumes: Option<VolumeMeshes>) {
-        // Those of meshes on their way are among the new ones.
+        // The new volumes include meshes that are being uploaded.
         self.uploads.drop_adjacency();
         self.volumes = volumes;
     }
@@ -274,8 +271,9 @@ impl Geometry {
         self.surfaces.as_ref().is_some_and(|surfaces| surfaces.casts_volumes(mesh))
     }
 
-    /// Returns the draw of an object and its triangles, if it casts shadow volumes: in the level of
-    /// detail that is drawn, since the surfaces of another would lie in their own shadow.
+    /// Returns the draw of an object and its triangles, if it casts shadow volumes. The level of
+    /// detail is the one that is drawn, since the surfaces of another level would be in their own
+    /// shadow.
     pub(crate) fn volume_draw(&self, object: ObjectId) -> Option<(IndirectDraw, &VolumeDraw)> {
         let id = self.draw_of(object);
         let volumes = self.volumes.as_ref()?.get(id)?;
@@ -289,19 +287,21 @@ impl Geometry {
         instance_of(ObjectId(surfaces.map_or(0, slot)), object, surfaces)
     }
 
-    /// Returns the box of an object at another transform, if the object exists and the place is
-    /// possible.
+    /// Returns the box of an object at another transform, if the object exists and the coordinates
+    /// are possible.
     pub(crate) fn bounds_at(&self, object: ObjectId, transform: &Affine3A) -> Option<Aabb> {
         let mesh = self.object_meshes.get(object.0 as usize)?;
         self.bounds_of(*mesh, transform)
     }
 
-    /// Returns the box of a mesh at a transform, if there is such a mesh and the place is possible.
+    /// Returns the box of a mesh at a transform, if the mesh exists and the coordinates are
+    /// possible.
     pub(crate) fn bounds_of(&self, mesh: u32, transform: &Affine3A) -> Option<Aabb> {
         bounds_in_world(self.mesh_bounds.get(mesh as usize)?, transform)
     }
 
-    /// Sets the box of a skinned mesh, in its own space, for its present object and any later one.
+    /// Sets the box of a skinned mesh in its own space, for its present object and for later
+    /// objects.
     pub(crate) fn reshape(&mut self, mesh: MeshId, bounds: Aabb) {
         if let Some(of_mesh) = self.mesh_bounds.get_mut(mesh.0 as usize) {
             *of_mesh = bounds;
@@ -323,7 +323,7 @@ impl Geometry {
         self.object_instances.get(object.0 as usize).map(Instance::transform)
     }
 
-    /// Returns the place of the skinned vertices.
+    /// Returns the buffers of the skinned vertices.
     pub(crate) fn skinned(&self) -> Option<SkinnedVertices> {
         let part = |vertices: BufferSlice, vertex_bytes: usize| {
             vertices.part(0, self.skinned_vertices * vertex_bytes as u64)
@@ -374,8 +374,8 @@ impl Geometry {
         *instance = now;
     }
 
-    /// Selects the level of detail of an object for the size it appears in. Returns true if it
-    /// changed. Its leaf must then be marked.
+    /// Selects the level of detail of an object by its size in the image. Returns true if the level
+    /// changed; the caller must then mark its leaf.
     pub(crate) fn select_lod(
         &mut self,
         object: ObjectId,
@@ -395,8 +395,8 @@ impl Geometry {
         chosen.is_some_and(|chosen| std::mem::replace(lod, chosen) != chosen)
     }
 
-    /// Finds the lights of an object at its present place, none if it is gone. Returns true if they
-    /// changed. Its leaf must then be marked.
+    /// Finds the lights of an object at its present place, or none if it was removed. Returns true
+    /// if the lights changed; the caller must then mark its leaf.
     pub(crate) fn find_lights(&mut self, hierarchy: &Hierarchy, object: ObjectId) -> bool {
         let Some(surfaces) = &mut self.surfaces else { return false };
         let node = hierarchy.node_of(object);
@@ -411,7 +411,7 @@ impl Geometry {
         is_other
     }
 
-    /// Finds again the lights of objects around a light that changed since the last frame.
+    /// Finds the lights of objects again around lights that changed since the last frame.
     pub(crate) fn relight(&mut self, hierarchy: &Hierarchy, leaves: &mut LeafTable) {
         let objects = self.surfaces.as_mut().map(SurfaceResources::relight).unwrap_or_default();
         for object in objects {
@@ -424,8 +424,8 @@ impl Geometry {
     }
 
     /// Records the upload of all changes since the last frame, before anything of `frame` reads
-    /// them. They stay marked until the frame was [submitted](Geometry::submitted), which may never
-    /// happen.
+    /// them. Changes stay marked until the frame was [submitted](Geometry::submitted), which may
+    /// never happen.
     pub(crate) fn upload_changes(
         &mut self,
         frame: &mut Frame<'_>,
@@ -479,7 +479,7 @@ fn instance_of(id: ObjectId, object: &Object, surfaces: Option<&SurfaceResources
     Instance { rows: rows_of(&object.transform), tail }
 }
 
-/// Returns the box around a transformed box, if the place is possible.
+/// Returns the box around a transformed box, if its coordinates are possible.
 pub(crate) fn bounds_in_world(bounds: &Aabb, transform: &Affine3A) -> Option<Aabb> {
     let bounds = bounds_of_transformed(bounds, transform);
     bounds.is_usable().then_some(bounds)

@@ -1,14 +1,14 @@
-//! An object as the vertex shaders read it.
+//! An object in the form that vertex shaders read.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Mat3A, Vec3A};
 
-/// An object as the vertex shaders read it; mirrors `instance.glsl`.
+/// An object in the form that vertex shaders read; mirrors `instance.glsl`.
 #[repr(C)]
 #[derive(Clone, Copy, Default, Pod, Zeroable)]
 pub(crate) struct Instance {
     pub(crate) rows: [[f32; 4]; 3],
-    /// The tint as floats and 0; `SurfaceResources::instance_tail` in scenes with surfaces.
+    /// The tint as three floats and a 0; in scenes with surfaces `SurfaceResources::instance_tail`.
     pub(crate) tail: [u32; 4],
 }
 
@@ -26,7 +26,7 @@ impl Instance {
     }
 }
 
-/// Returns a transform by its rows.
+/// Returns the rows of a transform.
 pub(crate) fn rows_of(transform: &Affine3A) -> [[f32; 4]; 3] {
     std::array::from_fn(|r| {
         let row = transform.matrix3.row(r);
@@ -40,7 +40,7 @@ pub(crate) fn lights_and_tint(lights: u32, tint: u32) -> u32 {
     lights & 0xFF | tint << 8
 }
 
-/// Returns what [`lights_and_tint`] packed, with another number of lights.
+/// Returns a value packed by [`lights_and_tint`], with another number of lights.
 pub(crate) fn with_lights(packed: u32, lights: u32) -> u32 {
     lights_and_tint(lights, packed >> 8)
 }

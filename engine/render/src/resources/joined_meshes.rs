@@ -14,23 +14,20 @@ use crate::resources::skinned_meshes::mesh_order;
 use crate::resources::spare_capacity::SpareCapacity;
 use crate::resources::sprites;
 
-/// Vertices, indices and draws: those of the scene, and room for more behind them.
+/// The vertices, indices and draws of the scene, followed by room for more.
 pub(crate) struct JoinedMeshes {
     pub(crate) vertices: Vec<Vertex>,
     pub(crate) indices: Vec<u32>,
-    /// The draws of the scene's meshes, of meshes to come, of the coarser levels of the former, and
-    /// of levels to come.
+    /// The draws in this order: of the scene's meshes, room for more meshes, of the coarser levels
+    /// of the scene's meshes, room for more levels.
     pub(crate) draws: Arc<[MeshDraw]>,
     pub(crate) lods: LodTable,
-    /// The numbers of vertices, indices and draws without the room behind them.
+    /// The numbers of used vertices, indices and draws, without the room for more.
     pub(crate) used: [u32; 3],
 }
 
 impl JoinedMeshes {
     /// Joins the meshes of a scene.
-    ///
-    /// # Errors
-    /// No memory; more than a draw can name.
     pub(crate) fn new(scene: &Scene, spare: &SpareCapacity) -> Result<Self, Error> {
         let (mut vertices, mut indices, mut draws) = join(scene, spare)?;
         let lods = LodTable::join(scene, &mut indices, &mut draws);
@@ -44,7 +41,7 @@ impl JoinedMeshes {
     }
 }
 
-/// Returns draws with the triangles that they show.
+/// Returns draws together with their numbers of triangles.
 fn counted(scene: &Scene, spare: &SpareCapacity, draws: &[IndirectDraw]) -> Arc<[MeshDraw]> {
     let levels = scene.surfaces.as_ref().map_or(&[][..], |surfaces| &surfaces.levels);
     let coarser = scene.meshes.iter().zip(levels);
@@ -59,14 +56,15 @@ fn counted(scene: &Scene, spare: &SpareCapacity, draws: &[IndirectDraw]) -> Arc<
     draws.iter().zip(meshes).map(counted).collect()
 }
 
-/// Memory that a renderer takes for each mesh beside its vertices and indices, at most (bytes).
+/// The most memory that a renderer takes for each mesh in addition to its vertices and indices
+/// (bytes).
 const BYTES_PER_MESH: usize = 256;
 
-/// Vertices and indices of all meshes, and the draw of each.
+/// The vertices and indices of all meshes, and the draw of each mesh.
 type Joined = (Vec<Vertex>, Vec<u32>, Vec<IndirectDraw>);
 
-/// Joins all meshes. There is room for their coarser levels, for the pattern of sprites, and for
-/// meshes to come.
+/// Joins all meshes, with room for their coarser levels, for the pattern of sprites, and for meshes
+/// that are added later.
 fn join(scene: &Scene, spare: &SpareCapacity) -> Result<Joined, Error> {
     let levels = scene.surfaces.iter().flat_map(|surfaces| surfaces.levels.iter().flatten());
     let levels: usize = levels.map(|level| level.indices.len()).sum();

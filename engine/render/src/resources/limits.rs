@@ -1,4 +1,5 @@
-//! Refuses sizes that a renderer or a device does not support, before memory is taken for them.
+//! Checks of sizes that a renderer or a device does not support, before memory is allocated for
+//! them.
 
 use gpu::Device;
 
@@ -30,8 +31,8 @@ pub(crate) fn check_storage(
     check(what, count, limit / bytes.max(1), instead)
 }
 
-/// Refuses a size without enough memory for it. Allocating it piece by piece would end the program.
-/// Allocates all of it and frees it.
+/// Refuses a size for which there is not enough memory. Allocates the whole size and frees it,
+/// since a failure in the middle of many allocations would end the program.
 pub(crate) fn check_memory(
     what: &'static str,
     count: usize,
@@ -42,7 +43,7 @@ pub(crate) fn check_memory(
     asked.map_err(|_| Error::NoMemory { what, size_bytes })
 }
 
-/// Refuses an image of blocks without enough memory for its texels.
+/// Refuses an image of compressed blocks if there is not enough memory for its texels.
 pub(crate) fn check_unpacking(size: [u32; 2]) -> Result<(), Error> {
     let [width, height] = size;
     let texels = (width as usize).saturating_mul(height as usize);
@@ -57,8 +58,8 @@ pub(crate) fn room<T>(what: &'static str, count: usize) -> Result<Vec<T>, Error>
     reserved.map(|()| list).map_err(|_| Error::NoMemory { what, size_bytes })
 }
 
-/// Refuses more leaves than a hierarchy or the device can hold, before anything is made for
-/// them.
+/// Refuses more leaves than a hierarchy or the device can hold, before any of their data is
+/// created.
 pub(crate) fn check_leaves(device: &Device, leaf_count: usize) -> Result<(), Error> {
     if leaf_count > cull::MAX_OBJECTS {
         return Err(cull::HierarchyError::TooMany { count: leaf_count }.into());

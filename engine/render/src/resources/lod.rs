@@ -1,5 +1,4 @@
-//! Levels of detail: the level of its mesh that each object has, chosen for a few objects per
-//! frame.
+//! The level of detail that each object has of its mesh, chosen for a few objects per frame.
 
 use std::ops::Range;
 
@@ -7,26 +6,26 @@ use cull::{DetailLevel, DetailPolicy, ObjectId};
 use gpu::IndirectDraw;
 use scene::{LodLevel, MeshId, Scene};
 
-/// The most objects that [`Renderer::choose_detail`](crate::Renderer::choose_detail) looks at in
-/// one call.
+/// The highest number of objects that one call of
+/// [`Renderer::choose_detail`](crate::Renderer::choose_detail) visits.
 pub const DETAIL_OBJECTS_A_CALL: usize = 2048;
 
-/// The coarser levels of all meshes: draws behind those of the meshes themselves.
+/// The coarser levels of all meshes. Their draws follow the draws of the meshes.
 pub(crate) struct LodTable {
     of_mesh: Vec<Option<MeshForms>>,
-    /// The object that is looked at next.
+    /// The object to visit next.
     next: usize,
 }
 
 struct MeshForms {
-    /// The number of the first coarser level.
+    /// The draw of the first coarser level.
     first: u32,
-    /// The errors of all of them, the finest first, whose error is 0.
+    /// The errors of all levels, from the finest on, whose error is 0.
     errors_m: Vec<f32>,
 }
 
 impl MeshForms {
-    /// Returns the levels of a mesh that has coarser ones.
+    /// Returns the levels of a mesh, if it has coarser ones.
     fn new(first: u32, levels: &[LodLevel]) -> Option<Self> {
         let errors_m = std::iter::once(0.0).chain(levels.iter().map(|level| level.error_m));
         (!levels.is_empty()).then(|| Self { first, errors_m: errors_m.collect() })
@@ -34,7 +33,7 @@ impl MeshForms {
 }
 
 impl LodTable {
-    /// Adds the indices and draws of coarser levels to those of the meshes.
+    /// Appends the indices and draws of coarser levels to the indices and draws of the meshes.
     pub(crate) fn join(
         scene: &Scene,
         indices: &mut Vec<u32>,
@@ -63,7 +62,7 @@ impl LodTable {
         self.of(mesh).map_or(0..0, forms)
     }
 
-    /// Replaces the coarser levels of a mesh: the first draw of them, and the levels.
+    /// Replaces the coarser levels of a mesh, whose draws begin at `first`.
     pub(crate) fn set(&mut self, mesh: MeshId, first: u32, levels: &[LodLevel]) {
         let place = mesh.0 as usize;
         if self.of_mesh.len() <= place {
@@ -96,7 +95,7 @@ impl LodTable {
         self.of_mesh.iter().any(Option::is_some)
     }
 
-    /// Returns the objects of this turn, out of `objects`.
+    /// Returns the objects to visit in this call, out of `objects`.
     pub(crate) fn next_batch(&mut self, objects: usize) -> impl Iterator<Item = ObjectId> + use<> {
         let first = self.next;
         let count = DETAIL_OBJECTS_A_CALL.min(objects);

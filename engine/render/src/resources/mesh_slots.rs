@@ -1,4 +1,4 @@
-//! The places of meshes: of those that the scene had, and of those that came later.
+//! The places of meshes: of the scene's meshes, and of meshes that are added later.
 
 use std::ops::Range;
 
@@ -11,16 +11,16 @@ use crate::resources::joined_meshes::JoinedMeshes;
 use crate::resources::skinned_meshes::are_skinned;
 use crate::resources::spare_capacity::{SpareCapacity, SpareRanges};
 
-/// The state of the place of a mesh.
+/// The state of a place for a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Residency {
-    /// There is no mesh.
+    /// The place has no mesh.
     Free,
-    /// The mesh is on its way to the GPU: its objects are not drawn.
+    /// The mesh is being uploaded; its objects are not drawn.
     Uploading,
     /// The mesh is on the GPU.
     Resident,
-    /// The mesh is on the GPU for good: it is skinned, or one of sprites.
+    /// The mesh is on the GPU permanently, since it is skinned or consists of sprites.
     Kept,
 }
 
@@ -59,7 +59,7 @@ pub(crate) struct MeshSlots {
 }
 
 impl MeshSlots {
-    /// Notes the places of the meshes of a scene, and the room behind them.
+    /// Notes the places of the meshes of a scene, and the room for more.
     pub(crate) fn new(scene: &Scene, joined: &JoinedMeshes, spare: &SpareCapacity) -> Self {
         let mut are_kept = are_skinned(scene);
         for sprites in scene.surfaces.iter().flat_map(|surfaces| &surfaces.sprites) {
@@ -104,14 +104,14 @@ impl MeshSlots {
         self.slots.get(mesh.0 as usize).map_or(Residency::Free, |slot| slot.residency)
     }
 
-    /// Returns the meshes that are there, with their places.
+    /// Returns the existing meshes with their places.
     pub(crate) fn placed(&self) -> impl Iterator<Item = (MeshId, Residency, &MeshPlace)> {
         let all = (0..).map(MeshId).zip(&self.slots);
         let all = all.map(|(mesh, slot)| (mesh, slot.residency, &slot.place));
         all.filter(|(_, residency, _)| *residency != Residency::Free)
     }
 
-    /// Notes that an object has a mesh, or has it no more.
+    /// Notes that an object changes its mesh.
     pub(crate) fn count_user(&mut self, before: Option<MeshId>, now: Option<MeshId>) {
         for (mesh, change) in [(before, -1), (now, 1)] {
             if let Some(slot) = mesh.and_then(|mesh| self.slots.get_mut(mesh.0 as usize)) {
@@ -120,10 +120,7 @@ impl MeshSlots {
         }
     }
 
-    /// Takes the places of a mesh that is on its way.
-    ///
-    /// # Errors
-    /// [`Error::CapacityExceeded`], and nothing is taken.
+    /// Takes the places of a mesh to upload. After an error nothing is taken.
     pub(crate) fn take(&mut self, mesh: &PreparedMesh) -> Result<(MeshId, MeshPlace), Error> {
         let id = self.ids.take(1)?;
         let mut place = MeshPlace::default();
@@ -161,7 +158,7 @@ impl MeshSlots {
         }
     }
 
-    /// Returns the reason why a mesh cannot be removed.
+    /// Refuses to remove a mesh that is in use or permanent, with the reason.
     pub(crate) fn check_removal(&self, mesh: MeshId) -> Result<(), &'static str> {
         match (self.residency(mesh), self.slots.get(mesh.0 as usize).map_or(0, |slot| slot.users)) {
             (Residency::Free, _) => Err("the renderer has no such mesh"),
@@ -171,7 +168,7 @@ impl MeshSlots {
         }
     }
 
-    /// Frees the places of a mesh, and returns its draws, which are empty now.
+    /// Frees the places of a mesh, and returns its draws, which must become empty.
     pub(crate) fn remove(&mut self, mesh: MeshId) -> impl Iterator<Item = MeshDrawId> + use<> {
         let place = self.slots.get_mut(mesh.0 as usize).map(|slot| {
             slot.residency = Residency::Free;

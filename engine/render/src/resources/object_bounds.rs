@@ -6,8 +6,8 @@ use scene::Scene;
 use crate::error::Error;
 use crate::resources::limits::check_memory;
 
-/// Returns the box of each object of `scene` in the world, in their order, to build a hierarchy
-/// over.
+/// Returns the box of each object of `scene` in the world, in the order of the objects, to build a
+/// hierarchy over them.
 ///
 /// # Errors
 /// The first mesh or object that cannot be drawn.
@@ -17,8 +17,8 @@ pub fn object_bounds(scene: &Scene) -> Result<Vec<Aabb>, Error> {
     Ok(scene.objects.iter().filter_map(|object| scene.bounds_of(object)).collect())
 }
 
-/// Refuses a hierarchy over other objects than those of `scene`, or with a box that does not hold
-/// its object.
+/// Refuses a hierarchy with other objects than `scene` has, or with a box that does not hold its
+/// object.
 pub(crate) fn check_hierarchy(scene: &Scene, hierarchy: &Hierarchy) -> Result<(), Error> {
     let bounds = object_bounds(scene)?;
     let leaves = hierarchy.leaf_objects().len() as u32;

@@ -1,4 +1,4 @@
-//! The CPU's data of one skinned mesh: its newest pose, and what of it is on the GPU.
+//! The CPU data of one skinned mesh: its newest pose, and the state of the vertices on the GPU.
 
 use std::collections::HashMap;
 
@@ -8,10 +8,10 @@ use scene::{Mesh, MeshId, PoseBounds, SkinnedMesh, SurfaceVertex, TransparentId}
 
 use crate::passes::{NOTHING, REST_VALUES, SkinningJob};
 
-/// Values of four joints and their weights.
+/// The number of values for four joints and their weights.
 const SKIN_VALUES: u32 = 6;
 
-/// The CPU's data of a skinned mesh.
+/// The CPU data of a skinned mesh.
 pub(crate) struct SkinnedMeshState {
     pub(crate) mesh: MeshId,
     /// The transparent object of the mesh, if there is one.
@@ -28,22 +28,22 @@ pub(crate) struct SkinnedMeshState {
     pub(super) joints: Vec<Affine3A>,
     pub(super) weights: Vec<f32>,
     pub(super) is_dirty: bool,
-    /// The number of poses that it had.
+    /// The number of poses that the mesh has had.
     pub(super) pose_count: u64,
     /// True if the frame being recorded writes the vertices for certain.
     pub(super) is_written: bool,
-    /// True if a frame left it to a test whether the vertices are written.
+    /// True if an earlier frame wrote the vertices only if a test said so.
     pub(crate) is_stale: bool,
-    /// The job with its place among this frame's poses.
+    /// The job with the offsets of this frame's pose.
     pub(super) pose: SkinningJob,
 }
 
-/// The places of a target's lists in the mesh data, in values, or [`NOTHING`].
+/// The offsets of a target's lists in the mesh data, or [`NOTHING`].
 #[derive(Clone, Copy)]
 pub(super) struct TargetPlaces([u32; 3]);
 
 impl SkinnedMeshState {
-    /// Appends the data of a skinned mesh to the values of all.
+    /// Appends the data of a skinned mesh to the data of all.
     pub(super) fn new(
         skinned_mesh: &SkinnedMesh,
         mesh: &Mesh,
@@ -99,7 +99,7 @@ impl SkinnedMeshState {
             rest,
             targets: targets.collect(),
             joint_count: skinned_mesh.skin.as_ref().map_or(0, |skin| skin.joint_count as usize),
-            // At rest, as the vertices are: no pose was set yet.
+            // At rest, like the vertices: no pose has been set yet.
             joints: Vec::new(),
             weights: Vec::new(),
             is_dirty: false,
@@ -110,9 +110,9 @@ impl SkinnedMeshState {
         }
     }
 
-    /// Returns the positions of its vertices at rest, out of the mesh data, and a number for each:
-    /// those with the same number are always moved alike from the same place
-    /// ([`SkinnedMesh::motions`]).
+    /// Returns the positions of the mesh's vertices at rest, from the mesh data, and a number for
+    /// each. Vertices with equal numbers have the same position and are always moved in the same
+    /// way ([`SkinnedMesh::motions`]).
     pub(crate) fn at_rest(&self, values: &[u32]) -> (Vec<Vec3>, Vec<u32>) {
         let value = |place: u32| values.get(place as usize).copied().unwrap_or_default();
         let vector = |place: u32| [0, 1, 2].map(|axis| f32::from_bits(value(place + axis)));
@@ -128,7 +128,7 @@ impl SkinnedMeshState {
                     .map(|pair| [pair & 0xFFFF, pair >> 16]);
                 let weights = [2, 3, 4, 5].map(|place| value(first + place));
                 let hung = joints.as_flattened().iter().zip(weights);
-                // Also the negative zero.
+                // Negative zero counts as zero.
                 let hung = hung.filter(|(_, weight)| f32::from_bits(*weight) != 0.0);
                 motion.extend(hung.flat_map(|(joint, weight)| [*joint, weight]));
             }
@@ -150,7 +150,7 @@ impl SkinnedMeshState {
         (self.is_dirty, self.is_stale, self.shown_bounds) = (false, false, self.bounds);
     }
 
-    /// Appends its pose to those of a frame.
+    /// Appends the pose to the poses of a frame.
     pub(super) fn write(&mut self, values: &mut Vec<u32>) {
         let joints = values.len() as u32;
         for joint in &self.joints {

@@ -1,6 +1,6 @@
-//! Skinned meshes: their data lies on the GPU since loading; only the pose changes, which the next
-//! frame uploads. The vertices of a mesh are written before its first draw in that frame: at once
-//! if it is taken as visible, else if the test of its proxy shows, which the GPU decides.
+//! Skinned meshes. Their data is uploaded once; later only poses change, which the next frame
+//! uploads. The vertices of a mesh are written before its first draw in that frame: at once if the
+//! mesh is taken as visible, otherwise if the test of its proxy passes, which the GPU decides.
 
 use std::collections::HashMap;
 
@@ -25,23 +25,24 @@ pub(crate) struct SkinnedMeshes {
     dirty: Vec<usize>,
     /// The skinned meshes whose pose the frame being recorded uploads.
     uploaded: Vec<usize>,
-    /// Those of them that no recorded work writes for certain yet, in the order of their leaves.
+    /// The uploaded meshes whose vertices no recorded work writes for certain yet, in the order of
+    /// leaves.
     deferred: Vec<(LeafIndex, usize)>,
     /// The buffers of the frame being recorded.
     io: Option<SkinningIo>,
-    /// A flag per uploaded pose, set where the GPU wrote the vertices.
+    /// A flag per uploaded pose, set if the GPU wrote the vertices.
     written: FlagRing<WrittenTag>,
     /// The work of the frame being recorded.
     skinned: Skinned,
-    /// The poses of a frame, kept to allocate nothing.
+    /// The poses of a frame, kept to allocate nothing in the steady state.
     values: Vec<u32>,
 }
 
-/// The pose that a flag is about.
+/// The pose that a flag belongs to.
 #[derive(Clone, Copy)]
 struct WrittenTag {
     number: usize,
-    /// The number of poses that the mesh had before it.
+    /// The number of poses that the mesh had before this one.
     pose: u64,
     vertices: u32,
 }
@@ -49,9 +50,9 @@ struct WrittenTag {
 /// The skinned meshes to upload in a frame.
 #[derive(Clone, Copy)]
 pub(crate) enum PoseUploads<'a> {
-    /// All with a new pose, written at once.
+    /// All skinned meshes with a new pose, written at once.
     All,
-    /// Those that one of the views may show, written once their draws are known.
+    /// The skinned meshes that one of the views may show, written once their draws are known.
     Seen(&'a [cull::CullView]),
 }
 
@@ -64,7 +65,7 @@ pub(crate) struct Skinned {
     pub(crate) revealed_vertices: u64,
 }
 
-/// The vertices that the pass writes, from the first on.
+/// The vertices that the pass writes: the first ones.
 #[derive(Clone, Copy)]
 pub(crate) struct SkinnedVertices {
     pub(crate) vertices: BufferSlice,
@@ -72,11 +73,8 @@ pub(crate) struct SkinnedVertices {
 }
 
 impl SkinnedMeshes {
-    /// Uploads the data of the skinned meshes of a scene that was validated. `first_vertices` holds
-    /// the first vertex of each mesh.
-    ///
-    /// # Errors
-    /// More than the device's storage buffers hold, no memory, a failed call.
+    /// Uploads the data of the skinned meshes of a validated scene. `first_vertices` holds the
+    /// first vertex of each mesh.
     pub(crate) fn new(
         device: &Device,
         scene: &Scene,
@@ -131,25 +129,24 @@ impl SkinnedMeshes {
         }))
     }
 
-    /// Returns a skinned mesh, if the scene has it.
+    /// Returns a skinned mesh, if it exists.
     pub(crate) fn get(&self, skinned_mesh: SkinnedMeshId) -> Option<&SkinnedMeshState> {
         self.all.get(skinned_mesh.0 as usize)
     }
 
-    /// Returns the skinned mesh that moves the vertices of a mesh, if one does.
+    /// Returns the skinned mesh that moves the vertices of a mesh, if there is one.
     pub(crate) fn of_mesh(&self, mesh: MeshId) -> Option<&SkinnedMeshState> {
         self.all.iter().find(|state| state.mesh == mesh)
     }
 
-    /// Returns the vertices at rest, joints, weights and morph targets of all, as 32-bit values.
+    /// Returns the vertices at rest, joints, weights and morph targets of all skinned meshes, as
+    /// 32-bit values.
     pub(crate) fn mesh_data(&self) -> BufferSlice {
         self.mesh_data.whole()
     }
 
-    /// Returns the box of the mesh in a pose, in its own space; `None` if it has this pose already.
-    ///
-    /// # Errors
-    /// An impossible pose.
+    /// Returns the box of a mesh in a pose, in its own space; `None` if the mesh already has this
+    /// pose. Fails for an impossible pose.
     pub(crate) fn bounds_in(
         &self,
         skinned_mesh: SkinnedMeshId,
@@ -183,7 +180,7 @@ impl SkinnedMeshes {
         }
     }
 
-    /// Sets a possible pose, in which the mesh has this box.
+    /// Sets a possible pose of a mesh, and its box in this pose.
     pub(crate) fn set_pose(
         &mut self,
         skinned_mesh: SkinnedMeshId,
@@ -207,7 +204,7 @@ impl SkinnedMeshes {
         self.written = written_ring(device, frames_in_flight);
     }
 
-    /// Reads back which poses are on the GPU, as far as frames are over.
+    /// Reads back the poses that are on the GPU, for frames that are over.
     fn collect(&mut self, completed: Tick) {
         let Self { written, all, dirty, skinned, .. } = self;
         written.collect(completed, |tags, flags| {
@@ -225,11 +222,8 @@ impl SkinnedMeshes {
 
     /// Uploads the newest poses of the skinned meshes that `is_seen` accepts, before anything of
     /// `frame` reads vertices. The vertices of a mesh with a leaf are written when the leaf's draw
-    /// is [announced](SkinnedMeshes::prepare), others at once. They stay dirty until the frame was
-    /// [submitted](SkinnedMeshes::submitted), which may never happen.
-    ///
-    /// # Errors
-    /// No memory, a lost device.
+    /// is [announced](SkinnedMeshes::prepare), others at once. Meshes stay dirty until the frame
+    /// was [submitted](SkinnedMeshes::submitted), which may never happen.
     pub(crate) fn upload(
         &mut self,
         frame: &mut Frame<'_>,
@@ -328,7 +322,7 @@ impl SkinnedMeshes {
         );
     }
 
-    /// Writes the vertices of meshes whose draws depend on results, if these show.
+    /// Writes the vertices of meshes whose draws depend on results, if these results reveal them.
     fn write_revealed(
         &mut self,
         commands: &Commands,
@@ -360,7 +354,7 @@ impl SkinnedMeshes {
         pass.record(commands, &io, jobs);
     }
 
-    /// Copies the flags to the CPU. The last use in a frame.
+    /// Copies the flags to the CPU, as their last use in a frame.
     pub(crate) fn read_back(&self, commands: &Commands) {
         if !self.uploaded.is_empty() {
             self.written.read_back(commands);
@@ -373,7 +367,7 @@ impl SkinnedMeshes {
     }
 
     /// Notes that the frame of the last [`SkinnedMeshes::upload`] was submitted. Vertices that may
-    /// have been written, or not, count as being in both places.
+    /// or may not have been written count as being in both poses.
     pub(crate) fn submitted(&mut self, tick: Tick) {
         self.written.submitted(tick);
         self.deferred.clear();
@@ -395,7 +389,7 @@ fn written_ring(device: &Device, frames_in_flight: usize) -> FlagRing<WrittenTag
     FlagRing::new(device, frames_in_flight, ResultSource::Compute, "written meshes")
 }
 
-/// Returns the number of values of the skinned meshes of a scene, and of the poses of all.
+/// Returns the number of values of the mesh data of a scene, and of all its poses.
 fn value_counts(scene: &Scene) -> [u64; 2] {
     let mut sums = [0, 0];
     for skinned_mesh in scene.surfaces.iter().flat_map(|surfaces| &surfaces.skinned_meshes) {
@@ -414,8 +408,8 @@ fn value_counts(scene: &Scene) -> [u64; 2] {
     sums
 }
 
-/// Returns the meshes of a scene in the order of their vertices: skinned ones first: they are one
-/// part of the buffers, which a storage buffer can be.
+/// Returns the meshes of a scene in the order of their vertices. Skinned meshes come first, so that
+/// they are one part of the buffers, which can be bound as a storage buffer.
 pub(crate) fn mesh_order(scene: &Scene) -> Vec<usize> {
     let is_skinned = are_skinned(scene);
     let mut order: Vec<usize> = (0..scene.meshes.len()).collect();

@@ -1,4 +1,4 @@
-//! Room for what is added while a renderer runs.
+//! Room for things that are added while a renderer runs.
 
 use std::ops::Range;
 
@@ -7,33 +7,33 @@ use scene::{Encoding, PreparedTexture, Sampler};
 
 use crate::error::Error;
 
-/// Room that a renderer keeps for what is added while it runs, beside that of what is removed:
-/// nothing is made larger then. By default there is none.
+/// Room that a renderer keeps for things that are added while it runs, in addition to the room of
+/// removed ones. This room never grows. By default there is none.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SpareCapacity {
-    /// Point and spot lights of a scene with surfaces: 48 bytes each. With any, the pipelines are
-    /// compiled for both kinds.
+    /// The number of point and spot lights, in a scene with surfaces: 48 bytes each. If it is above
+    /// 0, the pipelines are compiled for both kinds.
     pub lights: u32,
-    /// Directional lights of a scene with surfaces. Each costs every pixel a little, also while it
-    /// is not there. Together with those of the scene that shine they are at most
+    /// The number of directional lights, in a scene with surfaces. Each costs every pixel a little,
+    /// even while it is unused. Together with the shining ones of the scene there may be at most
     /// [`MAX_DIRECTIONAL_LIGHTS`](scene::limits::MAX_DIRECTIONAL_LIGHTS).
     pub directional_lights: u32,
-    /// Meshes.
+    /// The number of meshes.
     pub meshes: u32,
-    /// Vertices of meshes: 20 bytes each, and 28 more in a scene with surfaces.
+    /// The number of vertices of meshes: 20 bytes each, and 28 more in a scene with surfaces.
     pub vertices: u32,
-    /// Indices of meshes and of their coarser levels: 4 bytes each.
+    /// The number of indices of meshes and of their coarser levels: 4 bytes each.
     pub indices: u32,
-    /// Coarser levels of meshes.
+    /// The number of coarser levels of meshes.
     pub levels: u32,
-    /// Materials of a scene with surfaces: 224 bytes each, with those of the transforms of their
-    /// textures. With any, the pipelines are compiled for holes, emission, unlit materials and
-    /// textures of all kinds, which costs every pixel a little.
+    /// The number of materials, in a scene with surfaces: 224 bytes each, including the transforms
+    /// of their textures. If it is above 0, the pipelines are compiled for holes, emission, unlit
+    /// materials and textures of all kinds, which costs every pixel a little.
     pub materials: u32,
-    /// Textures of a scene with surfaces, for materials that come later, where textures lie on
-    /// [pages](crate::surfaces::TextureStorage::ArrayPacked): a page for each kind.
-    /// Together with those of the scene there are at most
-    /// [`MAX_PAGES`](scene::limits::MAX_PAGES), so that images of the scene may be resampled to
+    /// Textures of a scene with surfaces, for later materials, if textures lie on
+    /// [pages](crate::surfaces::TextureStorage::ArrayPacked): a page for each kind. Together with
+    /// the pages of the scene there may be at most [`MAX_PAGES`](scene::limits::MAX_PAGES), so
+    /// images of the scene may be resampled to share a page.
     /// share a page.
     pub textures: Vec<TextureCapacity>,
 }
@@ -45,7 +45,7 @@ pub struct TextureCapacity {
     pub size: [u32; 2],
     /// The meaning of the bytes.
     pub encoding: Encoding,
-    /// The sampling.
+    /// The sampler.
     pub sampler: Sampler,
     /// The number of textures: four bytes per pixel each, and a third more for mip maps.
     pub layers: u32,
@@ -59,7 +59,7 @@ impl TextureCapacity {
     }
 }
 
-/// The ranges of one array that are taken.
+/// The allocated ranges of one array.
 #[derive(Debug)]
 pub(crate) struct SpareRanges {
     what: &'static str,
@@ -67,25 +67,22 @@ pub(crate) struct SpareRanges {
 }
 
 impl SpareRanges {
-    /// Takes the first `used` of all elements, with room for `spare` more.
+    /// Allocates the first `used` elements, with room for `spare` more.
     pub(crate) fn behind(what: &'static str, used: u32, spare: u32) -> Self {
         let mut ranges = RangeAllocator::new(0..used.saturating_add(spare));
         if used > 0 {
-            // The first of a range that is all free.
+            // The first allocation begins at 0, since all is free.
             let _beginning = ranges.allocate_range(used);
         }
         Self { what, ranges }
     }
 
-    /// Takes a range; an empty one takes no room.
-    ///
-    /// # Errors
-    /// [`Error::CapacityExceeded`].
+    /// Allocates a range. An empty range needs no room.
     pub(crate) fn take(&mut self, count: usize) -> Result<Range<u32>, Error> {
         if count == 0 {
             return Ok(0..0);
         }
-        // The allocator takes no more than half of what 32 bits can name.
+        // The allocator supports at most half of the numbers of 32 bits.
         let count_32 = u32::try_from(count).ok().filter(|count| *count <= u32::MAX / 2);
         let taken = count_32.and_then(|count| self.ranges.allocate_range(count).ok());
         taken.ok_or_else(|| Error::CapacityExceeded {
@@ -95,7 +92,7 @@ impl SpareRanges {
         })
     }
 
-    /// Gives a range back.
+    /// Frees a range.
     pub(crate) fn free(&mut self, range: Range<u32>) {
         if !range.is_empty() {
             self.ranges.free_range(range);

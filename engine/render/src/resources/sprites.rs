@@ -1,7 +1,9 @@
-//! Sprites on the GPU: their vectors behind the instances, and the corners that all of them share.
+//! Sprites on the GPU: their vectors, which follow the instances, and the corners that all sprites
+//! share.
 //!
-//! A mesh of sprites is drawn with the vertices and indices of one pattern, which hold corner and
-//! number. Sprites take no vertices of their own; `sprites.glsl` finds the rest from the instance.
+//! A mesh of sprites is drawn with the vertices and indices of one pattern, which contain the
+//! corner and the index of the sprite. Sprites have no vertices of their own; `sprites.glsl` finds
+//! the rest from the instance.
 
 use gpu::{Device, IndirectDraw};
 use scene::limits::INSTANCE_BYTES;
@@ -11,13 +13,13 @@ use crate::error::Error;
 use crate::resources::instance::Instance;
 use crate::resources::limits::check_storage;
 
-/// The vectors of four numbers in the place of an instance.
+/// The number of vectors of four numbers in the room of an instance.
 const VECTORS: usize = 4;
 
-/// Corners of a sprite: end and side of each, anticlockwise.
+/// The corners of a sprite, anticlockwise: the end and the side of each.
 const CORNERS: [[f32; 2]; 4] = [[0.0, -1.0], [1.0, -1.0], [1.0, 1.0], [0.0, 1.0]];
 
-/// Triangles of a sprite.
+/// The triangles of a sprite.
 const TRIANGLES: [u32; 6] = [0, 1, 2, 0, 2, 3];
 
 fn of_scene(scene: &Scene) -> &[Sprites] {
@@ -29,7 +31,7 @@ pub(crate) fn has_sprites(scene: &Scene) -> bool {
     !of_scene(scene).is_empty()
 }
 
-/// Returns the number of vectors of an end.
+/// Returns the number of vectors per end of a sprite.
 fn end_vectors(sprites: &Sprites) -> usize {
     if sprites.normals.is_empty() { 1 } else { 2 }
 }
@@ -38,7 +40,7 @@ fn vectors(sprites: &Sprites) -> usize {
     1 + sprites.ends.len() * end_vectors(sprites)
 }
 
-/// Refuses more sprites than the device can hold behind `instances` instances.
+/// Refuses more sprites than the device can hold after `instances` instances.
 pub(crate) fn check_size(device: &Device, scene: &Scene, instances: usize) -> Result<(), Error> {
     check_storage(
         device,
@@ -49,13 +51,13 @@ pub(crate) fn check_size(device: &Device, scene: &Scene, instances: usize) -> Re
     )
 }
 
-/// Returns the number of instances that the vectors of all sprites take the place of.
+/// Returns the number of instances that take as much room as the vectors of all sprites.
 fn blocks(scene: &Scene) -> usize {
     of_scene(scene).iter().map(vectors).sum::<usize>().div_ceil(VECTORS)
 }
 
-/// Returns for each mesh the place of its sprites' vectors behind `instances` instances; 0 without
-/// any.
+/// Returns for each mesh the place of its sprites' vectors after `instances` instances; 0 without
+/// sprites.
 pub(crate) fn places(scene: &Scene, instances: usize) -> Vec<u32> {
     let mut places = vec![0; scene.meshes.len()];
     let mut next = instances * VECTORS;
@@ -68,7 +70,7 @@ pub(crate) fn places(scene: &Scene, instances: usize) -> Vec<u32> {
     places
 }
 
-/// Adds the vectors of all sprites behind the instances.
+/// Appends the vectors of all sprites to the instances.
 pub(crate) fn add_vectors(scene: &Scene, instances: &mut Vec<Instance>) {
     let mut vectors: Vec<[f32; VECTORS]> = Vec::with_capacity(blocks(scene) * VECTORS);
     for sprites in of_scene(scene) {
@@ -89,7 +91,7 @@ pub(crate) fn add_vectors(scene: &Scene, instances: &mut Vec<Instance>) {
     }));
 }
 
-/// Returns the number of sprites of the largest mesh.
+/// Returns the number of sprites in the largest mesh.
 fn most(scene: &Scene) -> usize {
     of_scene(scene).iter().map(Sprites::count).max().unwrap_or(0)
 }
@@ -99,8 +101,7 @@ pub(crate) fn pattern_size(scene: &Scene) -> [usize; 2] {
     [CORNERS.len(), TRIANGLES.len()].map(|each| most(scene) * each)
 }
 
-/// Adds the pattern behind all vertices and indices, and lets the draws of meshes of sprites use
-/// it.
+/// Appends the pattern to all vertices and indices, and sets the draws of meshes of sprites to it.
 pub(crate) fn add_pattern(
     scene: &Scene,
     vertices: &mut Vec<Vertex>,
@@ -131,7 +132,7 @@ pub(crate) fn add_pattern(
     }
 }
 
-/// Adds as many surface vertices as the pattern has vertices.
+/// Appends a surface vertex for each vertex of the pattern.
 pub(crate) fn add_surface_pattern(scene: &Scene, vertices: &mut Vec<SurfaceVertex>) {
     let nothing = bytemuck::Zeroable::zeroed();
     vertices.resize(vertices.len() + most(scene) * CORNERS.len(), nothing);

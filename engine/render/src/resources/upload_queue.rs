@@ -1,5 +1,5 @@
-//! Meshes and textures on their way to the GPU: some bytes with each frame, the first that came
-//! first. So a mesh that has arrived is never without the textures of its material.
+//! The queue of meshes and textures to upload: some bytes per frame, in the order of their
+//! addition. So the textures of a mesh's material are always complete when the mesh is.
 
 use std::collections::VecDeque;
 
@@ -15,16 +15,16 @@ use crate::shading::surfaces::{SurfaceTextures, TexturePlace, TextureStorage};
 #[derive(Clone, Copy)]
 pub(crate) struct UploadTargets<'a> {
     pub(crate) vertices: BufferSlice,
-    /// The surfaces of a scene that has them.
+    /// The surfaces, if the scene has surfaces.
     pub(crate) surfaces: Option<BufferSlice>,
     pub(crate) indices: BufferSlice,
-    /// The triangles with adjacency of renderers that draw shadow volumes.
+    /// The triangles with adjacency, if the renderer draws shadow volumes.
     pub(crate) adjacency: Option<BufferSlice>,
-    /// The textures of a scene that has them.
+    /// The textures, if the scene has textures.
     pub(crate) textures: Option<&'a SurfaceTextures>,
 }
 
-/// A mesh or a texture that is not on the GPU as a whole.
+/// A mesh or a texture that is not completely on the GPU.
 enum PendingUpload {
     Mesh {
         id: MeshId,
@@ -38,12 +38,12 @@ enum PendingUpload {
         texture: PreparedTexture,
         place: TexturePlace,
         levels: Vec<Vec<u8>>,
-        /// True if no frame knows it yet.
+        /// True if no frame has used it yet.
         is_new: bool,
     },
 }
 
-/// Bytes that go to one place.
+/// Bytes with a common destination.
 struct Section<'a> {
     bytes: &'a [u8],
     to: Destination,
@@ -55,7 +55,7 @@ enum Destination {
     Level { place: TexturePlace, level: u32, row_bytes: usize },
 }
 
-/// A copy of a frame.
+/// A copy in a frame.
 #[derive(Clone, Copy)]
 enum QueuedCopy {
     Buffer {
@@ -67,18 +67,19 @@ enum QueuedCopy {
         place: TexturePlace,
         rows: TextureRows,
     },
-    /// The mip maps of a texture whose rows are all there.
+    /// The mip maps of a texture whose rows are complete.
     Levels(TexturePlace),
 }
 
 /// The queue of meshes and textures.
 pub(crate) struct UploadQueue {
-    /// The most bytes of a frame, but for a row of a texture.
+    /// The highest number of bytes per frame, except for a single row of a texture.
     frame_bytes: usize,
     queue: VecDeque<PendingUpload>,
-    /// The bytes of the first one that frames have copied.
+    /// The bytes of the first item that frames have copied.
     copied: usize,
-    /// The number of whole ones and the bytes of the next one, once the newest frame is submitted.
+    /// The number of completed items and the copied bytes of the next one, for when the newest
+    /// frame is submitted.
     recorded: (usize, usize),
     arrived: Vec<MeshId>,
     copies: Vec<QueuedCopy>,
@@ -101,7 +102,7 @@ impl UploadQueue {
         self.queue.is_empty()
     }
 
-    /// Adds a mesh, with the triangles with adjacency of each of its draws if there are any.
+    /// Adds a mesh, with the triangles with adjacency of each of its draws, if there are any.
     pub(crate) fn push_mesh(
         &mut self,
         id: MeshId,
@@ -112,7 +113,7 @@ impl UploadQueue {
         self.queue.push_back(PendingUpload::Mesh { id, mesh, place, adjacency });
     }
 
-    /// Returns the meshes on their way.
+    /// Returns the meshes in the queue.
     pub(crate) fn meshes(&self) -> impl Iterator<Item = (MeshId, &PreparedMesh, &MeshPlace)> {
         self.queue.iter().filter_map(|pending| match pending {
             PendingUpload::Mesh { id, mesh, place, .. } => Some((*id, mesh, place)),
@@ -120,8 +121,8 @@ impl UploadQueue {
         })
     }
 
-    /// Leaves out the triangles with adjacency of all meshes on their way: they are on the GPU, or
-    /// nobody needs them.
+    /// Removes the triangles with adjacency from all meshes in the queue: they are on the GPU, or
+    /// are not needed.
     pub(crate) fn drop_adjacency(&mut self) {
         for pending in &mut self.queue {
             if let PendingUpload::Mesh { adjacency, .. } = pending {
@@ -130,7 +131,7 @@ impl UploadQueue {
         }
     }
 
-    /// Adds a texture, with the mip maps that the device does not make.
+    /// Adds a texture, with the mip maps that the device does not generate.
     pub(crate) fn push_texture(
         &mut self,
         id: TextureId,
@@ -141,12 +142,12 @@ impl UploadQueue {
         self.queue.push_back(PendingUpload::Texture { id, texture, place, levels, is_new: true });
     }
 
-    /// Forgets a mesh.
+    /// Removes a mesh.
     pub(crate) fn cancel_mesh(&mut self, mesh: MeshId) {
         self.cancel(|pending| matches!(pending, PendingUpload::Mesh { id, .. } if *id == mesh));
     }
 
-    /// Forgets a texture.
+    /// Removes a texture.
     pub(crate) fn cancel_texture(&mut self, texture: TextureId) {
         self.cancel(
             |pending| matches!(pending, PendingUpload::Texture { id, .. } if *id == texture),
@@ -160,11 +161,8 @@ impl UploadQueue {
         self.queue.retain(|pending| !is_gone(pending));
     }
 
-    /// Records the copies of a frame, behind everything that may read what lay there. They count
+    /// Records the copies of a frame, after everything that may read the old contents. They count
     /// once the frame is [submitted](UploadQueue::submitted).
-    ///
-    /// # Errors
-    /// No memory.
     pub(crate) fn record(
         &mut self,
         frame: &mut Frame<'_>,
@@ -198,8 +196,8 @@ impl UploadQueue {
         Ok(())
     }
 
-    /// Returns the images of textures that have one each and that no frame knows. The next one must
-    /// open them, whether it copies to them or not: its draws may sample them.
+    /// Returns the images of textures with their own images that no frame has used. The next frame
+    /// must open them even if it does not copy to them, since its draws may sample them.
     fn new_images<'a>(&self, targets: UploadTargets<'a>) -> impl Iterator<Item = &'a TextureArray> {
         let has_own = |textures: &&SurfaceTextures| textures.storage() == TextureStorage::Bindless;
         let textures = targets.textures.filter(has_own);
@@ -209,7 +207,7 @@ impl UploadQueue {
         })
     }
 
-    /// Chooses the copies of a frame, and writes what they copy to its memory.
+    /// Chooses the copies of a frame, and writes their data to its memory.
     fn plan_copies(
         &mut self,
         frame: &mut Frame<'_>,
@@ -229,7 +227,7 @@ impl UploadQueue {
                     let from = frame.uploads().push(&bytes[first..first + count])?;
                     copies.push(to.copy(from, first, count));
                 }
-                // What comes behind must not overtake the rest.
+                // Later items must not overtake the rest of this one.
                 left = if count < wanted { 0 } else { left.saturating_sub(count) };
                 (begin, recorded.1) = (begin + bytes.len(), recorded.1 + count);
             }
@@ -259,14 +257,14 @@ impl UploadQueue {
         }
     }
 
-    /// Takes the meshes that are whole for all frames from now on.
+    /// Takes the meshes that are complete for all frames from now on.
     pub(crate) fn take_arrived(&mut self) -> Vec<MeshId> {
         std::mem::take(&mut self.arrived)
     }
 }
 
 impl PendingUpload {
-    /// Returns the bytes of the mesh or the texture, and the place that each run of them goes to.
+    /// Returns the bytes of the mesh or the texture, with the destination of each part.
     fn sections(&self, targets: UploadTargets<'_>) -> impl Iterator<Item = Section<'_>> {
         let of_mesh = match self {
             Self::Mesh { mesh, place, adjacency, .. } => {
@@ -331,8 +329,8 @@ fn sections_of_texture<'a>(
 }
 
 impl Destination {
-    /// Returns the number of bytes to copy of those `wanted` where `left` may be copied: whole rows
-    /// of a texture, at least one where nothing else is copied.
+    /// Returns the number of bytes to copy, out of `wanted`, if `left` may be copied. Textures are
+    /// copied in whole rows, at least one if nothing else is copied.
     fn bytes_within(self, left: usize, wanted: usize, is_first: bool) -> usize {
         match self {
             Self::Array(_) => left.min(wanted),

@@ -1,5 +1,6 @@
-//! Meshes as shadow volumes are extruded from them: the triangles of each draw with adjacency, on
-//! the GPU. Only renderers that draw volumes have them; they are built from what the GPU holds.
+//! Meshes in the form that shadow volumes are extruded from: the triangles of each draw with
+//! adjacency. Only renderers that draw volumes have them. They are built from the meshes on the
+//! GPU.
 
 use ::shadows::{Enclosure, VolumeMesh, VolumeSource};
 use glam::Vec3;
@@ -14,8 +15,8 @@ use crate::resources::limits::{check_storage, room};
 use crate::resources::mesh_slots::{MeshPlace, Residency};
 use crate::resources::skinned_meshes::SkinnedMeshes;
 
-/// Values of a triangle with adjacency, per value of the triangle: it lies at twice the place of
-/// its indices, so that it needs no room of its own.
+/// The number of values of a triangle with adjacency, per value of the triangle. Its offset is
+/// twice the offset of the triangle's indices, so it needs no allocation of its own.
 pub(crate) const ADJACENCY_PER_INDEX: usize = 2;
 
 /// The triangles with adjacency of all meshes that cast volumes.
@@ -35,12 +36,12 @@ pub(crate) struct VolumeDraw {
 impl VolumeDraw {
     fn of(volumes: &VolumeMesh, changes_shape: bool) -> Self {
         let triangles = volumes.triangles().len() as u32;
-        // What is closed at rest may be folded inside out in a pose.
+        // A mesh that is closed at rest may be folded inside out in a pose.
         let enclosure = if changes_shape { Enclosure::None } else { volumes.enclosure() };
         Self { triangles, enclosure }
     }
 
-    /// Returns the draw of the triangles with adjacency where `draw` is that of the triangles.
+    /// Returns the draw of the triangles with adjacency, from the `draw` of the triangles.
     pub(crate) fn draw(&self, draw: IndirectDraw) -> IndirectDraw {
         IndirectDraw {
             index_count: 6 * self.triangles,
@@ -50,7 +51,7 @@ impl VolumeDraw {
     }
 }
 
-/// The vertices and triangles of meshes, as they were copied back.
+/// The vertices and triangles of meshes, copied back from the GPU.
 pub(super) struct Contents {
     vertices: Buffer,
     pub(super) indices: Buffer,
@@ -58,11 +59,7 @@ pub(super) struct Contents {
 }
 
 impl VolumeMeshes {
-    /// Builds the volumes of all meshes that cast some. Waits for copies.
-    ///
-    /// # Errors
-    /// More than the device's storage buffers hold, where they are extruded by compute shaders; no
-    /// memory, a failed call.
+    /// Builds the volumes of all meshes that cast volumes. Waits for copies.
     pub(crate) fn new(
         device: &Device,
         geometry: &Geometry,
@@ -127,7 +124,7 @@ impl VolumeMeshes {
         self.draws.get(draw.0 as usize).filter(|draw| draw.triangles > 0)
     }
 
-    /// Takes a mesh on its way to the GPU. Returns the values to upload for each of its draws.
+    /// Takes a mesh that is being uploaded. Returns the values to upload for each of its draws.
     pub(crate) fn add(
         &mut self,
         id: MeshId,
@@ -145,7 +142,7 @@ impl VolumeMeshes {
         values
     }
 
-    /// Forgets a draw.
+    /// Removes a draw.
     pub(crate) fn remove(&mut self, draw: MeshDrawId) {
         if let Some(draw) = self.draws.get_mut(draw.0 as usize) {
             *draw = VolumeDraw::default();
@@ -154,10 +151,7 @@ impl VolumeMeshes {
 }
 
 impl Contents {
-    /// Copies the meshes of a renderer back, and waits for that.
-    ///
-    /// # Errors
-    /// No memory, a failed call.
+    /// Copies the meshes of a renderer back, and waits for the copy.
     pub(super) fn copied_back(
         device: &Device,
         geometry: &Geometry,
@@ -190,7 +184,7 @@ impl Contents {
     }
 }
 
-/// Returns a copy of a buffer that the CPU reads.
+/// Copies a buffer to a new buffer that the CPU can read.
 pub(crate) fn copied_back(device: &Device, from: BufferSlice) -> Result<Buffer, Error> {
     let usage = vk::BufferUsageFlags::TRANSFER_DST;
     let to = Buffer::new(device, "meshes", from.size_bytes, usage, MemoryKind::ReadBack)?;
@@ -213,7 +207,7 @@ fn volumes_of(mesh: &PreparedMesh) -> impl Iterator<Item = Option<VolumeMesh>> {
     all.map(move |indices| volume_mesh(&positions, &[], indices))
 }
 
-/// Returns the volumes of triangles that were checked when they were loaded.
+/// Returns the volumes of triangles that have been validated.
 fn volume_mesh(positions: &[Vec3], motions: &[u32], triangles: &[u32]) -> Option<VolumeMesh> {
     let volumes = VolumeMesh::new(&VolumeSource { positions, triangles, motions });
     volumes.inspect_err(|error| tracing::error!("a mesh casts no shadow volumes: {error}")).ok()

@@ -1,4 +1,4 @@
-//! The caps of a view: which objects have some, and what shaders need to draw them.
+//! The caps of a view: the choice of objects, and the shaders' data to draw them.
 
 use cull::{
     Aabb, Containment, CullView, Hierarchy, ObjectId, PlaneMask, ProjectionKind, SectionPlane,
@@ -9,10 +9,10 @@ use super::{MetObject, Section};
 use crate::passes::{CapDraw, CapRow, ImageRows};
 use crate::resources::geometry::Geometry;
 
-/// The distance between the lines of a hatch, about (pixels).
+/// The approximate distance between the lines of a hatch (pixels).
 const HATCH_PIXELS: f64 = 9.0;
 
-/// Lists the caps that a view sees from the side that is cut away.
+/// Lists the caps that a view sees from the removed side.
 pub(super) fn plan_caps(
     section: &mut Section,
     geometry: &Geometry,
@@ -45,11 +45,11 @@ pub(super) fn plan_caps(
     }
 }
 
-/// Returns true if rays through the image meet a plane from its removed side.
+/// Returns true if rays through the image reach a plane from its removed side.
 fn is_seen_open(plane: &SectionPlane, view: &CullView) -> bool {
     match view.rays.kind {
         ProjectionKind::Perspective => {
-            // Where the anchor is the eye, it is so to the bit.
+            // If the anchor is the eye, this is the eye to the bit.
             let eye = view.from_anchor.as_dmat4().inverse() * DVec4::Z;
             let eye = view.anchor.as_dvec3() + eye.truncate() / eye.w;
             plane.distance_m(eye) < 0.0
@@ -64,16 +64,16 @@ struct Cap<'a> {
     bounds: Aabb,
     number: u32,
     plane: &'a SectionPlane,
-    /// Linear.
+    /// The linear colour.
     colour: [f32; 3],
-    /// The place of the object in the world, which its hatch is fixed to.
+    /// The position of the object in the world, which its hatch is fixed to.
     origin: Vec3,
 }
 
 impl Cap<'_> {
     fn row(&self, view: &CullView, image: &ImageRows) -> CapRow {
         let anchor = view.anchor.as_dvec3();
-        // A little larger than the object.
+        // The cap is slightly larger than the object.
         let margin = self.bounds.largest_coordinate() * 4.0 * f32::EPSILON;
         let half = self.bounds.half_extent() * 1.001 + margin;
         let middle = self.bounds.centre().as_dvec3() - anchor;
@@ -98,15 +98,15 @@ impl Cap<'_> {
         }
     }
 
-    /// Returns the share of light that reaches the plane: more from above, never none.
+    /// Returns the share of light that the plane receives: more from above, and never 0.
     fn light(&self) -> f32 {
-        // One looks at the removed side.
+        // The eye sees the removed side.
         0.8 - 0.2 * self.plane.normal().y as f32
     }
 
-    /// Returns the row that counts the lines of the hatch across them. They lie in the plane, so
-    /// they do not crawl when the eye moves; only their distance is doubled or halved with the
-    /// object's size in the image.
+    /// Returns the row that counts the lines of the hatch across them. The lines lie in the plane,
+    /// so they do not crawl when the eye moves. Their distance doubles or halves with the object's
+    /// size in the image.
     fn hatch(&self, view: &CullView) -> DVec4 {
         let normal = self.plane.normal();
         let along = normal.any_orthonormal_vector();
@@ -117,7 +117,7 @@ impl Cap<'_> {
         let wanted_m = (HATCH_PIXELS * pattern.scale * pixel_m).clamp(1.0e-30, 1.0e30);
         let spacing_m = wanted_m.log2().round().exp2() * pattern.scale;
         let across = across / spacing_m;
-        // Whole lines between anchor and object are left out, for few digits.
+        // Whole lines between anchor and object are left out, to keep digits.
         let anchor = view.anchor.as_dvec3() - self.origin.as_dvec3();
         across.extend(across.dot(anchor).rem_euclid(1.0))
     }
@@ -126,11 +126,11 @@ impl Cap<'_> {
 /// The hatch of an object.
 struct Pattern {
     angle_rad: f64,
-    /// The distance between lines as a share of the usual one.
+    /// The distance between lines as a share of the standard distance.
     scale: f64,
 }
 
-/// Returns the hatch of an object, by its id: neighbours differ.
+/// Returns the hatch of an object by its id, such that consecutive ids differ.
 fn pattern_of(object: ObjectId) -> Pattern {
     const DEGREES: [f64; 4] = [45.0, 135.0, 20.0, 110.0];
     let hash = object.0.wrapping_mul(0x9E37_79B1);
@@ -139,8 +139,8 @@ fn pattern_of(object: ObjectId) -> Pattern {
     Pattern { angle_rad: degrees.to_radians(), scale }
 }
 
-/// Returns the part of a view that a box may cover, in normalised device coordinates: the lower and
-/// the upper corner.
+/// Returns the part of a view that a box may cover, as its lower and upper corner in normalised
+/// device coordinates.
 fn area_of(view: &CullView, bounds: &Aabb) -> [f32; 4] {
     const WHOLE: [f32; 4] = [-1.0, -1.0, 1.0, 1.0];
     let corners = bounds.corners().map(|corner| view.clip(corner));
@@ -154,7 +154,7 @@ fn area_of(view: &CullView, bounds: &Aabb) -> [f32; 4] {
         let at = (clip.truncate().truncate() / clip.w).as_vec2();
         (low, high) = (low.min(at), high.max(at));
     }
-    // Vertices are moved by parts of a pixel.
+    // Vertices are snapped by parts of a pixel.
     let pixel = Vec2::from(view.size.map(|side| 4.0 / side.max(1) as f32));
     let low = (low - pixel).max(Vec2::NEG_ONE);
     let high = (high + pixel).min(Vec2::ONE);

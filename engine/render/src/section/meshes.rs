@@ -1,5 +1,5 @@
-//! Meshes as section planes cut them: the points that decide whether a plane meets an object, and
-//! whether there is an inside to close. Only renderers with section planes have them.
+//! Meshes in the form that section planes need: the points that decide if a plane meets an object,
+//! and if it encloses an inside to close. Only renderers with section planes have them.
 
 use std::collections::HashMap;
 
@@ -15,30 +15,30 @@ use crate::resources::mesh_slots::MeshPlace;
 #[derive(Default)]
 pub(crate) struct SectionMeshes {
     meshes: HashMap<MeshId, SectionMesh>,
-    /// By the number of a draw.
+    /// The shell of each draw, by its number.
     shells: Vec<Shell>,
 }
 
 /// A mesh whose shape does not change.
 struct SectionMesh {
     points: Vec<Vec3>,
-    /// The colour of its first vertex, packed as vertices have it.
+    /// The colour of its first vertex, packed like the colours of vertices.
     colour: u32,
 }
 
-/// The part of the world along a plane's normal that an object takes, and its size (metres).
+/// The extent of an object along a plane's normal, and its size (metres).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Extent {
-    /// The lowest and the highest distance of a point from the plane.
+    /// The lowest and the highest distance of its points from the plane.
     pub(crate) low_m: f64,
     pub(crate) high_m: f64,
     pub(crate) size_m: f64,
-    /// The size of its place, the sum of its parts along the normal.
+    /// The magnitude of its position: the sum of the absolute terms along the normal.
     pub(crate) place_m: f64,
 }
 
 impl SectionMeshes {
-    /// Takes a mesh on its way to the GPU.
+    /// Takes a mesh that is being uploaded.
     pub(crate) fn add(&mut self, id: MeshId, prepared: &PreparedMesh, place: &MeshPlace) {
         let mesh: &Mesh = prepared.mesh();
         self.add_vertices(id, &mesh.vertices);
@@ -67,18 +67,17 @@ impl SectionMeshes {
         }
     }
 
-    /// Returns what the triangles of a draw enclose.
+    /// Returns the kind of shell that the triangles of a draw form.
     pub(crate) fn shell(&self, draw: MeshDrawId) -> Shell {
         self.shells.get(draw.0 as usize).copied().unwrap_or_default()
     }
 
-    /// Returns the colour of a mesh, as vertices have it.
+    /// Returns the colour of a mesh, packed like the colours of vertices.
     pub(crate) fn colour(&self, mesh: MeshId) -> u32 {
         self.meshes.get(&mesh).map_or(u32::MAX, |mesh| mesh.colour)
     }
 
-    /// Returns the part of the world along the normal of a plane that an object takes, if its mesh
-    /// keeps its shape.
+    /// Returns the extent of an object along the normal of a plane, if its mesh keeps its shape.
     pub(crate) fn extent(
         &self,
         mesh: MeshId,

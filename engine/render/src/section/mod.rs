@@ -1,4 +1,4 @@
-//! Section planes: which objects they cut, and the caps that close them.
+//! Section planes: the objects that they cut, and the caps that close them.
 //!
 //! ```text
 //! once per frame   objects whose box a plane meets -> what each plane does to each of them
@@ -28,15 +28,15 @@ pub(crate) use reading::read_meshes;
 
 /// The state of an object that all planes keep.
 const KEPT: u16 = (1 << SectionPlanes::MAX) - 1;
-/// The backs of the object's triangles show.
+/// The bit for objects whose triangles show their backs.
 const BACKS: u16 = 1 << (2 * SectionPlanes::MAX);
 
-/// The share of an object's size within which a plane touches it and does not cut: a bound on the
-/// rounding of single precision in its vertices and in its scale and rotation.
+/// The share of an object's size within which a plane only touches it. It bounds the rounding of
+/// single precision in the object's vertices, scale and rotation.
 const TOUCHING: f64 = 8.0 * f32::EPSILON as f64;
 
-/// The share of the coordinates of an object's place to which these were rounded: half a unit in
-/// the last place, and a little more.
+/// The relative rounding of the coordinates of an object's position: half a unit in the last place,
+/// and a little more.
 const PLACE_ROUNDING: f64 = 0.51 * f32::EPSILON as f64;
 
 /// The effect of a plane on an object.
@@ -70,13 +70,13 @@ struct MetObject {
     shell: Shell,
 }
 
-/// The extent of an object along a normal that was found before.
+/// The extent of an object along a normal, known from an earlier frame.
 #[derive(Clone, Copy)]
 struct KnownExtent {
     rows: [[f32; 4]; 3],
     normal: DVec3,
     mesh: u32,
-    /// For a plane through the origin.
+    /// The extent for a plane through the origin.
     extent: Option<Extent>,
 }
 
@@ -88,31 +88,28 @@ pub(crate) struct Section {
     states: Vec<u16>,
     known: HashMap<(ObjectId, usize), KnownExtent>,
     stack: Vec<NodeId>,
-    /// The states of the frame that is recorded.
+    /// The states in the frame being recorded.
     uploaded_states: Option<BufferSlice>,
-    /// The planes of the view that is recorded.
+    /// The planes of the view being recorded.
     io: Option<SectionIo>,
-    /// The caps of the view that is recorded.
+    /// The caps of the view being recorded.
     cap_rows: Vec<CapRow>,
     pub(crate) cap_draws: Vec<CapDraw>,
     pub(crate) uploaded_caps: Option<BufferSlice>,
 }
 
 impl Section {
-    /// Forgets what is known of objects.
+    /// Forgets the known extents of objects.
     pub(crate) fn forget(&mut self) {
         self.known.clear();
     }
 
-    /// Returns the planes of the view that is recorded.
+    /// Returns the planes of the view being recorded.
     pub(crate) fn io(&self) -> Option<SectionIo> {
         self.io
     }
 
-    /// Returns the planes of another view in the frame that was begun, if there are any.
-    ///
-    /// # Errors
-    /// No memory.
+    /// Returns the planes of another view in the current frame, if there are any.
     pub(crate) fn io_of(
         &self,
         frame: &mut Frame<'_>,
@@ -123,10 +120,7 @@ impl Section {
         Ok(Some(SectionIo { planes, states }))
     }
 
-    /// Begins a frame: finds what planes do to objects and uploads that.
-    ///
-    /// # Errors
-    /// No memory.
+    /// Begins a frame: finds the effects of planes on objects and uploads them.
     pub(crate) fn begin_frame(
         &mut self,
         frame: &mut Frame<'_>,
@@ -142,7 +136,7 @@ impl Section {
         self.states.resize(leaves.next_multiple_of(2).max(2), 0);
         let section = self.planes;
         if hierarchy.root().is_some_and(|root| section.meets(&hierarchy.bounds(root))) {
-            // Through what is cut open one sees shells from inside, met by a plane or not.
+            // Openings show the inside of shells, even of shells that no plane meets.
             for (state, object) in self.states.iter_mut().zip(hierarchy.leaf_objects()) {
                 if meshes.shell(geometry.draw_of(*object)) == Shell::Open {
                     *state = BACKS;
@@ -164,9 +158,6 @@ impl Section {
     }
 
     /// Begins a view: uploads its planes and its caps.
-    ///
-    /// # Errors
-    /// No memory.
     pub(crate) fn begin_view(
         &mut self,
         frame: &mut Frame<'_>,
@@ -186,7 +177,7 @@ impl Section {
         Ok(())
     }
 
-    /// Ends a view: nothing is bound or drawn by its planes any more.
+    /// Ends a view, whose planes are not used any more.
     fn end_view(&mut self) {
         self.io = None;
         self.uploaded_caps = None;
@@ -194,7 +185,7 @@ impl Section {
         self.cap_rows.clear();
     }
 
-    /// Finds the objects that planes meet, and what these do to them.
+    /// Finds the objects that planes meet, and the effects of the planes on them.
     fn find_met(&mut self, hierarchy: &Hierarchy, geometry: &Geometry, meshes: &SectionMeshes) {
         self.met.clear();
         let mut stack = std::mem::take(&mut self.stack);
@@ -217,8 +208,8 @@ impl Section {
             }
         }
         self.stack = stack;
-        // In an order that no rebuild of the hierarchy changes: of two caps at one place the first
-        // is drawn.
+        // A rebuild of the hierarchy does not change this order. Of two caps at the same place, the
+        // first is drawn.
         self.met.sort_unstable_by_key(|met| met.object);
     }
 
@@ -277,8 +268,8 @@ impl Section {
         extent.map(at).map_or(PlaneEffect::Cuts, |extent| PlaneEffect::of(&extent))
     }
 
-    /// Returns the planes whose caps of an object show: those that cut it while the others leave
-    /// something there.
+    /// Returns the planes whose caps of an object are visible: planes that cut it where the other
+    /// planes leave something.
     fn caps_of(&self, met: &MetObject) -> u8 {
         let keeps = met.state & KEPT;
         let removes = met.state >> SectionPlanes::MAX & KEPT;
@@ -303,7 +294,7 @@ mod tests {
         assert_eq!(at(-1.0, 1.0e-7), PlaneEffect::Removes);
         assert_eq!(at(-1.0, 1.0e-4), PlaneEffect::Cuts);
         assert_eq!(at(-0.5, 0.5), PlaneEffect::Cuts);
-        // A place of 7.7 m is one of 7.699_999_8 m in single precision.
+        // In single precision, 7.7 m is 7.699_999_8 m.
         let placed = Extent { low_m: -1.9e-7, high_m: 0.02, size_m: 0.01, place_m: 7.7 };
         assert_eq!(PlaneEffect::of(&placed), PlaneEffect::Keeps);
     }

@@ -1,4 +1,4 @@
-//! Reads meshes back for section planes: renderers keep none of them on the CPU.
+//! Reads meshes back for section planes, since renderers keep no meshes on the CPU.
 
 use gpu::{Buffer, Device};
 use scene::Vertex;
@@ -10,16 +10,13 @@ use crate::resources::mesh_slots::Residency;
 use crate::resources::volume_meshes::copied_back;
 
 /// Reads the meshes that the GPU holds. Waits for copies.
-///
-/// # Errors
-/// No memory, a failed call.
 pub(crate) fn read_meshes(device: &Device, geometry: &Geometry) -> Result<SectionMeshes, Error> {
     let [vertices, indices] = [&geometry.vertices, &geometry.indices].map(Buffer::whole);
     let vertices = copied_back(device, vertices)?;
     let indices = copied_back(device, indices)?;
     let mut all = SectionMeshes::default();
     for (mesh, residency, place) in geometry.meshes.placed() {
-        // Poses and sprites change their shape.
+        // Poses and sprites change the shape of a mesh.
         if residency == Residency::Uploading || geometry.changes_shape(mesh) {
             continue;
         }

@@ -3,17 +3,17 @@
 /// The outcome of the check of an assumption.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum CheckResult {
-    /// It holds in all that was tried.
+    /// The assumption holds in everything that was tested.
     Passed,
-    /// It does not hold: the observation, as a sentence.
+    /// The assumption does not hold: the observation, as a sentence.
     Failed(String),
-    /// It was not tested: the reason, as a sentence.
+    /// The assumption was not tested: the reason, as a sentence.
     Skipped(String),
 }
 
 impl CheckResult {
-    /// Returns [`CheckResult::Passed`] if `faults` is 0, else the sentence with the number before
-    /// it.
+    /// Returns [`CheckResult::Passed`] if `faults` is 0, else a failure with the number and the
+    /// sentence.
     pub(super) fn of_faults(faults: usize, of: usize, sentence: &str) -> Self {
         match faults {
             0 => Self::Passed,
@@ -21,7 +21,7 @@ impl CheckResult {
         }
     }
 
-    /// Returns a word for it.
+    /// Returns a word for the result.
     #[must_use]
     pub const fn word(&self) -> &'static str {
         match self {
@@ -31,7 +31,7 @@ impl CheckResult {
         }
     }
 
-    /// Returns the observation or the reason; nothing where it held.
+    /// Returns the observation or the reason; empty if the assumption holds.
     #[must_use]
     pub fn detail(&self) -> &str {
         match self {

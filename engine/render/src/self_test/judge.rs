@@ -1,4 +1,4 @@
-//! The verdicts that follow from what the probe found. Pure: tests need no device.
+//! The verdicts that follow from the results of the probe. Pure: tests need no device.
 
 use gpu::ResultSource;
 use occlusion::Rect;
@@ -9,13 +9,13 @@ use super::probe_scene::{CELL, CELLS, PROBES, SIZE};
 
 const PIXEL_BYTES: usize = 4;
 
-/// Returns the number of pixels of each cell that something is drawn to.
+/// Returns the number of drawn pixels in each cell.
 pub(super) fn drawn_pixels(rgba: &[u8]) -> Vec<u32> {
     pixels_of_cells(rgba, differs).iter().map(|pixels| pixels.len() as u32).collect()
 }
 
-/// Returns the number of pixels of each cell that have a warm or green colour, as all objects
-/// under any light do; the sky and what has depth alone do not.
+/// Returns the number of pixels with a warm or green colour in each cell. All objects have such a
+/// colour under any light; the sky, and pixels with depth alone, do not.
 pub(super) fn shaded_pixels(rgba: &[u8]) -> Vec<u32> {
     let is_shaded = |pixel: Option<&[u8]>, _: Option<&[u8]>| match pixel {
         Some([red, green, blue, _]) => red.max(green) > blue,
@@ -24,7 +24,7 @@ pub(super) fn shaded_pixels(rgba: &[u8]) -> Vec<u32> {
     pixels_of_cells(rgba, is_shaded).iter().map(|pixels| pixels.len() as u32).collect()
 }
 
-/// Returns the smallest area around these pixels, for each cell.
+/// Returns the smallest area around the drawn pixels of each cell.
 pub(super) fn drawn_areas(rgba: &[u8]) -> Vec<Rect> {
     let area = |pixels: &Vec<[u32; 2]>| {
         let side = |axis: usize| {
@@ -40,13 +40,12 @@ pub(super) fn drawn_areas(rgba: &[u8]) -> Vec<Rect> {
     pixels_of_cells(rgba, differs).iter().map(area).collect()
 }
 
-/// Returns true for a pixel of another colour than the corner of its cell has, where nothing is
-/// drawn.
+/// Returns true if a pixel has another colour than the corner of its cell, where nothing is drawn.
 fn differs(pixel: Option<&[u8]>, corner: Option<&[u8]>) -> bool {
     pixel != corner
 }
 
-/// Returns the pixels of each cell that are drawn to, judged by them and the corner of the cell.
+/// Returns the drawn pixels of each cell. `is_drawn` compares a pixel with the corner of the cell.
 fn pixels_of_cells(
     rgba: &[u8],
     is_drawn: impl Fn(Option<&[u8]>, Option<&[u8]>) -> bool,
@@ -65,7 +64,8 @@ fn pixels_of_cells(
     (0..PROBES).map(cell).collect()
 }
 
-/// Counts the places at which two lists do not go together; a list that is too short does not.
+/// Counts the places at which two lists do not agree. Missing values at the end of `found` do not
+/// agree.
 fn faults(expected: &[u32], found: &[u32], agree: impl Fn(u32, u32) -> bool) -> usize {
     let found = found.iter().copied().map(Some).chain(std::iter::repeat(None));
     let agrees =
@@ -80,14 +80,14 @@ pub(super) fn query_counts(
     counts: CountsSamples,
 ) -> CheckResult {
     let agree = |expected: u32, samples: u32| match counts {
-        // Where faces of an object meet, a pixel may count for each of the three that show.
+        // A pixel where faces of an object meet may count for each of the three visible faces.
         CountsSamples::Exactly => (expected..=3 * expected).contains(&samples),
         CountsSamples::No => (samples > 0) == (expected > 0),
     };
     let wrong = faults(pixels, &found.objects, agree);
     let hidden = faults(pixels, &found.hidden, |_, samples| samples == 0);
     let sum = |samples: &[u32]| samples.iter().copied().map(u64::from).sum::<u64>();
-    // Few pixels are such.
+    // Such pixels are few.
     let is_more = counts == CountsSamples::Exactly && 4 * sum(&found.objects) > 5 * sum(pixels);
     CheckResult::of_faults(
         wrong + hidden + usize::from(is_more),
@@ -99,25 +99,25 @@ pub(super) fn query_counts(
 /// The meaning of the results of queries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum CountsSamples {
-    /// They are numbers of samples.
+    /// Results are numbers of samples.
     Exactly,
-    /// They are zero or not.
+    /// Results only distinguish zero from other numbers.
     No,
 }
 
-/// Judges a tester that says if a proxy shows, by the pixels of the image.
+/// Judges the visible proxies that a tester reports by the pixels of the image.
 pub(super) fn shown_proxies(pixels: &[u32], found: &TestedProxies, of: &str) -> CheckResult {
     let lost = faults(pixels, &found.shown, |expected, result| expected == 0 || result > 0);
     CheckResult::of_faults(lost, pixels.len(), &format!("objects that show are lost by {of}"))
 }
 
-/// Judges the same by proxies that nothing of shows.
+/// Judges the results of a tester for proxies that are entirely hidden.
 pub(super) fn hidden_proxies(pixels: &[u32], found: &TestedProxies, of: &str) -> CheckResult {
     let wrong = faults(pixels, &found.hidden, |_, result| result == 0);
     CheckResult::of_faults(wrong, pixels.len(), &format!("hidden boxes count as visible by {of}"))
 }
 
-/// Judges the samples of a proxy by those of its object: none may be missing.
+/// Judges the samples of a proxy by the samples of its object: the proxy must cover all of them.
 pub(super) fn enclosing(
     pixels: &[u32],
     samples: &[u32],
@@ -131,7 +131,7 @@ pub(super) fn enclosing(
     CheckResult::of_faults(faults(pixels, samples, agree), pixels.len(), sentence)
 }
 
-/// Judges the image of objects under predicates, of which every other range is enabled.
+/// Judges the image of objects under predicates that enable every other range.
 pub(super) fn predicated(pixels: &[u32], found: &[u32], source: ResultSource) -> CheckResult {
     let expected = |(place, pixels): (usize, &u32)| {
         if (place / PER_DECISION).is_multiple_of(2) { *pixels } else { 0 }

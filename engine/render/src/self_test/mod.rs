@@ -1,5 +1,5 @@
-//! The self-test: asks if the driver of a device can be trusted with what exactness rests on, by
-//! small purpose-built frames and a short walk with each tester. It takes about a second.
+//! The self-test: checks the assumptions about a driver that exact images depend on, by small
+//! purpose-built frames and a short walk with each tester. It takes about a second.
 
 mod check_result;
 mod judge;
@@ -20,14 +20,14 @@ use judge::CountsSamples;
 use probe::Probe;
 use probe_scene::{PROBES, TWINS};
 
-/// The outcome of a [self-test](self_test): each assumption and what was found about it.
+/// The outcome of a [self-test](self_test): each assumption with the result of its check.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SelfTest {
-    /// A verdict for each assumption, in the order of [`DriverAssumption::ALL`].
+    /// A result for each assumption, in the order of [`DriverAssumption::ALL`].
     pub findings: Vec<(DriverAssumption, CheckResult)>,
-    /// The strategy with the safest tester of those that hold: `antumbra` itself where nothing
-    /// that it may use is broken; `None` if every tester or every executor is broken. Then only
-    /// plain frustum culling is right.
+    /// The strategy with the safest tester that can be trusted: `antumbra` itself if everything
+    /// that it may use can be trusted. `None` if every tester or every executor is broken: then
+    /// only plain frustum culling gives correct images.
     pub safest: Option<Strategy>,
 }
 
@@ -41,21 +41,21 @@ impl SelfTest {
         self.findings.iter().filter(is_broken).map(|(assumption, _)| *assumption).collect()
     }
 
-    /// Returns the verdict about an assumption; `None` for one that was not looked at.
+    /// Returns the result for an assumption; `None` if it was not checked.
     #[must_use]
     pub fn verdict(&self, assumption: DriverAssumption) -> Option<&CheckResult> {
         self.findings.iter().find(|(tested, _)| *tested == assumption).map(|(_, verdict)| verdict)
     }
 }
 
-/// Tests the driver of a device, with the shaders of `options` and the embedded ones where it
-/// names none. Everything else in `options` is left aside. Waits for the device again and again:
-/// call it before the first frame, and keep its outcome for
+/// Tests the driver of a device, with the shaders of `options`, or else the embedded ones.
+/// Everything else in `options` is ignored. Waits for the device many times: call it before the
+/// first frame, and keep its outcome for
 /// [`RendererOptions::disabled`](crate::RendererOptions::disabled).
 ///
 /// # Errors
-/// No memory, a shader that does not compile, a failed call, a lost device. What a driver does
-/// wrong is a verdict and no error.
+/// No memory, a shader that does not compile, a failed call, a lost device. A fault of the driver
+/// is not an error but a result.
 pub fn self_test(device: &Device, options: &RendererOptions) -> Result<SelfTest, Error> {
     let shaders = match &options.shaders {
         Some(shaders) => shaders.clone(),
@@ -90,7 +90,7 @@ fn safest(broken: &[DriverAssumption], device: &Device) -> Option<Strategy> {
     (strategy != Strategy::FRUSTUM).then_some(strategy)
 }
 
-/// The verdicts so far.
+/// The results so far.
 struct Checks {
     device: Device,
     findings: Vec<(DriverAssumption, CheckResult)>,
@@ -110,7 +110,7 @@ impl Checks {
         }
     }
 
-    /// Checks what queries count, and with them how proxies enclose objects.
+    /// Checks the counts of queries, and by these that proxies enclose their objects.
     fn queries(&mut self, probe: &mut Probe, pixels: &[u32], areas: &[Rect]) -> Result<(), Error> {
         let found = probe.by_queries(areas)?;
         let counts = if probe.can_count() { CountsSamples::Exactly } else { CountsSamples::No };
@@ -170,7 +170,7 @@ impl Checks {
         Ok(())
     }
 
-    /// Checks each way to skip draws with each kind of result.
+    /// Checks each executor with each kind of result.
     fn executors(
         &mut self,
         probe: &mut Probe,
@@ -190,7 +190,7 @@ impl Checks {
             }
             let mut verdict = CheckResult::Passed;
             for source in [ResultSource::Queries, ResultSource::Fragments] {
-                // What is not known to set results right says nothing about their use.
+                // If the results of a source cannot be trusted, they say nothing about executors.
                 let is_broken = self.findings.iter().any(|(tested, verdict)| {
                     let writes = match source {
                         ResultSource::Queries => DriverAssumption::QueryCounts,
@@ -210,8 +210,8 @@ impl Checks {
         Ok(())
     }
 
-    /// Checks the order of draws of equal depth: at the same place objects and their twins are
-    /// drawn, in one call and in two.
+    /// Checks the order of draws with equal depth: objects and their twins are drawn at the same
+    /// place, in one call and in two.
     fn order(&mut self, probe: &mut Probe) -> Result<(), Error> {
         let objects = 0..TWINS;
         let twins = PROBES..PROBES + TWINS;
@@ -234,7 +234,7 @@ impl Checks {
         Ok(())
     }
 
-    /// Checks that what a pass drew as depth alone is found again by the pass that shades.
+    /// Checks that the pass that shades finds the depth again that a depth pass drew.
     fn repeated_depth(&mut self, options: &RendererOptions, pixels: &[u32]) -> Result<(), Error> {
         let found = judge::shaded_pixels(&walk::shaded_probes(&self.device, options)?);
         let lost = pixels.iter().zip(&found).filter(|(expected, found)| expected != found).count();
@@ -255,7 +255,8 @@ impl Checks {
         ];
         let broken: Vec<DriverAssumption> =
             SelfTest { findings: self.findings.clone(), safest: None }.broken();
-        // With the executor that would be used, or each walk would find its faults again.
+        // Uses the executor that would be chosen; otherwise each walk would show the faults of a
+        // broken one.
         let quirks = DriverQuirks::new(&broken);
         let has = |executor: PredicationMode| executor.is_supported(&self.device);
         let Some(executor) =

@@ -1,5 +1,5 @@
-//! The probe: frames of boxes in cells of their own, drawn and tested by hand, one tester and one
-//! executor at a time.
+//! The probe: frames of boxes in separate cells, drawn and tested without a plan, with one tester
+//! and one executor at a time.
 
 use std::ops::Range;
 
@@ -22,13 +22,13 @@ use crate::resources::object_bounds::object_bounds;
 use crate::scene_renderer::SceneRenderer;
 use crate::views::{FrameRequest, finish_image};
 
-/// Draws under one decision of a predicate.
+/// The number of draws per predicate.
 pub(super) const PER_DECISION: usize = 4;
 
-/// Frames in a row whose results are read late.
+/// The number of consecutive frames whose results are read late.
 const LATE_FRAMES: u32 = 8;
 
-/// Queries of such a frame.
+/// The number of queries in such a frame.
 const LATE_QUERIES: u32 = 32;
 
 const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
@@ -38,27 +38,27 @@ pub(super) struct Probe {
     renderer: Renderer,
     device: Device,
     view: CullView,
-    /// The draws of the objects, and of the twins behind them.
+    /// The draws of the objects, followed by the draws of their twins.
     draws: Vec<IndirectDraw>,
     boxes: Vec<ProxyBox>,
     image: Readback,
 }
 
-/// The samples that queries found, for each object.
+/// The samples that queries counted, for each object.
 #[derive(Clone, Debug, Default)]
 pub(super) struct QueriedSamples {
-    /// Those of the object itself.
+    /// The samples of the object itself.
     pub objects: Vec<u32>,
-    /// Those of its proxy before the object, within the object's area.
+    /// The samples of its proxy in front of the object, within the object's area.
     pub proxies: Vec<u32>,
-    /// Those of its proxy alone, within the object's area.
+    /// The samples of its proxy alone, within the object's area.
     pub alone: Vec<u32>,
-    /// Those of its proxy there, behind something that hides all.
+    /// The samples of its proxy, within the object's area, over a depth that hides everything.
     pub hidden: Vec<u32>,
 }
 
-/// The results of a tester, for each object: of its proxy before the object, and behind something
-/// that hides all.
+/// The results of a tester for the proxy of each object: in front of the object, and over a depth
+/// that hides everything.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TestedProxies {
     pub shown: Vec<u32>,
@@ -66,7 +66,7 @@ pub(super) struct TestedProxies {
 }
 
 impl Probe {
-    /// Makes the boxes and the passes of `options`.
+    /// Creates the boxes and the passes of `options`.
     pub(super) fn new(device: &Device, options: &RendererOptions) -> Result<Self, Error> {
         let scene = probe_scene::probes();
         let options = RendererOptions { size: SIZE, cost_model: CostModel::Off, ..options.clone() };
@@ -111,8 +111,7 @@ impl Probe {
         Ok(self.image.rgba8()?.to_vec())
     }
 
-    /// Returns the image of the draws of these objects: call by call, the draws of each call
-    /// together.
+    /// Returns the image of the draws of these objects, with one call per range.
     pub(super) fn image_of(&mut self, calls: &[Range<usize>]) -> Result<Vec<u8>, Error> {
         let Self { renderer, view, draws, image, .. } = self;
         let Renderer { frames, passes, .. } = renderer;
@@ -134,8 +133,8 @@ impl Probe {
         self.rgba()
     }
 
-    /// Counts the samples of objects and proxies by queries: of proxies those within `areas`, which
-    /// are as small as the objects.
+    /// Counts the samples of objects and proxies by queries. Proxies are clipped to `areas`, the
+    /// areas of the objects.
     pub(super) fn by_queries(&mut self, areas: &[Rect]) -> Result<QueriedSamples, Error> {
         let mut queries = QueryRing::new(&self.device, 1, "self-test queries")?;
         if self.can_count() {
@@ -184,7 +183,7 @@ impl Probe {
         Ok(QueriedSamples { objects: part(0), proxies: part(1), alone: part(2), hidden: part(3) })
     }
 
-    /// Tests proxies by flags; `None` where the device has none.
+    /// Tests proxies by flags; `None` if the device does not support them.
     pub(super) fn by_flags(&mut self) -> Result<Option<TestedProxies>, Error> {
         let Self { renderer, device, view, draws, boxes, .. } = self;
         let Renderer { frames, passes, scene, .. } = renderer;
@@ -219,7 +218,7 @@ impl Probe {
         tested(&mut flags, device, count).map(Some)
     }
 
-    /// Tests proxies by the compute tester; `None` where the device has none.
+    /// Tests proxies by the compute tester; `None` if the device does not support it.
     pub(super) fn by_compute(
         &mut self,
         shaders: &ShaderSet,
@@ -262,8 +261,8 @@ impl Probe {
         tested(&mut results, device, count).map(Some)
     }
 
-    /// Returns the image of all objects, each range of [`PER_DECISION`] under the predicate that
-    /// its number is even, which tests of `source` find out; `None` where there is no such tester.
+    /// Returns the image of all objects, in ranges of [`PER_DECISION`]. Tests of `source` enable
+    /// the ranges with even numbers. `None` if there is no such tester.
     pub(super) fn predicated(
         &mut self,
         executor: PredicationMode,
@@ -331,8 +330,8 @@ impl Probe {
         self.rgba().map(Some)
     }
 
-    /// Reads the results of several frames as the ticks of these are over, without draining.
-    /// Returns the number of wrong ones, and of all.
+    /// Reads the results of several frames as soon as their ticks are over, without waiting for
+    /// idle. Returns the number of wrong results, and of all.
     pub(super) fn late_results(&mut self) -> Result<[usize; 2], Error> {
         let mut queries = QueryRing::new(&self.device, 2, "self-test late queries")?;
         let mut counts = [0; 2];
@@ -372,12 +371,12 @@ impl Probe {
     }
 }
 
-/// Returns true if a query of a frame has a box in it.
+/// Returns true if a query of a frame contains a box.
 fn shows(frame: u32, query: u32) -> bool {
     (frame + query).is_multiple_of(2)
 }
 
-/// Draws every other proxy, from the first on, by queries and by flags where these are asked for.
+/// Draws every other proxy, from the first on, by queries and by flags, as requested.
 fn test_even(
     proxies: &ProxyPass,
     io: &ProxyIo,
@@ -402,7 +401,7 @@ fn test_even(
     }
 }
 
-/// Begins a decision for each range of draws.
+/// Begins a predicate for each range of draws.
 fn begin_decisions(
     predicates: &mut Predicates,
     frame: &mut Frame<'_>,

@@ -31,7 +31,7 @@ impl ProbeLists {
         })
     }
 
-    /// Returns what the passes read and write: one list of all ranges that results of `source`
+    /// Returns the buffers of the passes, for one list of all ranges that results of `source`
     /// decide about.
     pub(super) fn io(
         &self,

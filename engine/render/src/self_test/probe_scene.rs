@@ -1,32 +1,33 @@
-//! The scenes of the self-test: small boxes that overlap nowhere on the image, and a street to walk
+//! The scenes of the self-test: small boxes that do not overlap in the image, and a street to walk
 //! through.
 
 use cull::{Camera, Projection};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use scene::{Light, Mesh, MeshId, Object, Scene, pack_unorm};
 
-/// Size of the image of the boxes.
+/// The size of the image of the boxes.
 pub(super) const SIZE: [u32; 2] = [320, 240];
 
-/// The side of the cell of an object on the image, in pixels.
+/// The side of an object's cell in the image, in pixels.
 pub(super) const CELL: u32 = 20;
 
-/// Columns and rows of cells.
+/// The numbers of columns and rows of cells.
 pub(super) const CELLS: [u32; 2] = [SIZE[0] / CELL, SIZE[1] / CELL];
 
-/// The number of objects in cells of their own.
+/// The number of objects, each in a cell of its own.
 pub(super) const PROBES: usize = (CELLS[0] * CELLS[1]) as usize;
 
-/// The number of twins behind them: twin `n` is at the place of object `n`, in another colour.
+/// The number of twins, which follow the objects. Twin `n` is at the place of object `n`, in
+/// another colour.
 pub(super) const TWINS: usize = 24;
 
 const FOV_Y_RAD: f32 = 1.0;
 
-/// A sequence of numbers that is the same everywhere.
+/// A sequence of pseudorandom numbers that is the same on every machine.
 struct Numbers(u64);
 
 impl Numbers {
-    /// Returns the next number of `low..high`.
+    /// Returns the next number in `low..high`.
     fn next(&mut self, low: f32, high: f32) -> f32 {
         // Knuth's constants for linear congruences.
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963);
@@ -34,7 +35,7 @@ impl Numbers {
         low + (high - low) * share
     }
 
-    /// Returns a turn about an axis.
+    /// Returns a random rotation.
     fn turn(&mut self) -> Quat {
         let axis = vec3(self.next(-1.0, 1.0), self.next(-1.0, 1.0), self.next(-1.0, 1.0));
         Quat::from_axis_angle(axis.normalize_or(Vec3::Y), self.next(0.0, 6.0))
@@ -47,7 +48,7 @@ pub(super) fn camera() -> Camera {
     Camera { eye: Vec3::ZERO, forward: Vec3::NEG_Z, up: Vec3::Y, projection, near: 0.1 }
 }
 
-/// Returns boxes and slivers of up to a few pixels, anywhere within the pixel grid, near and far.
+/// Returns boxes and slivers of up to a few pixels, at any sub-pixel position, near and far.
 pub(super) fn probes() -> Scene {
     let mut numbers = Numbers(7);
     let mut transforms: Vec<Affine3A> =
@@ -72,7 +73,7 @@ fn transform_in(cell: u32, numbers: &mut Numbers) -> Affine3A {
     let (scale, turn) = match cell % 4 {
         0 => (Vec3::splat(side), Quat::IDENTITY),
         1 => (Vec3::splat(side), numbers.turn()),
-        // Seen edge-on, and from anywhere.
+        // Seen edge-on, and rotated at random.
         2 => (vec3(side, side * 0.01, side), Quat::IDENTITY),
         _ => (vec3(side, side * 0.01, side), numbers.turn()),
     };
@@ -82,7 +83,7 @@ fn transform_in(cell: u32, numbers: &mut Numbers) -> Affine3A {
 /// The number of frames of the walk.
 pub(super) const WALK_FRAMES: u32 = 8;
 
-/// Returns houses on both sides of a street, with things between them.
+/// Returns houses on both sides of a street, with objects between them.
 pub(super) fn street() -> Scene {
     let mut numbers = Numbers(11);
     let mut transforms = Vec::new();
@@ -124,7 +125,7 @@ fn scene_of(objects: Vec<Object>) -> Scene {
     }
 }
 
-/// Returns a cube of side 1 around the origin that takes its colour from its object.
+/// Returns a cube of side 1 around the origin, with the colour of its object.
 fn cube() -> Mesh {
     let mut corners = Vec::new();
     for axis in 0..3 {

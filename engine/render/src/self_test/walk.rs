@@ -1,5 +1,5 @@
-//! Walks of the self-test: frames of a street by each tester, against plain frustum culling, and
-//! the boxes in the passes of scenes with surfaces.
+//! Walks of the self-test: frames of a street by each tester, compared with plain frustum culling,
+//! and the boxes drawn by the passes of scenes with surfaces.
 
 use cull::{Strategy, VisibilityTestSupport};
 use gpu::{Device, OptionalFeature, Readback};
@@ -15,14 +15,14 @@ use crate::views::FrameRequest;
 /// Size of the images of the walk.
 const WALK_SIZE: [u32; 2] = [192, 108];
 
-/// Returns the testers that the device offers.
+/// Returns the testers that the device supports.
 pub(super) fn offered(device: &Device) -> VisibilityTestSupport {
     let flags = device.capabilities().has(OptionalFeature::FragmentStores);
     let compute = occlusion::ComputeTest::check(device, WALK_SIZE).is_ok();
     VisibilityTestSupport { flags, compute, leaf_tests: flags, ..VisibilityTestSupport::default() }
 }
 
-/// Returns the image of the boxes in a scene with surfaces, whose depth is drawn before its colour.
+/// Returns the image of the boxes in a scene with surfaces, which draws depth before colour.
 pub(super) fn shaded_probes(device: &Device, options: &RendererOptions) -> Result<Vec<u8>, Error> {
     let scene = probe_scene::probes().with_surfaces();
     let options = RendererOptions { size: SIZE, cost_model: CostModel::Off, ..options.clone() };
@@ -32,7 +32,7 @@ pub(super) fn shaded_probes(device: &Device, options: &RendererOptions) -> Resul
     image(&mut renderer, &mut view, request)
 }
 
-/// Walks with each strategy. Returns the verdicts in their order.
+/// Walks with each strategy. Returns the results in their order.
 pub(super) fn walks(
     device: &Device,
     options: &RendererOptions,

@@ -1,4 +1,4 @@
-//! Depth first: the draws of scenes with surfaces, so that no order of draws shows in the image.
+//! Depth first: the draws of scenes with surfaces, whose order does not affect the image.
 //!
 //! ```text
 //! as always   the rounds of culling, each strategy's own, with the depth alone
@@ -6,12 +6,12 @@
 //! transparent the transparent objects, back to front
 //! ```
 //!
-//! Real scenes have surfaces that lie in one plane or cut each other, so that several are equally
-//! near at a pixel. The first one drawn would win there, and culling changes which one that is.
-//! Here all of them pass the test against the finished depth in any order, and the lightest value
-//! of each channel stays: a maximum has no order. Objects that culling left out are not among them:
-//! they are farther than the depth at each of their samples, since proxies that are as near as the
-//! depth count as visible.
+//! Real scenes have surfaces that lie in the same plane or intersect, so several are equally near
+//! at a pixel. With a normal depth test the first one drawn would win, and culling changes the
+//! order. Here all of them pass the test against the finished depth in any order, and the highest
+//! value of each channel is kept: a maximum does not depend on order. Culled objects cannot be
+//! among them. They are farther than the depth at each of their samples, since a proxy that is as
+//! near as the depth counts as visible.
 
 use gpu::{Attachments, Device};
 use occlusion::{Error, ShaderSet};
@@ -26,20 +26,17 @@ pub(crate) struct Shading {
     pub(crate) sky: SkyPass,
 }
 
-/// The pass that draws the depth: with the holes of masked materials where there are any.
+/// The pass that draws the depth, with the holes of masked materials if there are any.
 pub(crate) enum DepthPass {
     Whole(OpaquePass),
     Masked(SurfacePass),
 }
 
-/// The colour before any draw: each channel is as dark as possible.
+/// The colour before any draw: the lowest value of each channel.
 pub(crate) const DARK: [f32; 4] = [0.0; 4];
 
 impl Shading {
     /// Compiles the passes for renderings to `attachments`, with shadows if there are any.
-    ///
-    /// # Errors
-    /// A failed call.
     pub(crate) fn new(
         device: &Device,
         shaders: &ShaderSet,

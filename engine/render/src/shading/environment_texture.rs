@@ -1,4 +1,4 @@
-//! The light from all around on the GPU, and what is seen of it.
+//! The light of an environment on the GPU, and its visible backdrop.
 
 use gpu::{
     Buffer, Device, MipGeneration, SampledTexture, TextureArray, TextureArrayInfo, TextureUploads,
@@ -9,8 +9,8 @@ use scene::{Backdrop, Environment, GLOSSY_LEVELS, Panorama};
 
 use crate::passes::{SkyIo, SkyRow};
 
-/// The levels of an [`Environment`] behind each other, or one dark texel without one; and its
-/// backdrop.
+/// The levels of an [`Environment`] in one texture, and its backdrop. Without an environment it is
+/// one dark texel.
 pub(crate) struct EnvironmentTexture {
     texture: VolumeTexture,
     backdrop: Option<BackdropResources>,
@@ -19,15 +19,12 @@ pub(crate) struct EnvironmentTexture {
 /// The backdrop of an environment.
 struct BackdropResources {
     sky: Buffer,
-    /// The picture; none where the sky is computed.
+    /// The panorama; `None` if the sky is computed.
     panorama: Option<TextureArray>,
 }
 
 impl EnvironmentTexture {
-    /// Uploads an environment. Waits for the copy: not for frames.
-    ///
-    /// # Errors
-    /// No memory, a failed call.
+    /// Uploads an environment. Waits for the copy: do not use it in frames.
     pub(crate) fn new(
         device: &Device,
         environment: Option<&Environment>,
@@ -50,7 +47,7 @@ impl EnvironmentTexture {
         self.backdrop.is_some()
     }
 
-    /// Returns what is seen of the environment, if there is one.
+    /// Returns the visible backdrop of the environment, if there is one.
     pub(crate) fn sky(&self) -> Option<SkyIo<'_>> {
         let BackdropResources { sky, panorama } = self.backdrop.as_ref()?;
         Some(SkyIo { sky: sky.whole(), panorama: panorama.as_ref() })
@@ -74,7 +71,8 @@ impl BackdropResources {
     }
 }
 
-/// Uploads the levels of a panorama from the first one on that the device has room for in an image.
+/// Uploads the levels of a panorama, beginning with the first that fits into an image of the
+/// device.
 fn upload_panorama(device: &Device, panorama: &Panorama) -> Result<TextureArray, gpu::Error> {
     let most = device.adapter().limits.max_image_dimension2_d;
     let mut size = panorama.size();

@@ -7,8 +7,8 @@
 //! sort     each list by depth, over the image
 //! ```
 //!
-//! What opaque objects hide is not stored, so culling changes nothing but the order of the lists,
-//! and that does not count.
+//! Fragments that opaque objects hide are not stored. So culling affects only the order of the
+//! lists, which does not matter.
 
 use bytemuck::{Pod, Zeroable};
 use cull::CullView;
@@ -23,7 +23,7 @@ use crate::shading::transparency::{
     FragmentCounts, TransparencyMethod, TransparencyOptions, fallback_of,
 };
 
-/// The counts of a frame: the fields of [`FragmentCounts`].
+/// The number of counts of a frame, the fields of [`FragmentCounts`].
 const COUNTS: usize = 3;
 
 /// The bytes of a fragment.
@@ -45,19 +45,19 @@ struct FragmentsHead {
 const HEAD_BYTES: u64 = size_of::<FragmentsHead>() as u64;
 const _: () = assert!(HEAD_BYTES == 32);
 
-/// The layout of the buffer for images of so many pixels.
+/// The layout of the buffer for images of a given number of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct PoolLayout {
-    /// The bytes of the head and of the lists.
+    /// The size of the head and of the lists.
     lists_end_bytes: u64,
-    /// The fragments that there is room for.
+    /// The number of fragments that there is room for.
     room: u64,
 }
 
 impl PoolLayout {
-    /// Returns the layout; `None` where not even the lists fit into a buffer.
+    /// Returns the layout; `None` if even the lists do not fit into a buffer.
     fn of(pixels: u64, fragments_per_pixel: u32, limit_bytes: u64) -> Option<Self> {
-        // Fragments are at multiples of their size.
+        // The offset of a fragment is a multiple of its size.
         let lists_end_bytes = (HEAD_BYTES + pixels * 4).next_multiple_of(FRAGMENT_BYTES);
         let left_bytes = limit_bytes.checked_sub(lists_end_bytes)?;
         let room = pixels.saturating_mul(fragments_per_pixel.into());
@@ -69,11 +69,11 @@ impl PoolLayout {
     }
 }
 
-/// The view that is recorded.
+/// The view being recorded.
 #[derive(Clone, Copy)]
 struct ViewFragments {
     head: BufferSlice,
-    /// The lists alone.
+    /// The lists without fragments.
     lists: BufferSlice,
 }
 
@@ -90,8 +90,8 @@ pub(crate) struct Fragments {
 }
 
 impl Fragments {
-    /// Returns `None` unless fragments are to be sorted, and the device can in images of so many
-    /// samples per pixel.
+    /// Returns `None` unless fragments are to be sorted and the device supports it with this number
+    /// of samples per pixel.
     pub(crate) fn new(
         device: &Device,
         options: TransparencyOptions,
@@ -114,7 +114,7 @@ impl Fragments {
         })
     }
 
-    /// Returns true if images of so many pixels have lists that fit into a buffer.
+    /// Returns true if the lists of images of this size fit into a buffer.
     pub(crate) fn has_room_for(&self, size: [u32; 2]) -> bool {
         self.layout(size).is_some()
     }
@@ -136,9 +136,6 @@ impl Fragments {
     }
 
     /// Begins the counts of a frame.
-    ///
-    /// # Errors
-    /// No memory, a lost device.
     pub(crate) fn begin_frame(&mut self, frame: &Frame<'_>) -> Result<(), Error> {
         self.view = None;
         self.is_counting = false;
@@ -154,10 +151,7 @@ impl Fragments {
         Ok(())
     }
 
-    /// Begins a view of the frame. Leaves it without lists where these do not fit into a buffer.
-    ///
-    /// # Errors
-    /// No memory.
+    /// Begins a view of the frame. The view has no lists if they do not fit into a buffer.
     pub(crate) fn begin_view(
         &mut self,
         frame: &mut Frame<'_>,
@@ -191,23 +185,22 @@ impl Fragments {
         Ok(())
     }
 
-    /// Returns what the passes of the view that was begun read and write; `None` where objects are
-    /// sorted.
+    /// Returns the buffers for the passes of the current view; `None` if objects are sorted.
     pub(crate) fn io(&self) -> Option<FragmentIo> {
         self.view?;
         let fragments = self.pool.as_ref()?.whole();
         Some(FragmentIo { fragments, counts: self.ring.as_ref()?.results()? })
     }
 
-    /// Empties the lists of the view that was begun. Outside of rendering.
+    /// Clears the lists of the current view. Outside of rendering.
     pub(crate) fn clear(&self, commands: &Commands) {
         let (Some(view), Some(pool)) = (&self.view, &self.pool) else { return };
         let between = MemoryBarrier::between;
-        // The view or frame before may still sort.
+        // The previous view or frame may still be sorting.
         commands.barrier(between(&[Access::FragmentWrite], &[Access::CopyWrite]));
         commands.copy_buffer(view.head, pool.whole().part(0, HEAD_BYTES));
         commands.fill(view.lists, 0);
-        // Counts of the view before are added to.
+        // The counts of the previous view are added to.
         let before = [Access::CopyWrite, Access::FragmentWrite];
         commands.barrier(between(&before, &[Access::FragmentWrite]));
     }

@@ -7,40 +7,40 @@ use scene::limits::{MAX_DIRECTIONAL_LIGHTS, MAX_LIGHTS_PER_OBJECT, MAX_PAGES};
 /// The parts of a scene beyond a renderer's limits, which are shown in a degraded form.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SceneDegradations {
-    /// Objects that more point and spot lights reach than [`MAX_LIGHTS_PER_OBJECT`]: the weakest do
-    /// not shine on them. The present number, which changes as lights and objects move.
+    /// The present number of objects in reach of more point and spot lights than
+    /// [`MAX_LIGHTS_PER_OBJECT`]. The weakest of these lights do not shine on the object.
     pub crowded_objects: usize,
-    /// Directional lights beyond [`MAX_DIRECTIONAL_LIGHTS`], the weakest: they do not shine.
+    /// The number of directional lights beyond [`MAX_DIRECTIONAL_LIGHTS`]. They are the weakest and
+    /// do not shine.
     pub dark_suns: usize,
-    /// Lights with a number that is not finite, or without a direction that they need, which do not
-    /// shine; and those whose range is not above 0, which shine as if they had none. The present
-    /// number.
+    /// The present number of broken lights. A light with a number that is not finite, or without a
+    /// direction that it needs, does not shine. A light with a range that is not above 0 shines
+    /// without a range.
     pub broken_lights: usize,
-    /// Objects of masked materials, which cast no shadow since a stencil knows no holes: with
-    /// shadow volumes. The present number.
+    /// The present number of objects with masked materials under shadow volumes. They cast no
+    /// shadow, since a stencil cannot represent holes.
     pub unshadowed_objects: usize,
-    /// Section planes that do not cut the shadows of objects: with shadow volumes. The present
-    /// number.
+    /// The present number of section planes under shadow volumes. They do not cut the shadows of
+    /// objects.
     pub planes_without_shadows: usize,
-    /// Images that lose sharpness, since the device or the memory for textures holds no larger
-    /// ones.
+    /// The number of images that lose sharpness, since the device or the texture memory cannot hold
+    /// larger ones.
     pub shrunk_images: usize,
-    /// Images of another size than their page, which are made larger and lose nothing.
+    /// The number of images that are enlarged to the size of their page, without loss.
     pub enlarged_images: usize,
-    /// Images of compressed blocks that take four bytes per texel, since they lie on pages, or the
-    /// device does not sample their format or size, or not as colours (BC4 and BC5): once for each
-    /// encoding, and with [images](TextureStorage::Bindless) for each sampler. Those that come
-    /// later do not count.
+    /// The number of compressed images that take four bytes per texel: they lie on pages, or the
+    /// device does not sample their format or size, or not as colours (BC4 and BC5). An image
+    /// counts once for each encoding, and with [images](TextureStorage::Bindless) once for each
+    /// sampler. Textures that are added later do not count.
     pub unpacked_images: usize,
-    /// Textures that are sampled by another sampler than their own.
+    /// The number of textures that are sampled by another sampler than their own.
     pub borrowed_samplers: usize,
-    /// The way that textures lie on the GPU: of the two, only pages enlarge images and borrow
-    /// samplers.
+    /// The storage of textures. Only pages enlarge images and borrow samplers.
     pub textures: TextureStorage,
 }
 
 impl SceneDegradations {
-    /// Returns a sentence for each, for people.
+    /// Returns a sentence for each degradation, for users.
     #[must_use]
     pub fn texts(&self) -> Vec<String> {
         let Self { crowded_objects, dark_suns, broken_lights, unshadowed_objects, .. } = *self;

@@ -1,4 +1,5 @@
-//! The ways in which transparent objects are blended, and what a device needs for them.
+//! The ways in which transparent objects are blended, and the features that a device needs for
+//! them.
 
 use std::fmt;
 
@@ -9,17 +10,17 @@ use occlusion::DriverQuirks;
 /// The order in which transparent objects are blended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TransparencyMethod {
-    /// By objects, the farthest first. Objects that pass through each other have one order for all
-    /// of their pixels, which is wrong for some.
+    /// By objects, from the farthest on. Objects that pass through each other have one order for
+    /// all of their pixels, which is wrong for some pixels.
     #[default]
     SortedObjects,
-    /// By fragments: each pixel has a list of them, which is sorted by depth. Exact for whatever
-    /// passes through each other, and the same in any order of objects.
+    /// By fragments: each pixel has a list of fragments, which is sorted by depth. It is exact even
+    /// for objects that pass through each other, and does not depend on the order of objects.
     SortedFragments,
 }
 
 impl TransparencyMethod {
-    /// Returns the name shown to the user.
+    /// Returns the name for users.
     pub fn name(self) -> &'static str {
         match self {
             Self::SortedObjects => "sorted objects",
@@ -37,15 +38,15 @@ impl fmt::Display for TransparencyMethod {
 /// The options of transparent objects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TransparencyOptions {
-    /// The order that is wanted. A device that lacks something for it sorts objects
+    /// The requested order. A device that lacks a feature for it sorts objects
     /// ([`Renderer::transparency_fallback`](crate::Renderer::transparency_fallback)).
     pub method: TransparencyMethod,
-    /// Room for fragments, as many per pixel of the image on average: 16 bytes each, at most what
-    /// a storage buffer of the device holds. Fragments without room are not blended, and are
-    /// counted ([`FragmentCounts::without_room`]).
+    /// The room for fragments, as an average number per pixel of the image: 16 bytes each, limited
+    /// by the size of a storage buffer on the device. Fragments without room are not blended; they
+    /// are counted ([`FragmentCounts::without_room`]).
     pub fragments_per_pixel: u32,
-    /// The most fragments that are blended at a pixel, the nearest ones; at least 1. Those behind
-    /// them are counted ([`FragmentCounts::left_out`]).
+    /// The highest number of fragments that are blended at a pixel, at least 1: the nearest ones.
+    /// Fragments behind them are counted ([`FragmentCounts::left_out`]).
     pub blended_most: u32,
 }
 
@@ -55,37 +56,37 @@ impl Default for TransparencyOptions {
     }
 }
 
-/// The fragments of transparent objects in a frame, of all its views together.
+/// The counts of fragments of transparent objects in a frame, for all its views together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FragmentCounts {
-    /// Fragments that nothing opaque hides.
+    /// The number of fragments that no opaque object hides.
     pub visible: u32,
-    /// Those of them that found no room: which ones is a matter of chance, and the image is wrong
-    /// where they are.
+    /// The number of visible fragments that found no room. They are a random choice, and the image
+    /// is wrong at their pixels.
     pub without_room: u32,
-    /// Those of them behind [`TransparencyOptions::blended_most`] others of their pixel, where
-    /// these let light through.
+    /// The number of visible fragments left out behind [`TransparencyOptions::blended_most`] others
+    /// of their pixel, although these let light through.
     pub left_out: u32,
 }
 
 impl FragmentCounts {
-    /// Returns true if every fragment that shows was blended.
+    /// Returns true if every visible fragment was blended.
     pub fn is_exact(&self) -> bool {
         self.without_room == 0 && self.left_out == 0
     }
 }
 
-/// The reason why objects are sorted though sorted fragments were wanted.
+/// The reason why objects are sorted although sorted fragments were requested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TransparencyFallback {
-    /// The device lacks something.
+    /// The device lacks a feature.
     Lacks(OptionalFeature),
     /// Flags of fragment shaders are [distrusted](crate::RendererOptions::disabled): they may be
-    /// written where the depth test fails, or be lost.
+    /// written where the depth test fails, or get lost.
     DriverQuirk,
     /// A pixel has several samples, each of which may be covered by other fragments.
     SeveralSamples,
-    /// The lists of so many pixels do not fit into a storage buffer of the device.
+    /// The lists of all pixels do not fit into a storage buffer of the device.
     TooManyPixels,
 }
 
@@ -102,7 +103,8 @@ impl fmt::Display for TransparencyFallback {
     }
 }
 
-/// Returns the options that a driver is trusted with: fragments are stored where flags would be.
+/// Returns the options that a driver can be trusted with: storing fragments has the same needs as
+/// flags.
 pub(crate) fn usable_transparency(
     quirks: &DriverQuirks,
     wanted: TransparencyOptions,
@@ -114,8 +116,8 @@ pub(crate) fn usable_transparency(
     }
 }
 
-/// Returns the reason why a device cannot sort fragments of images with so many samples per pixel,
-/// whatever their size.
+/// Returns the reason why a device cannot sort fragments of images with this number of samples per
+/// pixel, independent of their size.
 pub(crate) fn fallback_of(
     device: &Device,
     samples: vk::SampleCountFlags,

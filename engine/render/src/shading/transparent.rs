@@ -1,5 +1,5 @@
-//! Transparent objects: drawn back to front over the finished image, where they can be hidden but
-//! hide nothing ([`TransparentList`]); or in any order, and their fragments are sorted.
+//! Transparent objects. They are drawn back to front over the finished image, where they can be
+//! hidden but do not hide others ([`TransparentList`]); or in any order, with sorted fragments.
 
 use std::collections::HashMap;
 
@@ -17,35 +17,35 @@ use crate::shading::fragments::Fragments;
 /// The transparent objects of a scene.
 pub(crate) struct Transparent {
     objects: Vec<TransparentObject>,
-    /// Their draws in the view being recorded.
+    /// The draws of the view being recorded.
     list: TransparentList,
-    /// The objects in the frustum of the view being recorded, the farthest first.
+    /// The objects in the frustum of the view being recorded, from the farthest on.
     sorted: Vec<SortedObject>,
     /// The vertex shader's data of the view being recorded, if it has any.
     instances: Option<BufferSlice>,
-    /// The effects of section planes on each of them: all are cut.
+    /// The effects of section planes on each instance: all are cut.
     states: Option<BufferSlice>,
-    /// Their fragments, where these are sorted.
+    /// The fragments of the objects, if they are sorted.
     pub(crate) fragments: Option<Fragments>,
 }
 
 pub(crate) struct TransparentObject {
     pub(crate) object: Object,
-    /// The box in its own space.
+    /// The box in the object's own space.
     pub(crate) own_bounds: Aabb,
     pub(crate) bounds: Aabb,
-    /// The direction of its faces, in its own space.
+    /// The direction of its faces, in the object's own space.
     faces: Faces,
 }
 
 /// The direction in which the triangles of a mesh face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Faces {
-    /// Away from its middle, all around: the visible ones are on the near side.
+    /// Away from the middle, all around: the visible faces are on the near side.
     Out,
-    /// Towards its middle: the visible ones are on the far side.
+    /// Towards the middle: the visible faces are on the far side.
     In,
-    /// Neither of these.
+    /// Neither outwards nor inwards.
     Along,
 }
 
@@ -61,7 +61,7 @@ impl Faces {
         }
     }
 
-    /// Returns the direction under a transform: mirroring swaps inside and outside.
+    /// Returns the direction under a transform. A reflection swaps inside and outside.
     fn under(self, transform: &Affine3A) -> Self {
         let is_mirrored = transform.matrix3.determinant() < 0.0;
         match self {
@@ -72,8 +72,8 @@ impl Faces {
     }
 }
 
-/// Returns the sorting distance of something: the contents of a glass come after its far side and
-/// before its near one.
+/// Returns the sorting distance of an object. The contents of a glass come after its far side and
+/// before its near side.
 fn depth_m(bounds: &Aabb, rays: &Rays, faces: Faces) -> f32 {
     let towards = rays.towards(bounds.centre());
     let distance_m = towards.dot(bounds.centre() - rays.origin);
@@ -93,10 +93,7 @@ struct SortedObject {
 }
 
 impl Transparent {
-    /// Creates the buffers of the transparent objects of a scene; `None` without any.
-    ///
-    /// # Errors
-    /// No memory, a failed call.
+    /// Creates the buffers of the transparent objects of a scene; `None` if there are none.
     pub(crate) fn new(
         device: &Device,
         scene: &Scene,
@@ -130,9 +127,9 @@ impl Transparent {
         self.objects.iter().fold(Aabb::EMPTY, |around, object| around.union(&object.bounds))
     }
 
-    /// Finds the objects in the frustum of a view and sorts them: the farthest first, by the middle
-    /// of their boxes, or by the visible side of the box of an object that encloses something; of
-    /// equally far ones the first of the scene.
+    /// Finds the objects in the frustum of a view and sorts them from the farthest on. The distance
+    /// is taken to the middle of the box, or for an enclosing object to the visible side of its
+    /// box. Equally far objects are in the order of the scene.
     fn sort(&mut self, view: &CullView) {
         self.sorted.clear();
         for (number, object) in self.objects.iter().enumerate() {
@@ -190,9 +187,6 @@ impl Transparent {
     }
 
     /// Gathers the objects of a view for the draws of its frame. Returns the number in its frustum.
-    ///
-    /// # Errors
-    /// No memory.
     pub(crate) fn gather(
         &mut self,
         frame: &mut Frame<'_>,
@@ -258,7 +252,7 @@ impl Transparent {
         });
     }
 
-    /// Draws the same with whatever `bind` binds.
+    /// Draws the objects of the view with the pass and buffers that `bind` binds.
     pub(crate) fn draw_bound(
         &self,
         scene: &CulledScene,

@@ -1,5 +1,5 @@
-//! The choice of casters for maps that are not kept, and for volumes: those whose shadow volumes
-//! show.
+//! The choice of casters for maps that are not kept, and for volumes: casters whose shadow volumes
+//! are visible.
 //!
 //! ```text
 //! plan     per light, by a history of its own: casters to draw, and boxes to test
@@ -8,7 +8,7 @@
 //! draw     the maps, each range under its predicate
 //! ```
 //!
-//! A local light with few casters has one test: of the box around all that it lights.
+//! A local light with few casters has a single test: of the box around everything that it lights.
 
 use std::collections::HashMap;
 
@@ -28,29 +28,29 @@ use crate::shadows::culled_draws::{
     CasterGroup, CastersInView, CulledDraws, CulledGroup, TestedCasters, TestedLight,
 };
 
-/// The most casters that a local light's one test decides about.
+/// The highest number of casters that a single test of a local light decides about.
 const FEW_CASTERS: usize = 64;
 
-/// The draws of casters in a frame that a way to skip them must be able to count.
+/// The number of caster draws per frame that an executor must be able to skip.
 const DRAWS_MAX: u64 = 1 << 24;
 
-/// The most lights with a history. Another lamp has one test for all of its casters, and another
-/// sun none.
+/// The highest number of lights with a history. A further lamp has one test for all of its casters,
+/// and a further sun has none.
 const HISTORIES_MAX: usize = 16;
 
-/// The frames after its last use in which a history is kept.
+/// The number of frames after its last use for which a history is kept.
 const KEPT_FRAMES: u64 = 64;
 
-/// The most boxes that a light tests in a frame.
+/// The highest number of boxes that a light tests in a frame.
 const TESTS_MAX: usize = 1024;
 
-/// The share of casters' triangles that is taken to be drawn before anything is known.
+/// The share of the casters' triangles that is assumed to be drawn before any result.
 const FIRST_SHARE: f32 = 0.25;
 
-/// Bytes of an indirect draw.
+/// The bytes of an indirect draw.
 const DRAW_BYTES: u64 = size_of::<gpu::IndirectDraw>() as u64;
 
-/// The casters of the maps of one frame that are culled, and what is known of them.
+/// The culled casters of one frame's maps, and their histories.
 pub(super) struct CasterCulling {
     device: Device,
     histories: HashMap<ShadowLightId, LightHistory>,
@@ -61,32 +61,31 @@ pub(super) struct CasterCulling {
     capacity: u32,
     draws: CulledDraws,
     revealed_triangles: u64,
-    /// The share drawn of the triangles of all casters, tests counted as their boxes' triangles.
+    /// The drawn share of the triangles of all casters. Tests count with the triangles of their
+    /// boxes.
     drawn_share: f32,
     io: Option<BoxVolumeIo>,
 }
 
-/// A light's casters, as one view saw their shadows.
+/// The history of a light's casters in one view.
 struct LightHistory {
     culler: Culler,
     plan: FramePlan,
     used: u64,
 }
 
-/// Returns true if an executor can skip casters on a device, however many there will be.
+/// Returns true if a device supports skipping any number of casters by an executor.
 pub(crate) fn can_skip(device: &Device, executor: PredicationMode) -> bool {
     PredicationMode::choose(device, Some(executor), DRAWS_MAX, 0).is_ok()
 }
 
 impl CasterCulling {
     /// Creates an empty history for every light.
-    ///
-    /// # Errors
-    /// No memory, a failed call.
     pub(super) fn new(device: &Device, frames_in_flight: usize) -> Result<Self, Error> {
         let source = ResultSource::Fragments;
         let capacity = 1024;
-        // One way for as many draws as may ever be: growing must not need another.
+        // An executor that supports the highest number of draws, so that growing needs no other
+        // one.
         let predication = PredicationMode::choose(device, None, DRAWS_MAX, 0)?;
         Ok(Self {
             device: device.clone(),
@@ -108,10 +107,7 @@ impl CasterCulling {
         })
     }
 
-    /// Skips casters by an executor from now on that [can](can_skip).
-    ///
-    /// # Errors
-    /// No memory, a failed call.
+    /// Skips casters from now on by an executor that [can](can_skip) skip them.
     pub(super) fn skip_by(
         &mut self,
         executor: PredicationMode,
@@ -125,7 +121,7 @@ impl CasterCulling {
         Ok(())
     }
 
-    /// Changes the number of frames in flight. Tests on their way have no result then.
+    /// Changes the number of frames in flight. Tests in flight then have no result.
     pub(super) fn set_frames_in_flight(&mut self, frames_in_flight: usize) {
         let source = ResultSource::Fragments;
         self.flags = FlagRing::new(&self.device, frames_in_flight, source, "shadow flags");
@@ -142,13 +138,13 @@ impl CasterCulling {
         self.draws.tags.len() as u32
     }
 
-    /// Returns the triangles of casters that are drawn in any case, and of those that tests of the
-    /// newest frame with results revealed.
+    /// Returns the number of triangles of casters that are drawn without a test, and of casters
+    /// that tests revealed in the newest frame with results.
     pub(super) fn triangles(&self) -> [u64; 2] {
         [self.draws.triangles, self.revealed_triangles]
     }
 
-    /// Returns the share that was drawn of the triangles of all casters of late, above 0.
+    /// Returns the recently drawn share of the triangles of all casters, above 0.
     pub(super) fn drawn_share(&self) -> f32 {
         self.drawn_share
     }
@@ -164,7 +160,8 @@ impl CasterCulling {
             if tests.is_empty() || draws.groups.is_empty() {
                 return;
             }
-            // What needs no test changes little from frame to frame: the newest plan has it.
+            // The draws without a test change little from frame to frame, so the newest plan is
+            // used.
             let tested: u64 = tests.iter().map(|test| u64::from(test.contents.triangles)).sum();
             let drawn = draws.triangles
                 + *revealed_triangles
@@ -187,7 +184,7 @@ impl CasterCulling {
         self.histories.retain(|_, history| history.used + KEPT_FRAMES > frame);
     }
 
-    /// Plans groups of casters of a light that reaches this area of the view.
+    /// Plans groups of casters of a light. `area` is the part of the view that the light reaches.
     pub(super) fn plan(
         &mut self,
         light: ShadowLightId,
@@ -213,10 +210,7 @@ impl CasterCulling {
         }
     }
 
-    /// Writes the plan into the memory of a frame; `draw` draws a caster.
-    ///
-    /// # Errors
-    /// No memory, a failed call.
+    /// Writes the plan into the memory of a frame. `draw` returns the draw of a caster.
     pub(super) fn upload(
         &mut self,
         frame: &mut Frame<'_>,
@@ -246,7 +240,7 @@ impl CasterCulling {
         let draws = uploads.push_iter(leaves.iter().map(draw))?;
         let boxes = uploads.push(boxes)?;
         self.io = flags.map(|flags| BoxVolumeIo { boxes, flags });
-        // The frame before may still draw and decide.
+        // The previous frame may still draw and decide.
         let uses = [Access::IndirectRead, Access::ComputeRead, Access::ComputeWrite];
         let commands = frame.commands();
         commands.barrier(MemoryBarrier::between(&uses, &[Access::CopyWrite]));
@@ -261,7 +255,7 @@ impl CasterCulling {
         Ok(())
     }
 
-    /// Tests the boxes against the finished depth of a view, and turns the results into decisions.
+    /// Tests the boxes against the finished depth of a view, and turns the results into predicates.
     /// Outside of rendering.
     pub(super) fn record_tests(
         &self,
@@ -283,7 +277,7 @@ impl CasterCulling {
         let Some(io) = &self.io else { return };
         commands.set_viewport(&gpu::Viewport::covering(view.origin, view.size));
         for TestedLight { light, area, tests } in &self.draws.lights {
-            // Nothing is in shadow elsewhere.
+            // Nothing is shadowed elsewhere.
             let origin = [0, 1].map(|side| view.origin[side].saturating_add(area.origin[side]));
             commands.clip(origin, area.size);
             pass.draw(commands, io, view, *light, tests.clone());
@@ -303,7 +297,7 @@ impl CasterCulling {
         }
     }
 
-    /// Copies the results to mapped memory: the last use in a frame.
+    /// Copies the results to mapped memory, as their last use in a frame.
     pub(super) fn read_back(&self, commands: &Commands) {
         self.flags.read_back(commands);
     }

@@ -1,5 +1,5 @@
-//! The draws of culled casters in a frame, as plain values: which need no test, and which range of
-//! the others each test decides about.
+//! The draws of culled casters in a frame, as plain values: the draws that need no test, and the
+//! ranges of draws that each test decides about.
 
 use std::ops::Range;
 
@@ -20,17 +20,17 @@ pub(super) struct CastersInView<'a> {
     pub(super) geometry: &'a Geometry,
     /// The box around everything that can receive shadows.
     pub(super) receivers: Aabb,
-    /// The number of triangles of a caster, as it is drawn.
+    /// Returns the number of triangles of a caster's draw.
     pub(super) triangles: fn(&Geometry, ObjectId, LeafIndex) -> u32,
     pub(super) view: &'a CullView,
 }
 
-/// Casters that are drawn in one piece, such as those of a map, before they are culled.
+/// Casters that would be drawn together without culling, such as the casters of a map.
 #[derive(Clone, Copy)]
 pub(super) struct CasterGroup<'a> {
-    /// Its number, which its owner chooses.
+    /// A number that the owner of the group chooses.
     pub(super) number: usize,
-    /// Its casters, ascending.
+    /// The casters, ascending.
     pub(super) casters: &'a [LeafIndex],
 }
 
@@ -40,12 +40,12 @@ pub(super) struct CulledGroup {
     pub(super) number: usize,
     /// The draws that need no test.
     pub(super) always: Range<u32>,
-    /// The decisions about the others.
+    /// The decisions about the other draws.
     pub(super) decisions: Range<u32>,
 }
 
-/// The subject of a test: the light whose history learns from it, if it has one, and the triangles
-/// that are drawn if it shows.
+/// The subject of a test: the light whose history learns from it, if it has one, and the number of
+/// triangles that are drawn if the test passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct TestedCasters {
     pub(super) light: Option<ShadowLightId>,
@@ -54,9 +54,9 @@ pub(super) struct TestedCasters {
 
 /// The tests under one light.
 pub(super) struct TestedLight {
-    /// In homogeneous coordinates.
+    /// The light in homogeneous coordinates.
     pub(super) light: Vec4,
-    /// The part of the view that it reaches.
+    /// The part of the view that the light reaches.
     pub(super) area: LitArea,
     pub(super) tests: Range<u32>,
 }
@@ -71,7 +71,7 @@ pub(super) struct CulledDraws {
     pub(super) boxes: Vec<BoxVolume>,
     pub(super) tags: Vec<PendingTest<TestedCasters>>,
     pub(super) decided: Vec<PredicatedRange>,
-    /// Triangles of the draws that need no test.
+    /// The number of triangles in the draws that need no test.
     pub(super) triangles: u64,
 }
 
@@ -95,7 +95,7 @@ impl CulledDraws {
         }
     }
 
-    /// Adds groups of a local light that are drawn whole if something that it lights shows.
+    /// Adds groups of a local light that are drawn whole if a lit surface may be visible.
     pub(super) fn add_light(
         &mut self,
         scene: &CastersInView<'_>,
@@ -103,7 +103,7 @@ impl CulledDraws {
         area: LitArea,
         groups: &[CasterGroup<'_>],
     ) {
-        // Where the eye is in its light there is nothing to test.
+        // No test is possible if the eye is within the light's reach.
         let Some(proxy) = volumes.whole(scene.view) else {
             return self.add_untested(scene, groups);
         };
@@ -114,7 +114,7 @@ impl CulledDraws {
                 triangles += draws.decide(test, group.casters, scene);
             });
         }
-        // Nobody learns from it.
+        // No history learns from this test.
         let tag = QueryTag {
             node: NodeId(0),
             generation: scene.hierarchy.generation(),
@@ -155,7 +155,7 @@ impl CulledDraws {
         }
     }
 
-    /// Adds a group whose draws `add` adds, first those that need no test.
+    /// Adds a group whose draws `add` adds, beginning with the draws that need no test.
     fn add_group(&mut self, group: &CasterGroup<'_>, add: impl FnOnce(&mut Self)) {
         let first = self.leaves.len() as u32;
         let first_decision = self.decided.len() as u32;
@@ -172,7 +172,7 @@ impl CulledDraws {
         self.triangles += triangles_of(self.leaves.get(first..).unwrap_or_default(), scene);
     }
 
-    /// Adds draws that depend on a test. Returns their triangles.
+    /// Adds draws that depend on a test. Returns their number of triangles.
     fn decide(&mut self, test: u32, casters: &[LeafIndex], scene: &CastersInView<'_>) -> u32 {
         if casters.is_empty() {
             return 0;
@@ -183,7 +183,7 @@ impl CulledDraws {
         triangles_of(casters, scene).try_into().unwrap_or(u32::MAX)
     }
 
-    /// Begins the tests of a light. Returns the number of the first.
+    /// Begins the tests of a light. Returns the index of the first.
     fn begin_light(&mut self, volumes: &BoxShadowVolumes<'_>, area: LitArea) -> u32 {
         let first = self.boxes.len() as u32;
         let light = volumes.light().light;
@@ -206,7 +206,7 @@ impl CulledDraws {
     }
 }
 
-/// Returns those of ascending casters that are in a range of leaves.
+/// Returns the casters in a range of leaves, out of ascending casters.
 fn casters_among(casters: &[LeafIndex], range: cull::LeafRange) -> &[LeafIndex] {
     let start = casters.partition_point(|leaf| *leaf < range.first);
     let end = casters.partition_point(|leaf| leaf.0 < range.first.0 + range.count);

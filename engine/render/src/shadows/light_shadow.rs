@@ -1,4 +1,4 @@
-//! The lights with shadows, out of the table of all lights.
+//! The lights with shadows among all lights.
 
 use std::collections::HashMap;
 
@@ -10,22 +10,23 @@ use crate::shading::surfaces::{LightTable, is_bright, reach_m};
 /// The shadow of one light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightShadow {
-    /// True if it has one.
+    /// True if the light casts shadows.
     pub is_cast: bool,
     /// The width of its penumbras in metres, at least 0. With
-    /// [`Pcss12`](::shadows::ShadowFilter::Pcss12) and `Pcss64` that of a receiver which is twice
-    /// as far from a lamp as the blocker is, or ten metres behind the blocker under a sun.
+    /// [`Pcss12`](::shadows::ShadowFilter::Pcss12) and `Pcss64` it is the width for a receiver that
+    /// is twice as far from a lamp as the blocker, or ten metres behind the blocker under a sun.
     pub penumbra_m: f32,
 }
 
 impl LightShadow {
-    /// Returns the shadow of a light that nothing was said of.
+    /// Returns the shadow of a light without settings of its own.
     pub(crate) fn of(options: &ShadowOptions) -> Self {
         Self { is_cast: true, penumbra_m: options.penumbra_m }
     }
 }
 
-/// The farthest reach of a light, in metres: the brightest ones shine beyond all coordinates.
+/// The farthest reach of a light, in metres. The brightest lights would reach beyond all
+/// coordinates.
 const FARTHEST_M: f32 = 9.0e6;
 
 /// Lists the lights that shine and have shadows, each with its place in the table.

@@ -6,8 +6,8 @@
 //! midpoints what is sampled in place of `casters`, made of their fronts and backs
 //! ```
 //!
-//! Fronts and backs are nearest depths both, and a midpoint is a function of two texels: so maps in
-//! two layers have the same midpoints as those that are drawn whole.
+//! Fronts and backs are both nearest depths, and a midpoint is a function of two texels. So maps in
+//! two layers have the same midpoints as maps that are drawn whole.
 
 use ::shadows::{FaceWork, PlannedFace, ShadowBias, ShadowOptions, ShadowPlan};
 use gpu::{Commands, DepthLayers, DepthTile, Device, Error};
@@ -15,13 +15,13 @@ use gpu::{Commands, DepthLayers, DepthTile, Device, Error};
 use crate::passes::{MapPasses, MidpointIo, MidpointPass, MidpointTile};
 use crate::shadows::tile_draws::{CasterDraws, TileDraws, TileStart, begin_tile, tiles_target};
 
-/// The depths of casters, each in the same tiles.
+/// The depths of casters, in images with the same tiles.
 struct CasterDepths {
-    /// Those of the side that maps hold, or of fronts.
+    /// The depths of the side that maps hold, or of fronts.
     near: DepthLayers,
-    /// Those of backs, where maps hold midpoints.
+    /// The depths of backs, if maps hold midpoints.
     backs: Option<DepthLayers>,
-    /// True if the newest frame recorded a use.
+    /// True if the newest frame recorded a use of these images.
     is_used: bool,
 }
 
@@ -35,11 +35,11 @@ pub(super) struct MapImages {
 
 /// The debug names of the depths of casters.
 struct CasterDepthNames<'a> {
-    /// Of the only image.
+    /// The name of the only image.
     near: &'a str,
-    /// Of the front faces, where there is an image of back faces, too.
+    /// The name of the image of front faces, if there is also one of back faces.
     fronts: &'a str,
-    /// Of the back faces.
+    /// The name of the image of back faces.
     backs: &'a str,
 }
 
@@ -60,7 +60,7 @@ impl CasterDepths {
         Ok(Self { near, backs, is_used: false })
     }
 
-    /// Draws what `part` names of each face, to both images if there are two.
+    /// Draws the part of each face that `part` returns, to both images if there are two.
     fn draw(
         &mut self,
         commands: &Commands,
@@ -84,8 +84,8 @@ impl CasterDepths {
         }
     }
 
-    /// Notes that the frame was submitted. What a frame before recorded, and was never submitted,
-    /// stays undefined.
+    /// Notes that the frame was submitted. Contents that were recorded in a frame without a submit
+    /// stay undefined.
     fn submitted(&mut self) {
         if self.is_used {
             self.near.submitted();
@@ -95,10 +95,7 @@ impl CasterDepths {
 }
 
 impl MapImages {
-    /// Creates images of so many layers for options that were checked.
-    ///
-    /// # Errors
-    /// A side beyond the device's limits, no memory.
+    /// Creates images with this number of layers for options that were checked.
     pub(super) fn new(
         device: &Device,
         options: &ShadowOptions,
@@ -121,10 +118,7 @@ impl MapImages {
         self.casters.near.layers()
     }
 
-    /// Creates images of resting casters unless they are there.
-    ///
-    /// # Errors
-    /// No memory.
+    /// Creates images of resting casters unless they exist.
     pub(super) fn keep_resting(
         &mut self,
         device: &Device,
@@ -143,18 +137,18 @@ impl MapImages {
         Ok(())
     }
 
-    /// Returns the maps as they are sampled.
+    /// Returns the maps to sample.
     pub(super) fn maps(&self) -> &DepthLayers {
         self.midpoints.as_ref().unwrap_or(&self.casters.near)
     }
 
-    /// Begins the recording of a frame. The one before may never have been submitted.
+    /// Begins the recording of a frame. The previous frame may never have been submitted.
     pub(super) fn begin_frame(&mut self) {
         let all = std::iter::once(&mut self.casters).chain(&mut self.resting);
         all.for_each(|casters| casters.is_used = false);
     }
 
-    /// Returns the maps to prepare, or to draw culled casters to, which midpoints are not made of.
+    /// Returns the maps to prepare, or to draw culled casters to. Culled maps have no midpoints.
     pub(super) fn maps_mut(&mut self) -> &mut DepthLayers {
         match &mut self.midpoints {
             Some(midpoints) => midpoints,
@@ -165,7 +159,7 @@ impl MapImages {
         }
     }
 
-    /// Draws what a plan says, but for culled casters.
+    /// Draws everything in a plan except culled casters.
     pub(super) fn draw(
         &mut self,
         commands: &Commands,
@@ -179,7 +173,7 @@ impl MapImages {
         if let (Some((_, pass)), Some(backs), Some(midpoints)) =
             (&passes.midpoints, backs, midpoints)
         {
-            // Without casters in memory nothing was drawn to them.
+            // Without casters nothing has been drawn to these images.
             near.prepare(commands);
             backs.prepare(commands);
             commands.pass("shadow midpoints", |commands| {
@@ -221,16 +215,16 @@ impl MapImages {
         });
     }
 
-    /// Notes that the frame that was recorded is submitted.
+    /// Notes that the recorded frame was submitted.
     pub(super) fn submitted(&mut self) {
         self.casters.submitted();
         self.resting.iter_mut().for_each(CasterDepths::submitted);
-        // Every frame prepares what is sampled.
+        // Every frame prepares the maps to sample.
         self.midpoints.iter_mut().for_each(DepthLayers::submitted);
     }
 }
 
-/// Makes the midpoints of maps that were drawn.
+/// Writes the midpoints of maps that were drawn.
 fn draw_midpoints(
     commands: &Commands,
     pass: &MidpointPass,

@@ -36,7 +36,7 @@ use volume_shadows::VolumeShadows;
 /// The shadows of a renderer's lights.
 pub(crate) struct Shadows {
     pub(crate) options: ShadowOptions,
-    /// The shadows of lights that differ from what the options say.
+    /// The shadows of single lights that differ from the options.
     pub(crate) own: HashMap<LightId, LightShadow>,
     active: ActiveShadows,
 }
@@ -49,11 +49,7 @@ enum ActiveShadows {
 }
 
 impl Shadows {
-    /// Creates the maps or volumes that the options ask for, for images in `target`.
-    ///
-    /// # Errors
-    /// Impossible options, a scene without surfaces, volumes with several samples per pixel, no
-    /// memory, a failed call.
+    /// Creates the maps or volumes that the options request, for images in `target`.
     pub(crate) fn new(
         device: &Device,
         options: ShadowOptions,
@@ -82,10 +78,7 @@ impl Shadows {
         Ok(Self { options, own: HashMap::new(), active })
     }
 
-    /// Skips culled casters by the executor of the renderer, of so many frames in flight.
-    ///
-    /// # Errors
-    /// No memory, a failed call.
+    /// Skips culled casters by the executor of the renderer, with this number of frames in flight.
     pub(crate) fn skip_by(
         &mut self,
         executor: PredicationMode,
@@ -98,17 +91,15 @@ impl Shadows {
         }
     }
 
-    /// Draws all maps again in the next frame: casters changed and their boxes did not.
+    /// Draws all maps again in the next frame: casters have changed, although their boxes have not.
     pub(crate) fn forget(&mut self) {
         if let ActiveShadows::Maps(maps) = &mut self.active {
             maps.forget();
         }
     }
 
-    /// Plans the maps or the volumes for the views of a frame, which see `receivers` at most.
-    ///
-    /// # Errors
-    /// A lost device.
+    /// Plans the maps or the volumes for the views of a frame. `receivers` is a box around
+    /// everything that the views can show.
     pub(crate) fn plan(
         &mut self,
         geometry: &Geometry,
@@ -131,7 +122,7 @@ impl Shadows {
         }
     }
 
-    /// Returns true if casters may be culled, for which receivers must be known.
+    /// Returns true if casters may be culled, which needs the box of receivers.
     pub(crate) fn culls_casters(&self) -> bool {
         self.options.method != ShadowMethod::Off && self.options.may_cull_casters()
     }
@@ -171,7 +162,7 @@ impl Shadows {
         }
     }
 
-    /// Returns true if the plan draws a leaf to some map, or its volume.
+    /// Returns true if the plan draws a leaf to a map, or draws its volume.
     pub(crate) fn draw(&self, leaf: LeafIndex) -> bool {
         match &self.active {
             ActiveShadows::Off => false,
@@ -180,10 +171,7 @@ impl Shadows {
         }
     }
 
-    /// Draws the maps as they were planned, before anything of the frame samples them.
-    ///
-    /// # Errors
-    /// No memory.
+    /// Draws the maps as planned, before anything of the frame samples them.
     pub(crate) fn record(
         &mut self,
         frame: &mut Frame<'_>,
@@ -201,10 +189,7 @@ impl Shadows {
         }
     }
 
-    /// Selects the view whose draws follow, by its number in the frame, and uploads its volumes.
-    ///
-    /// # Errors
-    /// No memory.
+    /// Selects the view whose draws follow, by its index in the frame, and uploads its volumes.
     pub(crate) fn begin_view(
         &mut self,
         frame: &mut Frame<'_>,
@@ -226,7 +211,7 @@ impl Shadows {
         }
     }
 
-    /// Counts the volumes of the view that was begun against its finished depth in the target.
+    /// Counts the volumes of the current view against its finished depth in the target.
     pub(crate) fn count_volumes(
         &mut self,
         commands: &Commands,
@@ -242,7 +227,7 @@ impl Shadows {
         }
     }
 
-    /// Notes that the surfaces of the view that was begun are shaded.
+    /// Notes that the surfaces of the current view are shaded.
     pub(crate) fn end_view(&mut self) {
         if let ActiveShadows::Volumes(volumes) = &mut self.active {
             volumes.end_view();

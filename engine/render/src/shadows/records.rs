@@ -1,5 +1,5 @@
-//! The shaders' data of shadows: of maps as `shadows.glsl` declares it, and of masks as
-//! `volume_shadows.glsl` does.
+//! The shaders' data of shadows: of maps as declared in `shadows.glsl`, and of masks as declared in
+//! `volume_shadows.glsl`.
 
 use ::shadows::{Face, PlannedFace, ShadowLight, ShadowPlan};
 use bytemuck::{Pod, Zeroable};
@@ -9,44 +9,44 @@ use gpu::{BufferSlice, SampledTexture};
 /// The inputs of passes that draw with shadows.
 #[derive(Clone, Copy)]
 pub enum ShadowIo<'a> {
-    /// Those of maps.
+    /// The inputs for shadow maps.
     Maps(ShadowMapIo<'a>),
-    /// Those of volumes.
+    /// The inputs for shadow volumes.
     Mask(ShadowMaskIo),
 }
 
-/// The inputs of passes that draw with shadow maps: reads the maps and their data.
+/// The inputs of passes that draw with shadow maps: the maps and their data are read.
 #[derive(Clone, Copy)]
 pub struct ShadowMapIo<'a> {
-    /// One record per place in the table of lights, up to the last with shadows.
+    /// A record per place in the table of lights, up to the last light with shadows.
     pub(crate) lights: BufferSlice,
-    /// One record per map.
+    /// A record per map.
     pub(crate) faces: BufferSlice,
     /// The maps, for comparisons.
     pub(crate) maps: SampledTexture<'a>,
-    /// The same maps, for single depths.
+    /// The maps, for reads of single depths.
     pub(crate) depths: SampledTexture<'a>,
     /// The samples of filters.
     pub(crate) disks: SampledTexture<'a>,
-    /// The number of the view among those of the frame.
+    /// The index of the view in the frame.
     pub(crate) view: u32,
 }
 
-/// The inputs of passes that draw with shadow volumes: reads the mask of a view and the lights that
-/// it is of.
+/// The inputs of passes that draw with shadow volumes: the mask of a view and the lights in it are
+/// read.
 #[derive(Clone, Copy)]
 pub struct ShadowMaskIo {
-    /// The place of the view, and the bit of each place in the table of lights.
+    /// The position of the view, and the bit of each place in the table of lights.
     pub(crate) lights: BufferSlice,
-    /// 32 bits per pixel of the view, in layers.
+    /// The mask: 32 bits per pixel of the view, in layers.
     pub(crate) mask: BufferSlice,
 }
 
-/// The values about a mask before those of lights.
+/// The number of values about a mask, which precede the values of lights.
 pub(super) const MASK_HEAD_VALUES: usize = 4;
 
-/// Writes the values of the mask of a view: where it lies, and the bit of each place in the table
-/// of lights, up to the last that has one.
+/// Writes the values of the mask of a view: its position, and the bit of each place in the table of
+/// lights, up to the last light with a bit.
 pub(super) fn write_mask_lights(
     view: &CullView,
     places: impl IntoIterator<Item = u32>,
@@ -65,27 +65,28 @@ pub(super) fn write_mask_lights(
     }
 }
 
-/// One light.
+/// The record of one light.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(super) struct LightRecord {
     first_face: u32,
-    /// The number of its maps; of a directional light those of one view.
+    /// The number of its maps; for a directional light, per view.
     faces: u32,
     penumbra_m: f32,
-    /// Of a directional light, [`ShadowOptions::cascade_blend`](::shadows::ShadowOptions).
+    /// For a directional light, [`ShadowOptions::cascade_blend`](::shadows::ShadowOptions).
     cascade_blend: f32,
 }
 
-/// One map.
+/// The record of one map.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub(super) struct FaceRecord {
-    /// Of places relative to its anchor.
+    /// The matrix for positions relative to its anchor.
     from_anchor: [f32; 16],
-    /// Three columns of the inverse: they take planes around the anchor to those of clip space.
+    /// Three columns of the inverse, which map planes relative to the anchor to planes in clip
+    /// space.
     planes: [[f32; 4]; 3],
-    /// Origin and side in texels, layer.
+    /// The origin and the side in texels, and the layer.
     tile: [f32; 4],
     depth: [f32; 4],
     anchor: [f32; 4],
@@ -109,8 +110,8 @@ impl FaceRecord {
     }
 }
 
-/// Returns the depth as a function of the distance, its change over a tile on a slope of 1, and
-/// the tiles per metre.
+/// Returns the depth as a function of the distance, the change of depth over a tile on a slope of
+/// 1, and the number of tiles per metre.
 fn depth_of(view: &CullView) -> [f32; 4] {
     let [constant, scaled] = view.rays.depth;
     // The image is a square.
@@ -122,8 +123,8 @@ fn depth_of(view: &CullView) -> [f32; 4] {
     [constant, scaled, steepness, side_m.recip()]
 }
 
-/// Writes the records of all lights up to the last with maps, by their places in the table, for so
-/// many views of the scene and [`ShadowOptions::cascade_blend`](::shadows::ShadowOptions).
+/// Writes the records of all lights up to the last with maps, by their places in the table, for
+/// this number of views and this [`ShadowOptions::cascade_blend`](::shadows::ShadowOptions).
 pub(super) fn light_records(
     plan: &ShadowPlan,
     lights: &[ShadowLight],

@@ -1,4 +1,4 @@
-//! Shadow maps: planned as pure values by the crate `shadows`, drawn here in one pass.
+//! Shadow maps: the crate `shadows` plans them as pure values, and one pass draws them here.
 
 use std::collections::HashMap;
 
@@ -29,7 +29,7 @@ use crate::shadows::tile_draws::{
     CasterDraws, FaceSections, TileStart, begin_tile, caster_io, tiles_target,
 };
 
-/// The side of the tile of disks, in pixels: neighbours filter with different ones.
+/// The side of the tile of disks, in pixels. Neighbouring pixels filter with different disks.
 const DISKS_SIDE: u32 = 8;
 
 /// The shadow maps of all lights.
@@ -40,25 +40,25 @@ pub(crate) struct ShadowMaps {
     plan: ShadowPlan,
     images: MapImages,
     disks: VolumeTexture,
-    /// Changes of boxes that were read from the hierarchy so far.
+    /// The number of changes of boxes read from the hierarchy so far.
     changes_read: u64,
     /// The lights of the plan, and their places in the table.
     lights: Vec<ShadowLight>,
     places: Vec<u32>,
     views: u32,
-    /// The view that is drawn next.
+    /// The view whose draws follow.
     view: u32,
-    /// The choice of casters, where options and device allow one.
+    /// The choice of casters, if options and device allow it.
     culling: Option<CasterCulling>,
-    /// Triangles of the casters that are drawn whatever is visible.
+    /// The number of triangles of the casters that are drawn without a test.
     triangles: u64,
     buffers: Option<[BufferSlice; 2]>,
     scratch: Scratch,
-    /// Section planes as the faces of the frame see them.
+    /// The section planes for each face of the frame.
     sections: FaceSections,
 }
 
-/// Memory that is kept to allocate nothing at rest.
+/// Memory that is kept to allocate nothing in the steady state.
 #[derive(Default)]
 struct Scratch {
     changes: Vec<BoxChange>,
@@ -72,15 +72,15 @@ struct Scratch {
 /// The readers of the maps of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MapUses {
-    /// The shading of the frame's views alone, each with its finished depth.
+    /// Only the shading of the frame's views, each with its finished depth.
     ShadedView,
-    /// Also images from elsewhere, such as debug views.
+    /// Also images from other viewpoints, such as debug views.
     Anywhere,
 }
 
 impl MapUses {
-    /// Returns true if all that samples shadows is seen against the finished depth of one view,
-    /// which can tell the casters that matter.
+    /// Returns true if all readers of shadows belong to the finished depth of one view, which can
+    /// decide about the casters that matter.
     pub(super) fn are_of_one_depth(self, views: &[CullView]) -> bool {
         self == Self::ShadedView && views.len() == 1
     }
@@ -88,9 +88,6 @@ impl MapUses {
 
 impl ShadowMaps {
     /// Creates maps for options that were checked.
-    ///
-    /// # Errors
-    /// A side beyond the device's limits, no memory, a failed call.
     pub(crate) fn new(
         device: &Device,
         options: ShadowOptions,
@@ -140,9 +137,6 @@ impl ShadowMaps {
     }
 
     /// Skips casters by an executor from now on.
-    ///
-    /// # Errors
-    /// No memory, a failed call.
     pub(crate) fn skip_by(
         &mut self,
         executor: PredicationMode,
@@ -158,16 +152,13 @@ impl ShadowMaps {
         }
     }
 
-    /// Draws all maps again in the next frame: casters changed and their boxes did not.
+    /// Draws all maps again in the next frame: casters have changed, although their boxes have not.
     pub(crate) fn forget(&mut self) {
         self.cache.forget();
     }
 
-    /// Plans the maps for the views of a frame. Where there is no memory for more of them, lights
-    /// get smaller ones, at last none.
-    ///
-    /// # Errors
-    /// A lost device.
+    /// Plans the maps for the views of a frame. If there is not enough memory for them, lights get
+    /// smaller maps, and finally none.
     pub(crate) fn plan(
         &mut self,
         table: &LightTable,
@@ -204,7 +195,7 @@ impl ShadowMaps {
                     self.cache.limit_layers(self.images.layers());
                 }
             }
-            // Into other layers, all of them.
+            // All maps move to other layers.
             self.cache.plan(&self.lights, &casters, &eyes, &mut self.plan);
         }
         if self.plan.has_layers()
@@ -228,15 +219,12 @@ impl ShadowMaps {
         Ok(())
     }
 
-    /// Returns true if the plan draws a leaf to some map.
+    /// Returns true if the plan draws a leaf to a map.
     pub(crate) fn draws(&self, leaf: LeafIndex) -> bool {
         self.scratch.casters.binary_search(&leaf).is_ok()
     }
 
-    /// Draws the maps as they were planned, before anything of the frame samples them.
-    ///
-    /// # Errors
-    /// No memory.
+    /// Draws the maps as planned, before anything of the frame samples them.
     pub(crate) fn record(
         &mut self,
         frame: &mut Frame<'_>,
@@ -259,7 +247,7 @@ impl ShadowMaps {
         );
         scratch.faces.clear();
         scratch.faces.extend(plan.faces.iter().map(FaceRecord::of));
-        // Shaders find at least one of each: memory that nothing was written to holds anything.
+        // Shaders read at least one record of each kind, and unwritten memory may hold anything.
         if scratch.records.is_empty() {
             scratch.records.push(LightRecord::default());
         }
@@ -274,12 +262,12 @@ impl ShadowMaps {
             object.map(|object| geometry.caster_draw(*object, *leaf)).unwrap_or_default()
         };
         let ShadowStats { drawn_faces, culled_faces, .. } = self.plan.stats();
-        // Those of culled maps are written by their tests' numbers.
+        // The draws of culled maps are written in the order of their tests.
         let casters = if drawn_faces == culled_faces { &[][..] } else { &self.plan.casters[..] };
         let draws = uploads.push_iter(casters.iter().map(draw_of))?;
         let drawn = self.plan.faces.iter().flat_map(|face| face.work.drawn_casters());
         let drawn = drawn.filter_map(|range| self.plan.casters.get(range)).flatten();
-        // Midpoints take both sides of each.
+        // Midpoints need both sides of each caster.
         let sides = 1 + u64::from(passes.midpoints.is_some());
         self.triangles = drawn.map(|leaf| sides * u64::from(draw_of(leaf).index_count / 3)).sum();
         if let Some(culling) = &mut self.culling {
@@ -296,8 +284,8 @@ impl ShadowMaps {
         Ok(())
     }
 
-    /// Returns true if some maps of the newest frame are still to be drawn, with casters that tests
-    /// against the finished depth decide about.
+    /// Returns true if maps of the newest frame are still to be drawn, because tests against the
+    /// finished depth decide about their casters.
     pub(crate) fn has_culled(&self) -> bool {
         self.culling.as_ref().is_some_and(|culling| !culling.groups().is_empty())
     }
@@ -347,7 +335,7 @@ impl ShadowMaps {
         culling.read_back(commands);
     }
 
-    /// Selects the view whose draws follow, by its number in the frame.
+    /// Selects the view whose draws follow, by its index in the frame.
     pub(crate) fn begin_view(&mut self, number: u32) {
         self.view = number;
     }
@@ -375,7 +363,7 @@ impl ShadowMaps {
     }
 }
 
-/// Plans the casters of those maps of a light that are culled.
+/// Plans the casters of a light's culled maps.
 fn plan_casters(
     culling: &mut CasterCulling,
     plan: &ShadowPlan,

@@ -11,15 +11,15 @@ use crate::passes::{CasterIo, CasterPass, SectionIo};
 use crate::resources::geometry::Geometry;
 use crate::section::Section;
 
-/// Bytes of an indirect draw.
+/// The bytes of an indirect draw.
 const DRAW_BYTES: u64 = size_of::<gpu::IndirectDraw>() as u64;
 
-/// The part of the work for a map that is drawn to one image.
+/// The draws of a map to one image, as ranges of casters.
 #[derive(Clone)]
 pub(super) enum TileDraws {
-    /// On a cleared tile.
+    /// Draws to a cleared tile.
     Afresh(Range<usize>),
-    /// On what is there.
+    /// Draws over the contents of a tile.
     OnTop(Range<usize>),
 }
 
@@ -36,21 +36,18 @@ impl TileDraws {
 pub(super) struct CasterDraws<'a> {
     pub(super) geometry: &'a Geometry,
     pub(super) predicates: &'a Predicates,
-    /// One indirect command per caster of the plan.
+    /// An indirect command per caster of the plan.
     pub(super) draws: BufferSlice,
-    /// Section planes as each face sees them.
+    /// The section planes for each face.
     pub(super) section: &'a FaceSections,
 }
 
-/// Section planes as the faces of a frame's plan see them.
+/// The section planes for each face of a frame's plan.
 #[derive(Default)]
 pub(super) struct FaceSections(Vec<SectionIo>);
 
 impl FaceSections {
-    /// Uploads the planes of a frame for its faces, in their order; nothing without planes.
-    ///
-    /// # Errors
-    /// No memory.
+    /// Uploads the planes of a frame for its faces, in their order. Does nothing without planes.
     pub(super) fn upload(
         &mut self,
         frame: &mut Frame<'_>,
@@ -66,7 +63,7 @@ impl FaceSections {
         Ok(())
     }
 
-    /// Sets the view of a face for draws of its casters, by its number in the plan.
+    /// Sets the view of a face, by its index in the plan, for draws of its casters.
     pub(super) fn bind_face(
         &self,
         commands: &Commands,
@@ -81,7 +78,7 @@ impl FaceSections {
         pass.set_view(commands, io, &face.face.view);
     }
 
-    /// Binds a pass for all faces, where each needs no planes of its own.
+    /// Binds a pass for all faces, unless each face needs planes of its own.
     pub(super) fn bind(&self, commands: &Commands, pass: &CasterPass, io: &CasterIo<'_>) {
         if self.0.is_empty() {
             pass.bind(commands, io);
@@ -90,7 +87,7 @@ impl FaceSections {
 }
 
 impl CasterDraws<'_> {
-    /// Draws what `part` names of each face, in one rendering per layer.
+    /// Draws the part of each face that `part` returns, in one rendering per layer.
     pub(super) fn draw(
         &self,
         commands: &Commands,
@@ -155,8 +152,8 @@ pub(super) enum TileStart {
     Cleared,
 }
 
-/// Returns the target of a rendering to these tiles of a layer, which do not overlap: no more of it
-/// is loaded and stored than they need.
+/// Returns the target of a rendering to these tiles of a layer, which must not overlap. It loads
+/// and stores only what the tiles need.
 pub(super) fn tiles_target(
     layer: RenderTarget,
     tiles: impl Iterator<Item = (Tile, TileStart)>,
@@ -174,7 +171,7 @@ pub(super) fn tiles_target(
 struct TilesArea {
     origin: [u32; 2],
     size: [u32; 2],
-    /// Cleared if clearing the tiles writes over all of it.
+    /// Cleared if clearing the tiles overwrites the whole area.
     contents: TileStart,
 }
 

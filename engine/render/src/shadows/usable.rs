@@ -5,8 +5,9 @@ use cull::VisibilityTest;
 use gpu::PredicationMode;
 use occlusion::DriverQuirks;
 
-/// Returns the executor that skips casters where the scene's is the wanted one: each range by
-/// itself, of those that `can` skip casters; `None` if none of them can be trusted.
+/// Returns the executor that skips ranges of casters individually: `wanted`, the executor of the
+/// scene, if possible, else another that `can` skip casters. `None` if none can be trusted. Casters
+/// are never compacted.
 pub(crate) fn caster_executor(
     quirks: &DriverQuirks,
     wanted: PredicationMode,
@@ -19,8 +20,8 @@ pub(crate) fn caster_executor(
     quirks.executor(wanted, |quirks| quirks != PredicationMode::Compacted && can(quirks))
 }
 
-/// Returns the options of shadows: casters are culled by flags, and skipped by one of the executors
-/// that `can` skip them.
+/// Returns the usable options of shadows. Culling casters needs flags, and an executor that `can`
+/// skip them.
 pub(crate) fn usable_shadows(
     quirks: &DriverQuirks,
     wanted: ShadowOptions,
@@ -51,7 +52,7 @@ mod tests {
         assert_eq!(caster_executor(&quirks, PredicationMode::Conditional, |_| true), Some(counts));
         let shadows = usable_shadows(&quirks, culled, |_| true);
         assert_eq!(shadows.culling, CasterCulling::Culled);
-        // A device without draw counts, or with too few.
+        // A device without draw counts, or with a limit that is too low.
         let can = |predication| predication != counts && predication != compacted;
         assert_eq!(caster_executor(&quirks, PredicationMode::Conditional, can), None);
         assert_eq!(usable_shadows(&quirks, culled, can).culling, CasterCulling::Unculled);

@@ -1,5 +1,5 @@
-//! Shadow volumes: planned for each view as pure values by the crate `shadows`, and counted against
-//! the view's depth into a mask that its surfaces read.
+//! Shadow volumes: the crate `shadows` plans them for each view as pure values. They are counted
+//! against the view's depth into a mask that its surfaces read.
 
 use std::collections::HashMap;
 
@@ -35,26 +35,26 @@ pub(super) struct VolumeShadows {
     options: ShadowOptions,
     /// The bits of all lights of a view, for each of its pixels.
     mask: Buffer,
-    /// The most bytes that it may have.
+    /// The highest number of bytes in the mask.
     room_bytes: u64,
-    /// The lights of views without a mask: none.
+    /// An empty list of lights, for views without a mask.
     unmasked: Buffer,
     /// The lights of the frame, and their places in the table.
     lights: Vec<ShadowLight>,
     places: Vec<u32>,
-    /// One plan per view.
+    /// A plan per view.
     plans: Vec<VolumePlan>,
-    /// The view that is drawn next.
+    /// The view whose draws follow.
     view: usize,
-    /// The work of that view.
+    /// The work of this view.
     prepared: Option<Prepared>,
-    /// The lights of the mask, while it is the one of the view that is drawn.
+    /// The lights in the mask, while the mask belongs to the current view.
     masked: Option<BufferSlice>,
     stats: ShadowStats,
-    /// The most lights without shadows that the log was told of.
+    /// The highest number of lights without shadows that was logged.
     warned_lights: u32,
     values: Vec<u32>,
-    /// The choice of casters, where options and device allow one.
+    /// The choice of casters, if options and device allow it.
     culling: Option<CasterCulling>,
     /// True if casters of the frame are culled.
     is_culled: bool,
@@ -65,22 +65,19 @@ pub(super) struct VolumeShadows {
 /// The work of a view, on the GPU.
 struct Prepared {
     draws: VolumeDraws,
-    /// The place and the lights of the mask.
+    /// The position and the lights of the mask.
     lights: BufferSlice,
     mask_bytes: u64,
 }
 
 impl VolumeShadows {
-    /// Creates the volumes of a renderer that has drawn none yet.
-    ///
-    /// # Errors
-    /// No memory, a failed call.
+    /// Creates the volumes of a renderer that has not drawn any yet.
     pub(super) fn new(
         device: &Device,
         options: ShadowOptions,
         frames_in_flight: usize,
     ) -> Result<Self, Error> {
-        // A compute pass extrudes whole batches.
+        // A compute pass only extrudes whole batches.
         let can_cull = options.culling == CullingOption::Culled
             && VolumePath::of(device) == VolumePath::GeometryShader;
         let culling = can_cull.then(|| CasterCulling::new(device, frames_in_flight)).transpose()?;
@@ -120,9 +117,6 @@ impl VolumeShadows {
     }
 
     /// Skips casters by an executor from now on.
-    ///
-    /// # Errors
-    /// No memory, a failed call.
     pub(super) fn skip_by(
         &mut self,
         executor: PredicationMode,
@@ -138,11 +132,8 @@ impl VolumeShadows {
         }
     }
 
-    /// Plans the volumes for the views of a frame. Lights for which the mask has no room are
-    /// without shadows.
-    ///
-    /// # Errors
-    /// A lost device.
+    /// Plans the volumes for the views of a frame. Lights that the mask has no room for cast no
+    /// shadows.
     pub(super) fn plan(
         &mut self,
         table: &LightTable,
@@ -193,15 +184,12 @@ impl VolumeShadows {
         }
     }
 
-    /// Returns true if the volumes of some view have a leaf among their casters.
+    /// Returns true if the volumes of any view have a leaf among their casters.
     pub(super) fn has_caster(&self, leaf: LeafIndex) -> bool {
         self.plans.iter().any(|plan| plan.has_caster(leaf))
     }
 
-    /// Selects the view whose draws follow, by its number in the frame, and uploads its work.
-    ///
-    /// # Errors
-    /// No memory.
+    /// Selects the view whose draws follow, by its index in the frame, and uploads its work.
     pub(super) fn begin_view(
         &mut self,
         frame: &mut Frame<'_>,
@@ -262,8 +250,8 @@ impl VolumeShadows {
         Ok(())
     }
 
-    /// Counts the volumes of the view that was begun against its finished depth in `target`, which
-    /// must be prepared again to be drawn to.
+    /// Counts the volumes of the current view against its finished depth in `target`, which must be
+    /// prepared again before drawing to it.
     pub(super) fn record(
         &mut self,
         commands: &Commands,
@@ -313,7 +301,7 @@ impl VolumeShadows {
         }
     }
 
-    /// Notes that what is drawn next is not of the view that the mask is of.
+    /// Notes that the following draws do not belong to the view of the mask.
     pub(super) fn end_view(&mut self) {
         self.masked = None;
     }
@@ -333,7 +321,7 @@ struct Casting<'a> {
 }
 
 impl Casting<'_> {
-    /// Lists the casters of a light, which is given in homogeneous coordinates.
+    /// Lists the casters of a light in homogeneous coordinates.
     fn casters(&self, planned: &PlannedVolumes, light: Vec4) -> Vec<VolumeCaster> {
         let ranges = self.plan.ranges_of(planned).iter();
         let leaves =
@@ -367,8 +355,8 @@ impl Casting<'_> {
     }
 }
 
-/// Plans the casters of a light, which is the one of this number in the frame, in groups that are
-/// drawn alike. Returns the groups that there are.
+/// Plans the casters of a light, by its index in the frame, in groups that are drawn in the same
+/// way. Returns the groups that are not empty.
 fn plan_casters(
     culling: &mut CasterCulling,
     scene: &CastersInView<'_>,
@@ -377,7 +365,7 @@ fn plan_casters(
     number: usize,
     casters: &[VolumeCaster],
 ) -> Vec<(VolumeGroup, usize)> {
-    // Volumes have sharp edges: no filter looks around.
+    // Volumes have sharp edges, so no filter extends them.
     let reach = LightReach {
         light: light.shape.homogeneous(),
         reach_m: light.shape.reach().map_or(f32::INFINITY, |(_, reach_m)| reach_m),
@@ -419,7 +407,7 @@ fn mask_bytes(plan: &VolumePlan, view: &CullView) -> u64 {
     u64::from((plan.lights.len() as u32).div_ceil(MASK_LIGHTS)) * layer_bytes(view)
 }
 
-/// Creates a mask of so many bytes.
+/// Creates a mask of this size.
 fn mask_of(device: &Device, size_bytes: u64) -> Result<Buffer, Error> {
     let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
     Ok(Buffer::new(device, "shadow mask", size_bytes, usage, MemoryKind::Device)?)

@@ -1,4 +1,4 @@
-//! The batches that are timed: many of one thing and little else.
+//! The batches that are timed: many items of one kind and little else.
 
 use cull::{Aabb, Camera, CullView, Projection, SkipTimes};
 use glam::Vec3;
@@ -15,7 +15,7 @@ use crate::object_renderer::ObjectRenderer;
 use crate::passes::{ComputeTest, ComputeTestIo, OcclusionPasses, ProxyBox, ProxyIo};
 use crate::rect::Rect;
 
-/// A batch: a number of things of one kind.
+/// A number of items of one kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Batch {
     thing: Thing,
@@ -34,17 +34,17 @@ enum Thing {
     QueriedBoxes,
     /// Small hidden boxes with flags.
     Flags,
-    /// Large boxes with flags that do not pass.
+    /// Large boxes with flags, no fragment of which passes.
     HiddenPixels,
-    /// The same, and all pass.
+    /// Large boxes with flags, every fragment of which passes.
     FlaggedPixels,
-    /// A draw: some drivers leave out a rendering without any.
+    /// A single draw, since some drivers leave out a rendering without draws.
     Nothing,
     /// Indirect calls of a draw without instances.
     Calls,
-    /// Ranges of so many draws each, all of which an executor skips.
+    /// Ranges of `width` draws each, all of which an executor skips.
     Ranges { executor: PredicationMode, width: u32 },
-    /// Ends of rendering and begins.
+    /// Breaks: the end of a rendering and the begin of the next.
     Breaks,
     /// Preparations of the compute tester.
     Grids,
@@ -80,7 +80,7 @@ impl Batch {
         Self::COMPUTED_BOXES,
     ];
 
-    /// Returns the batches of ranges of an executor: few, many, and few that are wide.
+    /// Returns the batches that measure an executor: few ranges, many ranges, and few wide ranges.
     pub(super) fn of_ranges(executor: PredicationMode) -> [Self; 3] {
         let few = SkipTimes::RANGES;
         [(few, 1), (2 * few, 1), (few, SkipTimes::WIDE_DRAWS)]
@@ -96,17 +96,17 @@ impl Batch {
     }
 }
 
-/// The tests of a frame: with or without a wait for results.
+/// The tests of a frame: none, or one that breaks the rendering.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum TestLoad {
     Nothing,
     Once,
 }
 
-/// Triangles of a patch: half of them face away, as those of solid objects do.
+/// The triangles of a patch. Half of them face away, as in a solid object.
 pub const PATCH_TRIANGLES: u32 = 2 * 16 * 16;
 
-/// The most things of a batch.
+/// The highest number of items in a batch.
 const MOST: u32 = 512;
 
 /// The distance of everything from the eye (metres).
@@ -173,7 +173,7 @@ impl<'a> Bench<'a> {
         })
     }
 
-    /// Returns true if the device can do a batch at all.
+    /// Returns true if the device supports a batch.
     pub(super) fn can(&self, batch: Batch) -> bool {
         match batch.thing {
             Thing::Flags | Thing::HiddenPixels | Thing::FlaggedPixels | Thing::Ranges { .. } => {
@@ -184,13 +184,13 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// Returns a quarter of the image.
+    /// Returns the number of pixels of a large box: a quarter of the image.
     pub(super) fn large_box_pixels(&self) -> f64 {
         let [width, height] = self.view.size.map(f64::from);
         width * height / 4.0
     }
 
-    /// Writes the data of the batch into the frame's memory.
+    /// Writes the data of a batch into the frame's memory.
     pub(super) fn prepare(&mut self, frame: &mut Frame<'_>, batch: Batch) -> Result<(), Error> {
         let count = batch.count.min(MOST) as usize;
         self.queries.begin(frame, &[(); MOST as usize][..count])?;
@@ -224,7 +224,7 @@ impl<'a> Bench<'a> {
         Ok(())
     }
 
-    /// Records the batch.
+    /// Records a batch.
     pub(super) fn record(&mut self, commands: &Commands, batch: Batch) {
         let Some(io) = self.io else { return };
         let reset = [Access::FragmentWrite, Access::IndirectRead, Access::ComputeRead];
@@ -233,8 +233,7 @@ impl<'a> Bench<'a> {
             ranges.record_resolve(commands);
         }
         self.objects.target().prepare(commands);
-        // As if something at the near plane hid everything; nothing to draw, so nothing to take
-        // time.
+        // The near plane (1) hides all items. Only pixels that must pass get the far plane (0).
         let depth = if batch.thing == Thing::FlaggedPixels { 0.0 } else { 1.0 };
         let mut from = self.objects.target().render_target(None);
         (from.colour_load, from.depth_load) = (Load::Clear([0.0; 4]), Load::Clear(depth));
@@ -254,8 +253,7 @@ impl<'a> Bench<'a> {
         self.ranges.iter().find(|range| range.predication() == executor)
     }
 
-    /// Draws patches that show, in one rendering without a test or in two with a test of the
-    /// second.
+    /// Draws visible patches: in one rendering, or in two renderings with a query in the second.
     pub(super) fn record_load(&mut self, commands: &Commands, load: TestLoad) {
         let Some(io) = self.io else { return };
         let parts = match load {
@@ -363,7 +361,7 @@ impl<'a> Bench<'a> {
         self.passes.proxies.draw_all(commands, 0..batch.count);
     }
 
-    /// Returns a batch of patches for [`Bench::record_load`].
+    /// Returns a batch of visible patches for [`Bench::record_load`].
     pub(super) fn load(patches: u32) -> Batch {
         Batch { thing: Thing::Patches, count: patches }
     }

@@ -1,5 +1,5 @@
-//! Measures the cost of a break in a frame: while the device waits for the earlier draws, nothing
-//! overlaps. A frame without tests starts while the previous one is drawn.
+//! Measures the cost of a break in a frame: the device waits for the earlier draws, and nothing
+//! overlaps. A frame without tests, in contrast, starts while the previous one is still drawn.
 
 use std::time::Instant;
 
@@ -12,11 +12,11 @@ use crate::error::Error;
 /// Patches per frame: about three milliseconds on a software driver.
 const PATCHES: u32 = 48;
 
-/// Frames one after the other, several on their way at once.
+/// The frames that are submitted in a row, several of them in flight at once.
 const FRAMES: usize = 4;
 const ROUNDS: usize = 3;
 
-/// Returns the share of the time of draws that a break among them adds, apart from `break_ns`.
+/// Returns the share by which a break among draws makes them take longer, not counting `break_ns`.
 pub(super) fn break_wait_share(
     device: &Device,
     bench: &mut Bench<'_>,
@@ -30,7 +30,7 @@ pub(super) fn break_wait_share(
         let lost = (broken - whole) / FRAMES as f64 - break_ns;
         shares.push(lost / (whole / FRAMES as f64));
     }
-    // Not a number where the clock stands still: the default is taken for it.
+    // NaN if the clock stands still; the caller then takes the default.
     let share = median(&mut shares);
     Ok(if share.is_nan() { share } else { share.clamp(0.0, 1.0) })
 }

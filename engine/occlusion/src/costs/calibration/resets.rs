@@ -7,15 +7,12 @@ use gpu::{Device, FrameRing, OptionalFeature, QueryRing, Resubmission};
 use crate::costs::device_costs::QueryResetCosts;
 use crate::error::Error;
 
-/// Queries of the shorter measurement; the longer one has twice as many.
+/// The number of queries in the shorter measurement; the longer one has twice that number.
 const QUERIES: usize = 256;
 
 const ROUNDS: usize = 3;
 
-/// Measures the cost of the reset of a query.
-///
-/// # Errors
-/// No memory, a failed call.
+/// Measures the cost of resetting a query.
 pub(super) fn measure(device: &Device) -> Result<QueryResetCosts, Error> {
     let each_ns = |by| -> Result<f32, Error> {
         let mut shortest_ns = [f64::NAN; 2];
@@ -26,7 +23,7 @@ pub(super) fn measure(device: &Device) -> Result<QueryResetCosts, Error> {
             frames.time_frames()?;
         }
         let mut queries = QueryRing::new(device, 1, "reset queries")?;
-        // The first turn makes the pool.
+        // The first turn creates the pool.
         for turn in 0..=ROUNDS {
             for (count, shortest_ns) in [2 * QUERIES, QUERIES].into_iter().zip(&mut shortest_ns) {
                 let ns = time_ns(device, &mut frames, by, &mut queries, count)?;
@@ -44,8 +41,9 @@ pub(super) fn measure(device: &Device) -> Result<QueryResetCosts, Error> {
     Ok(QueryResetCosts { command_ns: each_ns(Resubmission::Allowed)?, cpu_ns })
 }
 
-/// Returns the time of a frame that resets so many queries (ns): of the call on the CPU, or of its
-/// commands on the GPU; where there are no timestamps from submit to end.
+/// Returns the time of a frame that resets `count` queries (ns). For resets by the CPU it is the
+/// time of the call; for resets by commands it is their GPU time, or without timestamps the time
+/// from submit to completion.
 fn time_ns(
     device: &Device,
     frames: &mut FrameRing,

@@ -7,9 +7,9 @@ use crate::error::Error;
 use crate::frame_scope::FrameScope;
 
 impl CulledScene {
-    /// Begins to record the scene into a frame, with the upload of all changes since the last one,
-    /// before anything of `frame` reads them. The scope borrows the scene, so that it cannot
-    /// change before the [end](FrameScope::end).
+    /// Begins to record the scene into a frame. Records the upload of all changes since the last
+    /// frame, before anything of `frame` reads them. The scope borrows the scene, which therefore
+    /// cannot change before the [end](FrameScope::end).
     ///
     /// # Errors
     /// [`gpu::Error::TooLarge`] for more draws than the device takes; no memory, a failed call.

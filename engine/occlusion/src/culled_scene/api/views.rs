@@ -9,8 +9,8 @@ use crate::occlusion_state::OcclusionState;
 
 impl CulledScene {
     /// Creates a view without history, drawn to `target`. It weighs tests by the costs of the
-    /// scene, if there are any, and by the present triangles per draw. Frames of a host are not
-    /// timed, so that nothing corrects the costs.
+    /// scene, if there are any, and by the present number of triangles per draw. Frames of a host
+    /// are not timed, so nothing corrects these costs.
     ///
     /// # Errors
     /// A failed call.
@@ -19,7 +19,7 @@ impl CulledScene {
         self.view_of(Culler::with_testers(self.cull_config, testers))
     }
 
-    /// Creates a view with a culler that knows nothing yet, which weighs tests by the costs of the
+    /// Creates a view around a culler without history. The culler weighs tests by the costs of the
     /// scene.
     ///
     /// # Errors

@@ -18,29 +18,25 @@ use crate::passes::ProxyBox;
 pub(crate) struct BucketTableInfo {
     /// The number of buckets, at most [`MAX_BUCKETS`](crate::MAX_BUCKETS).
     pub bucket_count: u32,
-    /// The number of draws that there is room for at first. More room is made as draws come, by
-    /// buffers that are half as large again.
+    /// The initial room for draws. When it is full, buffers that are half as large again replace
+    /// it.
     pub draw_capacity: u32,
-    /// The way that hidden draws are skipped; `None` takes the device's best.
+    /// The predication mode; `None` takes the device's best.
     pub predication: Option<PredicationMode>,
-    /// Frames that may be in flight at once.
+    /// The number of frames that may be in flight at once.
     pub frames_in_flight: usize,
 }
 
 impl BucketTableInfo {
-    /// Returns the number of draws, with gaps between buckets, that a new table has room for.
+    /// Returns the number of cells of a new table: its draws, and gaps between buckets.
     pub(crate) fn cell_capacity(&self) -> u32 {
         BucketCells::room_for(self.draw_capacity, self.bucket_count)
     }
 }
 
 impl LeafTable {
-    /// Creates a table for the leaves of `hierarchy`, without draws yet: objects
-    /// [get](LeafTable::set_draws) any number of them. The first frame uploads all.
-    ///
-    /// # Errors
-    /// [`gpu::Error::Unsupported`] for a way to skip draws that the device lacks;
-    /// [`gpu::Error::TooLarge`] for more draws than it takes; no memory; a failed call.
+    /// Creates a table for the leaves of `hierarchy`, without draws. [`LeafTable::set_draws`] gives
+    /// objects any number of draws. The first frame uploads everything.
     pub(crate) fn bucketed(
         device: &Device,
         hierarchy: &Hierarchy,
@@ -77,11 +73,11 @@ impl LeafTable {
         Ok(table)
     }
 
-    /// Replaces the draws of the objects in some leaves: in bulk in much less time than one after
-    /// the other.
+    /// Replaces the draws of the objects in some leaves. One call for many leaves takes much less
+    /// time than a call per leaf.
     ///
     /// # Errors
-    /// [`BucketError::Unknown`] and [`BucketError::OneDrawPerLeaf`], and nothing is changed.
+    /// [`BucketError::Unknown`] and [`BucketError::OneDrawPerLeaf`]. Nothing has changed then.
     pub fn set_draws(&mut self, changed: &[(LeafIndex, &[BucketDraw])]) -> Result<(), Error> {
         changed.iter().try_for_each(|(_, draws)| self.check_draws(draws))?;
         let Self { layout: DrawLayout::Bucketed(cells), counts, .. } = self else { return Ok(()) };
@@ -112,12 +108,11 @@ impl LeafTable {
         self.dirty.push(leaf);
     }
 
-    /// Notes that the objects in some ranges of leaves, which may lie in each other, are in another
-    /// order now, and that there may be more leaves, which lie in these ranges. Objects keep their
-    /// draws.
+    /// Notes that the objects in some ranges of leaves, which may be nested, are in another order
+    /// now. Additional leaves must lie in these ranges. Objects keep their draws.
     ///
     /// # Errors
-    /// As for [`LeafTable::set_draws`].
+    /// The errors of [`LeafTable::set_draws`].
     pub fn reorder(&mut self, hierarchy: &Hierarchy, ranges: &[LeafRange]) -> Result<(), Error> {
         let Self { layout: DrawLayout::Bucketed(cells), counts, dirty, .. } = self else {
             return Err(BucketError::OneDrawPerLeaf.into());
@@ -131,11 +126,8 @@ impl LeafTable {
         Ok(())
     }
 
-    /// Makes larger buffers, where leaves or draws came that there is no room for: all of them or
-    /// none. They are uploaded as a whole then.
-    ///
-    /// # Errors
-    /// As for [`LeafTable::begin`].
+    /// Creates larger buffers if the present ones have no room for the leaves or draws. Replaces
+    /// either all buffers or, after an error, none. New buffers are uploaded as a whole.
     pub(crate) fn make_room(&mut self) -> Result<(), Error> {
         let DrawLayout::Bucketed(cells) = &self.layout else { return Ok(()) };
         let leaf_count = cells.leaf_count();
@@ -168,7 +160,7 @@ impl LeafTable {
             LeafCounts::new((0..leaf_count as u32).map(|index| layout.count(LeafIndex(index))));
     }
 
-    /// Marks what changed in the cells.
+    /// Marks the leaves and cells that changed in the layout.
     fn follow_cells(&mut self) {
         let Self { layout, dirty, dirty_cells, changes, .. } = self;
         let DrawLayout::Bucketed(cells) = layout else { return };
@@ -198,7 +190,7 @@ fn recount(counts: &mut LeafCounts, cells: &BucketCells, leaves: impl Iterator<I
     }
 }
 
-/// Creates the buffers of so many leaves: their boxes and their first cells.
+/// Creates the buffers of `leaf_count` leaves: their boxes and their first cells.
 fn leaf_buffers(device: &Device, leaf_count: usize) -> Result<[Buffer; 2], Error> {
     let wanted = leaf_count as u64 * size_of::<ProxyBox>() as u64;
     let limit = u64::from(device.adapter().limits.max_storage_buffer_range);

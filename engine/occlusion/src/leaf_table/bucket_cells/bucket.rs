@@ -6,10 +6,10 @@ use gpu::DrawRange;
 
 use super::BLOCK_LEAVES;
 
-/// The fewest cells of a bucket with draws.
+/// The lowest number of cells of a bucket with draws.
 pub(super) const LEAST_CELLS: u32 = 8;
 
-/// Returns the number of cells of which so many draws leave two fifths empty.
+/// Returns a number of cells of which `draws` draws leave two fifths empty.
 pub(super) fn wanted_cells(draws: u32) -> u32 {
     (u64::from(draws) * 5 / 3).min(u64::from(u32::MAX)) as u32
 }
@@ -18,15 +18,15 @@ pub(super) fn wanted_cells(draws: u32) -> u32 {
 #[derive(Default)]
 pub(super) struct Bucket {
     pub(super) region: DrawRange,
-    /// The spans of blocks that had a draw at some time, in the order of both blocks and cells.
+    /// The spans of blocks that ever had a draw, in the order of the blocks and of the cells.
     pub(super) spans: Vec<Span>,
     /// The number of draws.
     draws: u32,
-    /// The span that is [filled](Bucket::fill) now, and how many of its draws are placed.
+    /// The span that is being [filled](Bucket::fill), and the number of its draws placed so far.
     pub(super) filled: (usize, u32),
 }
 
-/// The cells of a block up to the next span: those with draws come first.
+/// The cells of a block up to the next span. Cells with draws come first.
 #[derive(Clone, Copy)]
 pub(super) struct Span {
     block: u32,
@@ -42,7 +42,7 @@ impl Span {
 }
 
 impl Bucket {
-    /// Takes a draw from the span of a block and returns what is left, if the block has one.
+    /// Removes a draw from the span of a block. Returns the shortened span, if the block has one.
     pub(super) fn shrink(&mut self, block: u32) -> Option<Span> {
         let place = self.spans.binary_search_by_key(&block, |span| span.block).ok()?;
         let span = self.spans.get_mut(place)?;
@@ -57,7 +57,7 @@ impl Bucket {
         self.draws += 1;
     }
 
-    /// Counts a draw of a block that is none before the last.
+    /// Counts a draw of a block. Blocks come in ascending order.
     pub(super) fn push(&mut self, block: u32) {
         if self.spans.last().is_none_or(|last| last.block != block) {
             self.spans.push(Span { block, start: 0, len: 0 });
@@ -65,7 +65,7 @@ impl Bucket {
         self.grow(self.spans.len() - 1);
     }
 
-    /// Returns the cell of the next draw, of a block that was counted.
+    /// Returns the cell of the next draw of a block whose draws were counted.
     pub(super) fn fill(&mut self, block: u32) -> u32 {
         let (mut place, mut placed) = self.filled;
         if self.spans[place].block != block {
@@ -75,7 +75,7 @@ impl Bucket {
         self.spans[place].start + placed
     }
 
-    /// Returns the number of the span of a block; a new one has no cells.
+    /// Returns the index of the span of a block. A new span has no cells.
     pub(super) fn find_or_add(&mut self, block: u32) -> usize {
         match self.spans.binary_search_by_key(&block, |span| span.block) {
             Ok(place) => place,
@@ -93,9 +93,9 @@ impl Bucket {
         span.start + span.len == self.end_of(place)
     }
 
-    /// Returns the smallest group of spans around `place`, and their cells, that is loose enough
-    /// for one draw more: the larger the group, the looser, so that it stays loose for a while.
-    /// `None` if not even the whole bucket is.
+    /// Returns the smallest group of spans around `place` that is loose enough for one more draw,
+    /// and its cells. A larger group must be looser, so that it stays loose for a while. Returns
+    /// `None` if even the whole bucket is not loose enough.
     pub(super) fn loose_window(&self, place: usize) -> Option<(Range<usize>, DrawRange)> {
         let height = self.spans.len().next_power_of_two().ilog2().max(1);
         (1..=height).find_map(|level| {
@@ -104,18 +104,19 @@ impl Bucket {
             let start = if first == 0 { self.region.first } else { self.spans[first].start };
             let cells = DrawRange { first: start, count: self.end_of(spans.end - 1) - start };
             let used = 1 + self.spans[spans.clone()].iter().map(|span| span.len).sum::<u32>();
-            // At most full in the smallest groups, and three quarters in the whole bucket.
+            // The smallest groups may be full, the whole bucket only to three quarters.
             let limit = cells.count - cells.count / 4 * level / height;
             (used <= limit).then_some((spans, cells))
         })
     }
 
-    /// Returns the number of cells for one draw more that leaves two fifths of them empty.
+    /// Returns a number of cells of which one more draw leaves two fifths empty.
     pub(super) fn wanted_cells(&self) -> u32 {
         wanted_cells(self.draws + 1).max(LEAST_CELLS)
     }
 
-    /// Moves spans into cells, with the empty ones shared out evenly, and one more for `place`.
+    /// Moves spans into the cells `to`. Empty cells are shared out evenly, with one more for
+    /// `place`.
     pub(super) fn spread(&mut self, place: usize, spans: Range<usize>, to: DrawRange) {
         let used = 1 + self.spans[spans.clone()].iter().map(|span| span.len).sum::<u32>();
         let empty = to.count.saturating_sub(used);
@@ -139,7 +140,7 @@ impl Bucket {
         let first = self.spans.partition_point(|span| span.block < block(leaves.start));
         let end = self.spans.partition_point(|span| span.block <= block(leaves.end - 1));
         let spans = &self.spans[first..end];
-        // The draws of a span that come before those of a leaf.
+        // The number of draws in a span that come before the draws of a leaf.
         let before = |span: &Span, leaf: u32| match span.block * BLOCK_LEAVES {
             start if start >= leaf => 0,
             start if start + BLOCK_LEAVES <= leaf => span.len,

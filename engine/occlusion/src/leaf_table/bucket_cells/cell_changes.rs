@@ -9,12 +9,12 @@ pub(crate) struct CellChanges {
     is_touched: Vec<bool>,
     emptied: Vec<u32>,
     is_emptied: Vec<bool>,
-    /// Cells that were written since the beginning: the work of all changes.
+    /// The number of cells written since the beginning, as a measure of work.
     pub(crate) written: u64,
 }
 
 impl CellChanges {
-    /// Makes room for so many leaves at least.
+    /// Makes room for at least `leaf_count` leaves.
     pub(super) fn grow(&mut self, leaf_count: usize) {
         let leaf_count = leaf_count.max(self.is_touched.len());
         self.is_touched.resize(leaf_count, false);

@@ -6,12 +6,12 @@ use cull::{LeafIndex, ObjectId};
 
 use super::{BucketDraw, NONE};
 
-/// A draw at its place.
+/// A draw and its cell.
 #[derive(Clone, Copy)]
 pub(super) struct PlacedDraw {
     pub(super) draw: BucketDraw,
     pub(super) leaf: u32,
-    /// The next draw of the same object, of the same bucket or a later one.
+    /// The next draw of the same object, in the same bucket or a later one.
     pub(super) next: u32,
     pub(super) cell: u32,
 }
@@ -19,7 +19,7 @@ pub(super) struct PlacedDraw {
 /// A list of draws per object, and the object of each leaf.
 pub(super) struct PlacedDraws {
     all: Vec<PlacedDraw>,
-    /// The first unused place in `all`; the others follow by `next`.
+    /// The first unused place in `all`; `next` leads to the others.
     unused: u32,
     /// The first draw of each object.
     firsts: Vec<u32>,
@@ -56,7 +56,7 @@ impl PlacedDraws {
         std::iter::successors(first, move |placed| self.at(placed.next))
     }
 
-    /// Puts a draw before the others of a leaf, in no cell yet.
+    /// Puts a draw before the other draws of a leaf, without a cell.
     pub(super) fn push_front(&mut self, leaf: LeafIndex, draw: BucketDraw) {
         let next = self.first(leaf);
         let placed = PlacedDraw { draw, leaf: leaf.0, next, cell: NONE };
@@ -73,7 +73,7 @@ impl PlacedDraws {
         self.set_first(leaf, number);
     }
 
-    /// Forgets the draws of a leaf, which are in no cell.
+    /// Removes the draws of a leaf, which must not be in cells.
     pub(super) fn free_all(&mut self, leaf: LeafIndex) {
         let mut number = self.first(leaf);
         while let Some(placed) = self.all.get_mut(number as usize) {
@@ -83,13 +83,13 @@ impl PlacedDraws {
         self.set_first(leaf, NONE);
     }
 
-    /// Gives leaves other objects, from a leaf on.
+    /// Replaces the objects of consecutive leaves from `first` on.
     pub(super) fn set_objects(&mut self, first: LeafIndex, objects: &[ObjectId]) {
         let places = self.objects.iter_mut().skip(first.0 as usize);
         places.zip(objects).for_each(|(place, object)| *place = *object);
     }
 
-    /// Makes places for so many leaves and objects at least; the new leaves have no object yet.
+    /// Makes places for at least `leaf_count` leaves and objects; new leaves have no object yet.
     pub(super) fn grow(&mut self, leaf_count: usize) {
         let leaf_count = leaf_count.max(self.objects.len());
         self.firsts.resize(leaf_count, NONE);

@@ -5,19 +5,19 @@ use gpu::DrawRange;
 /// The cells that no bucket uses.
 #[derive(Default)]
 pub(super) struct Regions {
-    /// Unused ranges, in order; none touch.
+    /// Unused ranges, in order; adjacent ranges are merged.
     free: Vec<DrawRange>,
-    /// The end of all that was ever taken.
+    /// The end of all regions that were ever taken.
     end: u32,
 }
 
 impl Regions {
-    /// Returns the end of all that was ever taken.
+    /// Returns the end of all regions that were ever taken.
     pub(super) fn end(&self) -> u32 {
         self.end
     }
 
-    /// Replaces a region by a larger one, which begins at the same place if no other lies behind.
+    /// Replaces a region by a larger one, which begins at the same place if it was the last region.
     pub(super) fn enlarge(&mut self, before: DrawRange, count: u32) -> DrawRange {
         if before.first + before.count == self.end {
             self.end = before.first + count;
@@ -28,7 +28,7 @@ impl Regions {
         taken
     }
 
-    /// Takes the first free range that is large enough, or a new one behind all others.
+    /// Takes the first free range that is large enough, or a new range at the end.
     fn take(&mut self, count: u32) -> DrawRange {
         let Some(place) = self.free.iter().position(|free| free.count >= count) else {
             let first = self.end;

@@ -14,8 +14,8 @@ impl Random {
     }
 }
 
-/// The cells, the draws that they should hold, and a copy that follows the noted changes as the
-/// GPU's does.
+/// The cells, the draws that they should hold, and a copy that is updated by the noted changes, as
+/// on the GPU.
 struct Model {
     random: Random,
     buckets: usize,
@@ -25,7 +25,7 @@ struct Model {
     copied: Vec<(IndirectDraw, DrawLink)>,
     copied_firsts: Vec<u32>,
     serial: u32,
-    /// Draws that came, went or moved to other leaves.
+    /// The number of draws that were added, removed or moved to other leaves.
     moves: u64,
 }
 
@@ -84,7 +84,7 @@ impl Model {
                 self.cells.reorder(&ranges, &self.objects);
             }
             1 if leaves > 1 && self.random.below(4) == 0 => {
-                // So many that all is laid out anew.
+                // Enough changes to lay out everything anew.
                 let first = self.random.below(leaves / 2);
                 let count = leaves / 8 + 2 + self.random.below(leaves);
                 let changed = first..(first + count).min(leaves);
@@ -97,7 +97,7 @@ impl Model {
                 self.moves += (0..leaves).map(|leaf| self.listed(leaf).len() as u64).sum::<u64>();
             }
             1 => {
-                // Several in a row, as an owner adds them in bulk.
+                // Several leaves in a row, as when an owner adds objects in bulk.
                 let first = self.random.below(leaves);
                 for leaf in first..(first + 40).min(leaves) {
                     let draws = self.some_draws();
@@ -153,7 +153,7 @@ impl Model {
         draws
     }
 
-    /// Copies what was noted as changed.
+    /// Copies the noted changes.
     fn copy(&mut self) {
         let rubbish = IndirectDraw { index_count: 9, instance_count: 9, ..Default::default() };
         self.copied.resize(self.cells.cell_count() as usize, (rubbish, DrawLink::EMPTY));

@@ -1,4 +1,4 @@
-//! Plans of a view: each is made for a scene and for views, and executed once.
+//! The plans of a view. Each is made for a state of the scene and for views, and executed once.
 
 use cull::{CullView, Culler, FramePlan, LeafIndex, MultiView, Strategy};
 use gpu::{DrawRange, Frame};
@@ -8,8 +8,8 @@ use crate::culled_scene::CulledScene;
 use crate::error::Error;
 
 impl OcclusionState {
-    /// Takes the views that the newest plan was made for. The plan is executed once, for the scene
-    /// as it was then.
+    /// Takes the views that the newest plan was made for. A plan can be executed only once, and
+    /// only while the scene is unchanged.
     pub(crate) fn take_planned_views(
         &mut self,
         scene: &CulledScene,
@@ -23,14 +23,14 @@ impl OcclusionState {
         }
     }
 
-    /// Gives back the memory of the views of a plan.
+    /// Returns the memory of the views of a plan for reuse.
     pub(crate) fn keep_planned_views(&mut self, views: Vec<CullView>) {
         self.planned_views = views;
     }
 
-    /// Plans the next frame of a view, or of several drawn at once, and lays out its tests, after
-    /// all changes of the scene were uploaded. The plan is executed once, for these views. Nothing
-    /// is planned for another scene than the view's own.
+    /// Plans the next frame of a view, or of several views drawn at once, and lays out its tests.
+    /// Call it after all changes of the scene were uploaded. The plan can be executed once, for
+    /// these views. Does nothing for a scene other than the view's own.
     pub fn plan_frame<'v>(
         &mut self,
         scene: &CulledScene,
@@ -51,7 +51,7 @@ impl OcclusionState {
         });
     }
 
-    /// Plans a frame of a view that draws `visible` leaves and tests nothing.
+    /// Plans a frame of a view that draws the leaves in `visible` and tests nothing.
     pub fn plan_known(&mut self, scene: &CulledScene, view: &CullView, visible: &[LeafIndex]) {
         self.plan_by(scene, std::slice::from_ref(view), |culler, plan| {
             culler.plan_known(&scene.hierarchy, visible, plan);
@@ -76,7 +76,7 @@ impl OcclusionState {
         self.layout.lay_out(&self.plan, &scene.leaves);
     }
 
-    /// Begins a frame that is not planned: an empty plan without tests.
+    /// Begins a frame without a plan of the culler: the plan is empty and has no tests.
     ///
     /// # Errors
     /// [`Error::NotUploaded`]; no memory, a failed call.

@@ -1,4 +1,5 @@
-//! Section planes in a frame: the inputs of passes that are cut, and the caps of what is cut open.
+//! Section planes in a frame: the inputs of passes that are cut, and the caps of objects that are
+//! cut open.
 
 use cull::{CullView, Hierarchy};
 use gpu::{BufferSlice, Commands, Frame};
@@ -8,10 +9,7 @@ use crate::passes::{CapIo, CapKind};
 use crate::scene_renderer::SceneRenderer;
 
 impl SceneRenderer {
-    /// Begins a frame that objects are drawn in.
-    ///
-    /// # Errors
-    /// No memory.
+    /// Begins a frame in which objects are drawn.
     pub(crate) fn begin_section(
         &mut self,
         frame: &mut Frame<'_>,
@@ -20,10 +18,7 @@ impl SceneRenderer {
         self.section.begin_frame(frame, &self.gpu_scene.geometry, hierarchy)
     }
 
-    /// Begins a view of a frame that was begun, and the draws of its objects.
-    ///
-    /// # Errors
-    /// No memory.
+    /// Begins a view of the current frame, and the draws of its objects.
     pub(crate) fn begin_section_view(
         &mut self,
         frame: &mut Frame<'_>,
@@ -33,8 +28,8 @@ impl SceneRenderer {
         self.section.begin_view(frame, &self.gpu_scene.geometry, hierarchy, view)
     }
 
-    /// Draws the caps of the view that was begun, if it has any, in a rendering before all others:
-    /// they hide what lies behind them from the first test on.
+    /// Draws the caps of the current view, if it has any, in a rendering before all others, so that
+    /// they hide objects from the first test on.
     pub(crate) fn record_caps(&mut self, commands: &Commands, view: &CullView) {
         if self.section.uploaded_caps.is_none() {
             return;
@@ -47,7 +42,7 @@ impl SceneRenderer {
         });
     }
 
-    /// Draws the caps of the view that was begun to the current attachments, before its objects.
+    /// Draws the caps of the current view to the current attachments, before its objects.
     pub(crate) fn draw_caps(&self, commands: &Commands, view: &CullView) {
         let kind = match self.pipelines.shading {
             Some(_) => CapKind::Depth,
@@ -56,18 +51,18 @@ impl SceneRenderer {
         self.draw_caps_of(commands, view, kind, None);
     }
 
-    /// Adds the colour to caps of scenes with surfaces, against the finished depth.
+    /// Adds the colour to caps in scenes with surfaces, against the finished depth.
     pub(crate) fn colour_caps(&self, commands: &Commands, view: &CullView) {
         self.draw_caps_of(commands, view, CapKind::Colour, None);
     }
 
-    /// Notes the leaves of caps that own a pixel of the finished depth.
+    /// Records the leaves of caps that own a pixel of the finished depth.
     pub(crate) fn note_caps(&self, commands: &Commands, view: &CullView, seen: BufferSlice) {
         self.draw_caps_of(commands, view, CapKind::Seen, Some(seen));
     }
 
-    /// Notes the nearest of the caps that own a pixel of the image, in a rendering that is cut to
-    /// that pixel.
+    /// Records the nearest of the caps that own a pixel of the image, in a rendering that is
+    /// clipped to that pixel.
     pub(crate) fn point_at_caps(
         &self,
         commands: &Commands,
@@ -95,7 +90,7 @@ impl SceneRenderer {
         }
     }
 
-    /// Draws caps over a stencil of 0.
+    /// Draws caps; the stencil must be 0.
     fn draw_caps_over(
         &self,
         commands: &Commands,

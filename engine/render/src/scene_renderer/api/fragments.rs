@@ -1,4 +1,4 @@
-//! Transparent objects whose fragments are sorted.
+//! Transparent objects with sorted fragments.
 
 use cull::CullView;
 use gpu::{Access, BufferSlice, Commands, MemoryBarrier};

@@ -59,11 +59,8 @@ impl SceneRenderer {
         skinned_meshes.upload(frame, completed, pass, vertices, is_seen, leaf_of)
     }
 
-    /// Writes the vertices of meshes that the last frames left to a test: a draw of objects that
-    /// are hidden follows.
-    ///
-    /// # Errors
-    /// No memory, a lost device.
+    /// Writes the vertices that the last frames wrote only if a test passed. Call it before hidden
+    /// objects are drawn.
     pub(crate) fn write_stale(&mut self, frame: &mut Frame<'_>) -> Result<(), Error> {
         let Self { device, gpu_scene, pipelines, .. } = self;
         let GpuScene { geometry, skinned_meshes, .. } = gpu_scene;

@@ -10,8 +10,8 @@ use crate::shading::depth_first::{DARK, Shading};
 use crate::shading::fragments::Fragments;
 
 impl SceneRenderer {
-    /// Adds the colour to the draws of the rounds, if they have none yet: `draw` draws all of it
-    /// again.
+    /// Adds the colour to the draws of the rounds, if they have none yet. `draw` repeats all these
+    /// draws.
     pub(crate) fn shade_surfaces(
         &mut self,
         scene: &CulledScene,
@@ -57,7 +57,7 @@ impl SceneRenderer {
         }
     }
 
-    /// Draws the shadow maps that waited for the finished depth of the view.
+    /// Draws the shadow maps that wait for the finished depth of the view.
     fn draw_culled_maps(&mut self, commands: &Commands, view: &CullView) {
         if !self.shadows.has_culled() {
             return;
@@ -92,8 +92,8 @@ impl SceneRenderer {
         }
     }
 
-    /// Draws all of the `draws`, a buffer and a count, in their own colours, before a backdrop or
-    /// the sky, to the [image's target](SceneRenderer::image_target).
+    /// Draws all `draws`, a buffer and a count, in their own colours over a backdrop or the sky, to
+    /// the [image's target](SceneRenderer::image_target).
     pub(crate) fn draw_all(
         &self,
         scene: &CulledScene,
@@ -113,8 +113,7 @@ impl SceneRenderer {
         self.draw_surfaces(commands, view, backdrop, draw);
     }
 
-    /// Draws the transparent objects over the finished image of a view, in a rendering of their
-    /// own.
+    /// Draws the transparent objects over the finished image of a view, in a separate rendering.
     pub(crate) fn record_transparent(
         &mut self,
         scene: &CulledScene,

@@ -1,4 +1,4 @@
-//! Textures with an image each, which shaders find by number.
+//! Textures with separate images, which shaders index by number.
 
 use gpu::{
     CancellationToken, Device, OptionalFeature, TextureArray, TextureNumber, TextureTable, vk,
@@ -14,22 +14,23 @@ use crate::shading::surfaces::page_upload::{Sampling, upload_pages};
 use crate::shading::surfaces::pages::{Page, PagePlan, bit_of};
 use crate::shading::surfaces::texture_slots::{TexturePlace, removable};
 
-/// The textures of a scene and those that come later.
+/// The textures of a scene, and textures that are added later.
 pub(crate) struct BindlessTextures {
     table: TextureTable,
     sampling: Sampling,
-    /// The most pixels per side.
+    /// The highest number of pixels per side.
     max_side: u32,
     sampled: SampledBlocks,
     ids: SpareRanges,
-    /// The number of the scene's textures: others have greater ids.
+    /// The number of the scene's textures. Added textures have greater ids.
     of_scene: u32,
-    /// By texture behind those of the scene.
+    /// The places of added textures.
     places: Vec<Option<TexturePlace>>,
 }
 
 impl BindlessTextures {
-    /// Returns the most textures that a device indexes; 0 where it indexes none.
+    /// Returns the highest number of textures that a device can index; 0 if it does not support
+    /// indexing.
     pub(crate) fn most(device: &Device) -> u32 {
         if device.capabilities().has(OptionalFeature::DescriptorIndexing) {
             device.adapter().indexed_textures.min(MAX_OWN_IMAGES)
@@ -38,16 +39,13 @@ impl BindlessTextures {
         }
     }
 
-    /// Returns the number of the textures that something of `surfaces` uses.
+    /// Returns the number of textures that `surfaces` use.
     pub(crate) fn count(device: &Device, surfaces: &Surfaces) -> u64 {
         let max_side = device.adapter().limits.max_image_dimension2_d;
         PagePlan::of_images(surfaces, max_side, SampledBlocks::default()).pages.len() as u64
     }
 
-    /// Uploads the textures that something of `surfaces` uses. Waits for copies.
-    ///
-    /// # Errors
-    /// More textures than the device or a place has numbers for, no memory, a failed call.
+    /// Uploads the textures that `surfaces` use. Waits for copies.
     pub(crate) fn new(
         device: &Device,
         surfaces: &Surfaces,
@@ -74,7 +72,7 @@ impl BindlessTextures {
         Ok((Self { table, sampling, max_side, sampled, ids, of_scene, places }, plan))
     }
 
-    /// Returns the table that draws find textures in.
+    /// Returns the table in which draws look up textures.
     pub(crate) fn table(&self) -> &TextureTable {
         &self.table
     }
@@ -83,7 +81,7 @@ impl BindlessTextures {
         self.table.texture(TextureNumber(place.page as u32))
     }
 
-    /// Returns the reason why a texture cannot be added, but for the lack of room.
+    /// Refuses a texture that cannot be added for a reason other than lack of room.
     pub(crate) fn check(&self, texture: &PreparedTexture) -> Result<(), &'static str> {
         if texture.image().size.iter().all(|side| (1..=self.max_side).contains(side)) {
             Ok(())
@@ -92,22 +90,19 @@ impl BindlessTextures {
         }
     }
 
-    /// Returns the compressed blocks of a texture that lie on the GPU as they are.
+    /// Returns the compressed blocks of a texture, if the GPU samples them without unpacking.
     fn blocks(&self, texture: &PreparedTexture) -> Option<PageBlocks> {
         let encoding = texture.encoding();
         let sampler = texture.sampler();
         self.sampled.of_image(texture.image(), encoding, sampler, self.max_side)
     }
 
-    /// Returns true if the blocks of a texture lie on the GPU as they are.
+    /// Returns true if the GPU samples the blocks of a texture without unpacking.
     pub(crate) fn takes_blocks(&self, texture: &PreparedTexture) -> bool {
         self.blocks(texture).is_some()
     }
 
-    /// Adds a texture, whose image is to be opened before anything samples it.
-    ///
-    /// # Errors
-    /// [`Error::CapacityExceeded`], no memory.
+    /// Adds a texture. Its image must be opened before anything samples it.
     pub(crate) fn add(
         &mut self,
         texture: &PreparedTexture,
@@ -132,7 +127,7 @@ impl BindlessTextures {
             }
             Err(error) => {
                 self.ids.free(id);
-                // Numbers of textures that were removed are free once their frames are over.
+                // The numbers of removed textures become free once their frames are over.
                 match error {
                     Error::Gpu(gpu::Error::TooLarge { .. }) => {
                         Err(Error::CapacityExceeded { what: "textures", wanted: 1, left: 0 })
@@ -149,7 +144,8 @@ impl BindlessTextures {
         Ok(self.table.add(image)?)
     }
 
-    /// Returns the reason why a texture cannot be removed, but for its materials.
+    /// Refuses to remove a texture that was not added later or does not exist. Materials are not
+    /// checked.
     pub(crate) fn check_removal(&self, texture: TextureId) -> Result<(), &'static str> {
         removable(texture, self.of_scene, &self.places).map(drop)
     }
@@ -164,9 +160,9 @@ impl BindlessTextures {
     }
 }
 
-/// Returns the number of textures that a table has room for: `most` cost a GPU two megabytes; but
-/// drivers that draw on the CPU may look at all of them in each draw, so theirs has room for those
-/// of the scene and [`TO_COME_ON_A_CPU`] more.
+/// Returns the number of textures that a table has room for. A table for `most` textures takes two
+/// megabytes of a GPU. Software drivers may visit every entry in each draw, so their tables have
+/// room only for the textures of the scene and [`TO_COME_ON_A_CPU`] more.
 fn room(kind: vk::PhysicalDeviceType, of_scene: u32, most: u32) -> u32 {
     match kind {
         vk::PhysicalDeviceType::CPU => of_scene.saturating_add(TO_COME_ON_A_CPU).min(most),
@@ -174,7 +170,7 @@ fn room(kind: vk::PhysicalDeviceType, of_scene: u32, most: u32) -> u32 {
     }
 }
 
-/// The textures that may come on a CPU.
+/// The number of textures that can be added on a software driver.
 const TO_COME_ON_A_CPU: u32 = 1024;
 
 #[cfg(test)]

@@ -1,34 +1,35 @@
-//! Images of compressed blocks: those that a device samples as they are.
+//! Images of compressed blocks that a device samples without unpacking.
 
 use gpu::{Device, OptionalFeature, vk};
 use scene::{BlockFormat, Encoding, Image, Sampler, Texels};
 
-/// The compressed blocks that textures with an image each may have.
+/// The compressed formats that textures with separate images may have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct SampledBlocks {
     pub(crate) bc: bool,
     pub(crate) astc: bool,
 }
 
-/// The part of an image of blocks that lies on the GPU as it is.
+/// The part of a compressed image that the GPU samples without unpacking.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PageBlocks {
     pub(crate) format: BlockFormat,
-    /// The first of the image's mip maps that the device takes.
+    /// The first of the image's mip maps that the device supports.
     pub(crate) first_level: u32,
     /// The number of mip maps from there on.
     pub(crate) levels: u32,
 }
 
 impl SampledBlocks {
-    /// Returns those of a device.
+    /// Returns the compressed formats that a device supports.
     pub(crate) fn of(device: &Device) -> Self {
         let has = |optional| device.capabilities().has(optional);
         Self { bc: has(OptionalFeature::BcTextures), astc: has(OptionalFeature::AstcTextures) }
     }
 
-    /// Returns the part of an image that is sampled as it is: from the first mip map on that fits
-    /// `max_side`, with as many as the sampler takes. `None` for an image that must be unpacked.
+    /// Returns the part of an image that is sampled without unpacking. It begins with the first mip
+    /// map that fits `max_side`, and has as many levels as the sampler uses. `None` if the image
+    /// must be unpacked.
     pub(crate) fn of_image(
         self,
         image: &Image,

@@ -1,4 +1,4 @@
-//! Refusal of surfaces that do not belong to a scene, or that tables have no room for.
+//! Checks that surfaces belong to a scene, and that tables have room for them.
 
 use cull::Hierarchy;
 use gpu::Device;
@@ -11,7 +11,7 @@ use crate::resources::spare_capacity::SpareCapacity;
 use crate::shading::surfaces::light_lists::LIST_VALUES;
 use crate::shading::surfaces::materials::MaterialEntry;
 
-/// The bytes of a material on its way to the GPU, and of its place.
+/// The bytes of a material during its upload, and of its place.
 const MATERIAL_BYTES: usize = size_of::<Material>() + 2 * size_of::<MaterialEntry>() + 8;
 
 /// Refuses more elements than the tables of the shaders hold.
@@ -51,7 +51,7 @@ pub(super) fn check_counts(
     Ok(())
 }
 
-/// Refuses more lights, with the room for more, than the light table takes.
+/// Refuses more lights, including the room for more, than the light table holds.
 fn check_lights(surfaces: &Surfaces, spare: &SpareCapacity) -> Result<(), Error> {
     let [local, directional] = [spare.lights, spare.directional_lights].map(u64::from);
     let lights = surfaces.lights.len() as u64 + local + directional;

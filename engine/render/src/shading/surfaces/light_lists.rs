@@ -1,5 +1,5 @@
-//! The point and spot lights that reach each object: a list of bounded length per object, the
-//! strongest first.
+//! The point and spot lights that reach each object: a list of limited length per object, from the
+//! strongest light on.
 
 use cull::{Aabb, Hierarchy, NodeId, ObjectId};
 use glam::Vec3;
@@ -10,54 +10,56 @@ use crate::shading::surfaces::light_tree::{LightTree, Reach, Strongest};
 use crate::shading::surfaces::lights::LightTable;
 use crate::shading::surfaces::marked::Marked;
 
-/// The values of a list, with two lights per value.
+/// The number of values in a list, with two lights per value.
 pub(crate) const LIST_VALUES: usize = MAX_LIGHTS_PER_OBJECT / 2;
 
-/// The most nodes of the tree of lights that one object's search may visit: all of them up to 8192
-/// lights. More are only needed where thousands of lights end just short of an object.
+/// The highest number of nodes that the search for one object may visit in the tree of lights. It
+/// is enough for all nodes of up to 8192 lights. More are needed only if thousands of lights end
+/// just short of an object.
 pub(crate) const MOST_VISITS: usize = 1 << 14;
 
-/// The same once the searches of a frame, or of loading, have visited [`VISITS_A_FRAME`]. Lights
-/// spread over a scene need about a hundred.
+/// The highest number of nodes for one object after the searches of a frame, or of loading, have
+/// visited [`VISITS_A_FRAME`]. Lights that are spread over a scene need about a hundred.
 pub(crate) const LEAST_VISITS: usize = 1 << 9;
 
-/// The visits of a frame after which searches get shorter: a few tenths of a second.
+/// The number of visits in a frame after which searches get shorter: a few tenths of a second.
 pub(crate) const VISITS_A_FRAME: usize = 1 << 25;
 
-/// A list as the shaders read it, and its length.
+/// A list in the form that shaders read, and its length.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct LightList {
     values: [u32; LIST_VALUES],
     count: u32,
-    /// True if lights that reach the object are not in it.
+    /// True if the list leaves out lights that reach the object.
     leaves_out: bool,
 }
 
 /// The lists of all objects, by slots: first the objects by their ids, then the transparent ones.
 ///
-/// Memory grows with the slots and the lights only. The work per frame is at most finding every
-/// list once again, each by a bounded search.
+/// Memory grows only with the number of slots and of lights. In the worst case a frame finds every
+/// list again, each by a limited search.
 #[derive(Debug, Default)]
 pub struct LightLists {
-    /// True if there is anything but directional lights; a dark one may be lit later.
+    /// True if there are point or spot lights, including dark ones, which may be lit later.
     has_lights: bool,
     tree: LightTree,
     lists: Vec<LightList>,
     /// The number of lists that leave lights out.
     crowded: usize,
-    /// Slots whose list is not on the GPU yet.
+    /// The slots whose list is not on the GPU yet.
     dirty: Marked,
-    /// Slots around which lights changed: their lists must be found again before the next frame.
+    /// The slots around which lights changed. Their lists must be found again before the next
+    /// frame.
     doubtful: Marked,
-    /// Nodes that were visited to find these; once they are more than the slots are worth, all
-    /// slots are doubtful.
+    /// The number of nodes visited to find doubtful slots. If it exceeds a limit that grows with
+    /// the number of slots, all slots become doubtful.
     doubt_visits: usize,
-    /// Nodes of the tree that the searches visited since the last frame.
+    /// The number of nodes of the tree that searches visited since the last frame.
     visits: usize,
 }
 
 impl LightLists {
-    /// Creates lists for `slots` slots, all of them empty.
+    /// Creates empty lists for `slots` slots.
     pub(crate) fn new(table: &LightTable, slots: usize) -> Self {
         let reaches = table.lights.iter().zip(&table.places);
         let is_local = |light: &PunctualLight| light.kind != LightKind::Directional;
@@ -73,7 +75,7 @@ impl LightLists {
         }
     }
 
-    /// Returns true if there is anything but directional lights.
+    /// Returns true if there are point or spot lights.
     pub(crate) fn has_lights(&self) -> bool {
         self.has_lights
     }
@@ -84,8 +86,8 @@ impl LightLists {
         self.lists.get(slot as usize).map_or(0, |list| list.count)
     }
 
-    /// Returns the lights that reach the object in a slot, the strongest first, as places in the
-    /// light table.
+    /// Returns the lights that reach the object in a slot as places in the light table, from the
+    /// strongest on.
     #[cfg(test)]
     pub fn entries(&self, slot: u32) -> Vec<u32> {
         let list = self.lists.get(slot as usize).copied().unwrap_or_default();
@@ -93,8 +95,8 @@ impl LightLists {
         (0..list.count as usize).map(entry).collect()
     }
 
-    /// Returns the number of objects that more lights reach than [`MAX_LIGHTS_PER_OBJECT`], so that
-    /// the weakest are left out.
+    /// Returns the number of objects in reach of more lights than [`MAX_LIGHTS_PER_OBJECT`], for
+    /// which the weakest are left out.
     #[must_use]
     pub fn crowded(&self) -> usize {
         self.crowded
@@ -109,8 +111,8 @@ impl LightLists {
         }
     }
 
-    /// Finds the list of the object in a slot, with its box in the world; an empty box makes an
-    /// empty list. Returns true if the list changed.
+    /// Finds the list of the object in a slot by its box in the world. An empty box makes an empty
+    /// list. Returns true if the list changed.
     pub(crate) fn find(&mut self, slot: u32, bounds: &Aabb) -> bool {
         let most_visits = if self.visits < VISITS_A_FRAME { MOST_VISITS } else { LEAST_VISITS };
         let found = self.tree.strongest(bounds, most_visits);
@@ -127,8 +129,8 @@ impl LightLists {
         is_other
     }
 
-    /// Replaces a light by another at the same place in the table. Returns the spheres where it
-    /// shone and shines, centre and radius in metres: the objects there are
+    /// Replaces a light by another at the same place in the table. Returns the spheres (centre,
+    /// radius in metres) that the former and the new light reach. Objects in them are
     /// [doubtful](LightLists::doubt).
     pub(crate) fn replace(
         &mut self,
@@ -141,8 +143,8 @@ impl LightLists {
         [before, now].into_iter().flatten().map(|reach| (reach.position, reach.reach_m))
     }
 
-    /// Marks the lists of the objects within `radius_m` of `centre` in a hierarchy, whose slots
-    /// begin at `first_slot`: they must be found again.
+    /// Marks the lists of the objects within `radius_m` of `centre`, which must be found again. The
+    /// slots of the hierarchy's objects begin at `first_slot`.
     pub(crate) fn doubt(
         &mut self,
         hierarchy: &Hierarchy,
@@ -176,7 +178,7 @@ impl LightLists {
         self.dirty.list()
     }
 
-    /// Returns the list in a slot as the shaders read it.
+    /// Returns the list in a slot in the form that shaders read.
     pub(crate) fn values(&self, slot: u32) -> [u32; LIST_VALUES] {
         self.lists.get(slot as usize).map(|list| list.values).unwrap_or_default()
     }
@@ -192,8 +194,8 @@ impl LightLists {
         self.visits
     }
 
-    /// Returns the number of nodes of hierarchies that were visited since the last frame to find
-    /// the objects around a light.
+    /// Returns the number of nodes of hierarchies visited since the last frame to find the objects
+    /// around changed lights.
     #[cfg(test)]
     pub(crate) fn doubt_visits(&self) -> usize {
         self.doubt_visits
@@ -217,8 +219,8 @@ impl LightList {
     }
 }
 
-/// Calls `found` with every object whose box is within `radius_m` of `centre`; returns the number
-/// of nodes that it looked at.
+/// Calls `found` with every object whose box is within `radius_m` of `centre`. Returns the number
+/// of visited nodes.
 pub(crate) fn objects_within(
     hierarchy: &Hierarchy,
     centre: Vec3,

@@ -1,4 +1,4 @@
-//! Tests of the lights that reach each object, as plain data.
+//! Tests of the lights that reach each object, without a device.
 
 use cull::{Aabb, Hierarchy};
 use glam::{Vec3, vec3};

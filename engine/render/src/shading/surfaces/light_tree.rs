@@ -1,5 +1,5 @@
-//! A hierarchy over point and spot lights: the strongest of those that reach a box are found
-//! without testing them all.
+//! A hierarchy over point and spot lights, which finds the strongest lights that reach a box
+//! without testing all lights.
 
 use std::ops::Range;
 
@@ -10,10 +10,10 @@ use scene::{LightKind, PunctualLight};
 
 use crate::shading::surfaces::lights::{is_bright, reach_m, strongest_part};
 
-/// The data by which a light reaches a box.
+/// The data that decides if a light reaches a box, and how strongly.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reach {
-    /// Its place in the light table.
+    /// The place of the light in the light table.
     pub(crate) entry: u32,
     pub(crate) position: Vec3,
     pub(crate) reach_m: f32,
@@ -25,46 +25,46 @@ pub(crate) struct Reach {
 struct Node {
     /// The box around their positions.
     bounds: Aabb,
-    /// The largest squared reach; negative where all are dark.
+    /// The largest squared reach; negative if all lights are dark.
     reach_squared: f32,
     candela: f32,
     first_entry: u32,
 }
 
-/// Lights in a binary tree that is split at medians. Nodes lie depth first, so that a subtree of
-/// `n` lights is `2 n - 1` nodes, and no node needs to know its children.
+/// Lights in a binary tree that is split at medians. Nodes are stored depth first, so a subtree of
+/// `n` lights has `2 n - 1` nodes, and a node does not need to store its children.
 #[derive(Debug, Default)]
 pub(crate) struct LightTree {
-    /// By light: `None` for directional ones, and for those that give no light.
+    /// The reach of each light: `None` for directional lights and for lights that give no light.
     reaches: Vec<Option<Reach>>,
     /// The lights in the order of the leaves.
     order: Vec<u32>,
-    /// By light: its leaf.
+    /// The leaf of each light.
     leaves: Vec<u32>,
     nodes: Vec<Node>,
-    /// Lights that were replaced since the tree was split.
+    /// The number of lights replaced since the tree was split.
     replaced: usize,
 }
 
 /// The strongest lights that reach a box.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Strongest {
-    /// Strengths and places in the table; the strongest first, of equal ones the first in the
-    /// table.
+    /// Strengths and places in the table, from the strongest on. Equal lights are in the order of
+    /// the table.
     lights: [(f32, u32); MAX_LIGHTS_PER_OBJECT],
-    /// The number of these.
+    /// The number of lights.
     count: usize,
-    /// True if there may be lights that reach the box and are not among them.
+    /// True if other lights may reach the box as well.
     pub(crate) leaves_out: bool,
-    /// Nodes that were visited.
+    /// The number of visited nodes.
     pub(crate) visits: usize,
 }
 
-/// A node that is to be visited: it, its leaves, and a bound of its strongest light.
+/// A node to visit, its leaves, and a bound on its strongest light.
 type Open = (usize, Range<usize>, (f32, u32));
 
 impl LightTree {
-    /// Splits the lights, each at its place in the scene.
+    /// Builds the tree of lights, which are in the order of the scene.
     pub(crate) fn new(reaches: Vec<Option<Reach>>) -> Self {
         let count = reaches.len();
         let nodes = vec![Node::DARK; (2 * count).saturating_sub(1)];
@@ -89,8 +89,8 @@ impl LightTree {
         self.refit(0, 0..self.order.len(), &(0..self.order.len()));
     }
 
-    /// Recomputes the nodes above `changed` leaves, from `node` with its `leaves` on. No deeper
-    /// than the logarithm of the number of lights.
+    /// Recomputes the nodes above the `changed` leaves, beginning with `node` over `leaves`. The
+    /// depth is the logarithm of the number of lights.
     fn refit(&mut self, node: usize, leaves: Range<usize>, changed: &Range<usize>) {
         if leaves.is_empty() || leaves.start >= changed.end || changed.start >= leaves.end {
             return;
@@ -115,8 +115,8 @@ impl LightTree {
         self.nodes.get(node).copied().unwrap_or(Node::DARK)
     }
 
-    /// Replaces a light and returns the former one. The tree is split again once as many were
-    /// replaced as there are.
+    /// Replaces a light and returns the former one. The tree is built again once there were more
+    /// replacements than lights.
     pub(crate) fn replace(&mut self, light: usize, now: Option<Reach>) -> Option<Reach> {
         let (Some(reach), Some(leaf)) = (self.reaches.get_mut(light), self.leaves.get(light))
         else {
@@ -133,9 +133,8 @@ impl LightTree {
         before
     }
 
-    /// Finds the strongest lights that reach a box. After `most_visits` nodes it ends with the
-    /// lights found so far, among which the strongest are likely, since it visits the most
-    /// promising nodes first.
+    /// Finds the strongest lights that reach a box. Stops after `most_visits` nodes with the lights
+    /// found so far. The most promising nodes are visited first, so these are likely the strongest.
     pub(crate) fn strongest(&self, bounds: &Aabb, most_visits: usize) -> Strongest {
         let mut found = Strongest::default();
         if bounds.is_empty() || self.order.is_empty() {
@@ -168,14 +167,14 @@ impl LightTree {
         found
     }
 
-    /// Returns the bound of a node to visit; `None` where none of its lights reaches the box. At a
-    /// leaf, whose node is a point, rounding is the same as for the light itself, and no node above
-    /// is weaker: differences, squares, sums and quotients keep their order when they are rounded.
+    /// Returns the bound of a node to visit; `None` if none of its lights reaches the box. At a
+    /// leaf, whose node is a point, rounding is the same as for the light itself. A node above is
+    /// never weaker, since rounding keeps the order of differences, squares, sums and quotients.
     fn open(&self, node: usize, leaves: Range<usize>, bounds: &Aabb) -> Option<Open> {
         let own = self.node(node);
         let gap = (bounds.min - own.bounds.max).max(own.bounds.min - bounds.max).max(Vec3::ZERO);
         let distance_squared = gap.length_squared();
-        // The light that arrives where the box is nearest, in lux.
+        // The light that arrives at the nearest point of the box, in lux.
         let lux = own.candela / distance_squared.max(1.0e-4);
         (distance_squared <= own.reach_squared).then_some((node, leaves, (lux, own.first_entry)))
     }
@@ -188,7 +187,7 @@ fn children(node: usize, leaves: Range<usize>) -> [(usize, Range<usize>); 2] {
     [(node + 1, leaves.start..middle), (right, middle..leaves.end)]
 }
 
-/// Orders lights so that each half, and each half of those, lies apart from the other where it can.
+/// Orders lights such that halves, recursively, lie apart from each other where possible.
 fn split(lights: &mut [u32], position: &impl Fn(u32) -> Vec3) {
     if lights.len() < 2 {
         return;
@@ -214,7 +213,7 @@ fn is_stronger(a: (f32, u32), b: (f32, u32)) -> bool {
 }
 
 impl Reach {
-    /// Returns the reach of a light; `None` for one that is not local, or dark, or not in the
+    /// Returns the reach of a light; `None` for a light that is directional, dark, or not in the
     /// table.
     pub(crate) fn of(light: &PunctualLight, entry: Option<u32>) -> Option<Self> {
         let is_local = light.kind != LightKind::Directional && is_bright(light);
@@ -249,13 +248,13 @@ impl Node {
 }
 
 impl Strongest {
-    /// Returns their places in the table.
+    /// Returns the places of the lights in the table.
     pub(crate) fn entries(&self) -> impl Iterator<Item = u32> + '_ {
         self.lights.iter().take(self.count).map(|(_, entry)| *entry)
     }
 
-    /// Returns true if lights no stronger than `at_most` would be left out. The caller must know
-    /// already that some light is left out.
+    /// Returns true if a light that is at most as strong as `at_most` would be left out. Some light
+    /// must already be left out.
     fn is_hopeless(&self, at_most: (f32, u32)) -> bool {
         let weakest = self.lights.last().filter(|_| self.leaves_out);
         weakest.is_some_and(|weakest| is_stronger(*weakest, at_most))

@@ -12,25 +12,26 @@ use crate::shading::surfaces::texture_slots::TexturePlace;
 /// The share of white, at an exposure of 1, below which a light counts as dark.
 const DARK: f32 = 1.0 / 256.0;
 
-/// One light as `lights.glsl` declares it.
+/// One light in the form that `lights.glsl` declares.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct LightEntry {
-    /// Position; 1 / range in 1/m, 0 without one.
+    /// The position, and 1 / range in 1/m; 0 without a range.
     position: [f32; 4],
-    /// Lux or candela of red, green and blue; scale of the cone.
+    /// Red, green and blue in lux or candela, and the scale of the cone.
     intensity: [f32; 4],
-    /// Direction of its light; offset of the cone.
+    /// The direction of the light, and the offset of the cone.
     direction: [f32; 4],
-    /// Of a spot's picture the way to its right, over the tangent of half the cone's angle.
+    /// The direction to the right in a spot light's picture, divided by the tangent of half the
+    /// cone angle.
     right: [f32; 3],
-    /// The picture, packed as the textures of materials are.
+    /// The picture, packed like the textures of materials.
     picture: u32,
 }
 
 const _: () = assert!(size_of::<LightEntry>() == 64);
 
-/// The widest cone whose edge a picture touches, half of its angle: wider ones repeat it as its
+/// The widest cone (half of its angle) that a picture fills. Wider cones repeat the picture as its
 /// sampler says.
 const WIDEST_PICTURE_RAD: f32 = 1.4;
 
@@ -42,13 +43,14 @@ impl Default for LightEntry {
 }
 
 impl LightEntry {
-    /// Creates the entry of a light whose picture, if it has one, lies at a place; a dark one for
-    /// an invalid light (numbers that are not finite, no intensity).
+    /// Creates the entry of a light, with the place of its picture, if it has one. The entry is
+    /// dark for an invalid light (numbers that are not finite, no intensity).
     pub(crate) fn of(light: &PunctualLight, place: Option<TexturePlace>) -> Self {
         if !is_bright(light) {
             return Self::default();
         }
-        // Without a range it ends where it is dark: shadows end there too. The sign says so.
+        // A light without a range ends where it gets dark, as its shadows do. The sign marks this
+        // case.
         let range_m = light.range_m.filter(|range| *range > 0.0);
         let inverse_range = range_m.map_or(-reach_m(light).recip(), f32::recip);
         // The cone of KHR_lights_punctual: 1 within the inner angle, 0 beyond the outer one.
@@ -74,8 +76,8 @@ impl LightEntry {
     }
 }
 
-/// Returns the direction to the right edge of a spot's picture, over the distance of that edge from
-/// the middle where the picture is a metre away.
+/// Returns the direction to the right edge of a spot light's picture, divided by the distance from
+/// the middle to that edge when the picture is a metre away.
 fn picture_right(light: &PunctualLight, picture: &LightCookie) -> [f32; 3] {
     let LightKind::Spot { outer_rad, .. } = light.kind else { return [0.0; 3] };
     let direction = light.direction.normalize_or_zero();
@@ -91,8 +93,8 @@ pub(crate) fn is_bright(light: &PunctualLight) -> bool {
     has_numbers(light) && strongest_part(light) > 0.0
 }
 
-/// Returns true if a light has a number that is not finite, no direction though it needs one, or a
-/// range that is not above 0.
+/// Returns true if a light has a number that is not finite, lacks a direction that it needs, or has
+/// a range that is not above 0.
 pub(crate) fn is_broken(light: &PunctualLight) -> bool {
     let needs_direction = light.kind != LightKind::Point;
     let has_direction = light.direction != Vec3::ZERO || !needs_direction;
@@ -114,21 +116,21 @@ fn has_numbers(light: &PunctualLight) -> bool {
         && light.direction.is_finite()
 }
 
-/// Returns the strongest of its three colours, in lux or candela.
+/// Returns the intensity of the strongest colour channel, in lux or candela.
 pub(crate) fn strongest_part(light: &PunctualLight) -> f32 {
     light.colour.into_iter().fold(0.0, f32::max) * light.intensity
 }
 
-/// Returns the reach of a point or spot light, in metres: its range, or the distance from which a
-/// white surface towards it is below 1/256 of white at an exposure of 1 (a matt one of irradiance E
-/// has radiance E / pi).
+/// Returns the reach of a point or spot light (metres): its range, or the distance beyond which a
+/// white surface that faces it is darker than 1/256 of white at an exposure of 1. A matt surface of
+/// irradiance E has radiance E / pi.
 #[must_use]
 pub fn reach_m(light: &PunctualLight) -> f32 {
     let dark = (strongest_part(light).max(0.0) / (DARK * std::f32::consts::PI)).sqrt();
     light.range_m.filter(|range| *range > 0.0).unwrap_or(dark)
 }
 
-/// Returns a light of a kind that does not shine.
+/// Returns a light of this kind that does not shine.
 pub(crate) fn dark_light(kind: LightKind) -> PunctualLight {
     PunctualLight {
         kind,
@@ -144,17 +146,18 @@ pub(crate) fn dark_light(kind: LightKind) -> PunctualLight {
 /// The lights of a scene in the order of the table, and room for more.
 #[derive(Debug, Default)]
 pub(crate) struct LightTable {
-    /// All of them as they are now, in the scene's order; behind them the room, dark lights.
+    /// All present lights in the scene's order, followed by the room for more, which are dark
+    /// lights.
     pub(crate) lights: Vec<PunctualLight>,
-    /// The place of each in the table; `None` for surplus directional ones.
+    /// The place of each light in the table; `None` for surplus directional lights.
     pub(crate) places: Vec<Option<u32>>,
-    /// The number of places that directional lights take, the first ones.
+    /// The number of places for directional lights, which come first.
     pub(crate) directional: u32,
-    /// The number of surplus ones, which do not shine.
+    /// The number of surplus directional lights, which do not shine.
     pub(crate) dark_suns: usize,
-    /// True for each that is not there: it was removed, or is room for another.
+    /// True for each light that does not exist: it was removed, or is room for another.
     is_free: Vec<bool>,
-    /// Those that are not there and have a place: local ones, directional ones.
+    /// Free lights with a place: point and spot lights, directional lights.
     free: [Vec<LightId>; 2],
 }
 
@@ -187,12 +190,12 @@ impl LightTable {
         let directional = suns.len() as u32;
         let mut table =
             Self { lights, places, directional, dark_suns, is_free, free: Default::default() };
-        // The first of the room is taken first.
+        // The room is taken in ascending order.
         (count..table.lights.len()).rev().for_each(|light| table.offer(LightId(light as u32)));
         table
     }
 
-    /// Returns a light; `None` if it is not there.
+    /// Returns a light; `None` if it does not exist.
     pub(crate) fn get(&self, light: LightId) -> Option<&PunctualLight> {
         let is_free = *self.is_free.get(light.0 as usize)?;
         self.lights.get(light.0 as usize).filter(|_| !is_free)
@@ -203,7 +206,7 @@ impl LightTable {
         self.free[usize::from(kind == LightKind::Directional)].len()
     }
 
-    /// Takes a light that is not there, for one of this kind.
+    /// Allocates a free light of this kind.
     pub(crate) fn take(&mut self, kind: LightKind) -> Option<LightId> {
         let light = self.free[usize::from(kind == LightKind::Directional)].pop()?;
         if let Some(is_free) = self.is_free.get_mut(light.0 as usize) {
@@ -212,7 +215,7 @@ impl LightTable {
         Some(light)
     }
 
-    /// Gives back a light that is there and [dark](dark_light).
+    /// Frees a light, which must be [dark](dark_light).
     pub(crate) fn free(&mut self, light: LightId) {
         if let Some(is_free) = self.is_free.get_mut(light.0 as usize) {
             *is_free = true;
@@ -220,14 +223,14 @@ impl LightTable {
         }
     }
 
-    /// Notes that a light can be taken; a surplus one cannot: it would not shine.
+    /// Offers a light for reuse, unless it is surplus, since it would not shine.
     fn offer(&mut self, light: LightId) {
         if let Some(Some(place)) = self.places.get(light.0 as usize) {
             self.free[usize::from(*place < self.directional)].push(light);
         }
     }
 
-    /// Returns the entries for the GPU, at least one; `place_of` finds pictures.
+    /// Returns the entries for the GPU, at least one. `place_of` returns the places of pictures.
     pub(crate) fn entries(
         &self,
         place_of: impl Fn(TextureId) -> Option<TexturePlace>,

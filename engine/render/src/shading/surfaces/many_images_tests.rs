@@ -1,5 +1,5 @@
-//! Tests of pages of scenes with very many images, sizes and samplers: few enough, complete, and
-//! within their bound.
+//! Tests of pages for scenes with very many images, sizes and samplers: pages are complete, few
+//! enough, and within their limit.
 
 use std::collections::{BTreeSet, HashSet};
 
@@ -15,7 +15,7 @@ use super::pages::PagePlan;
 
 type Look = (u32, Encoding, Sampler);
 
-/// Returns surfaces with an image of each size, and textures that all are used.
+/// Returns surfaces with an image of each size, and textures that are all used.
 fn surfaces(sizes: &[[u32; 2]], textures: &[Look]) -> Surfaces {
     let image = |size: &[u32; 2]| Image::of_rgba8("", *size, Vec::new());
     let texture = |(image, encoding, sampler): &Look| Texture {
@@ -57,8 +57,8 @@ fn bytes(size: [u32; 2]) -> u64 {
     }
 }
 
-/// Checks that each texture has its own image, and that pages are few and within their bound.
-/// Returns their bytes.
+/// Checks that each texture has its own image, and that pages are few and within their limit.
+/// Returns the bytes of the pages.
 fn assert_sound(plan: &PagePlan, surfaces: &Surfaces, max_layers: u32) -> u64 {
     assert!(plan.pages.len() <= MAX_PAGES, "{} pages", plan.pages.len());
     let mut own = BTreeSet::new();
@@ -141,7 +141,7 @@ fn an_image_is_not_copied_for_each_of_many_samplers() {
 
 #[test]
 fn images_of_an_encoding_fill_the_last_layer_of_all_pages() {
-    // Two thirds of a page of each of 18 sizes: no two of them together save a page.
+    // Two thirds of a page for each of 18 sizes: merging any two of them saves no page.
     let sizes: Vec<_> = (0..18).flat_map(|index| vec![[index + 1, 2 * index + 1]; 40]).collect();
     let surfaces = plain(&sizes);
     assert_sound(&PagePlan::new(&surfaces, 16_384, 60, MAX_PAGES), &surfaces, 60);

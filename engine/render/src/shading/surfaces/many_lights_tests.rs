@@ -1,5 +1,5 @@
-//! Tests of light lists of scenes with very many lights: the same as those found by testing all
-//! lights, with bounded work and memory.
+//! Tests of light lists in scenes with very many lights: they are the lists found by testing all
+//! lights, with limited work and memory.
 
 use cull::{Aabb, Hierarchy};
 use glam::{Vec3, vec3};
@@ -11,7 +11,7 @@ use super::light_tree::{LightTree, Reach};
 use super::lights::{LightTable, is_bright, reach_m, strongest_part};
 use crate::resources::spare_capacity::SpareCapacity;
 
-/// A generator of numbers of `0.0..1.0` from a seed.
+/// A generator of numbers in `0.0..1.0` from a seed.
 struct Random(u64);
 
 impl Random {
@@ -41,9 +41,9 @@ fn bulb(position: Vec3, candela: f32, range_m: Option<f32>) -> PunctualLight {
     }
 }
 
-/// Returns a light of a usual kind, or one that nobody would make.
+/// Returns a common kind of light, or a degenerate one.
 fn any_light(random: &mut Random) -> PunctualLight {
-    // Many in the same place, and many that are equally strong.
+    // Many lights share a position, and many are equally strong.
     let position =
         if random.chance(0.3) { random.place(4.0).round() * 10.0 } else { random.place(60.0) };
     let candela = if random.chance(0.3) { 5.0 } else { random.next() * 2000.0 };
@@ -73,7 +73,7 @@ fn table(lights: &[PunctualLight]) -> LightTable {
     )
 }
 
-/// Returns the lights that reach a box, all of them, the strongest first.
+/// Returns all lights that reach a box, from the strongest on.
 fn plain(lights: &[PunctualLight], table: &LightTable, bounds: &Aabb) -> Vec<u32> {
     let mut found: Vec<(f32, u32)> = lights
         .iter()
@@ -115,7 +115,7 @@ fn lists_are_those_found_the_plain_way_whatever_changes() {
         let mut lists = LightLists::new(&table, boxes.len());
         lists.fill(&hierarchy, 0);
         assert_plain(&lists, &lights, &table, &boxes);
-        // More often than there are lights in some scenes, so that their tree is split again.
+        // In small scenes, more replacements than lights, so that the tree is built again.
         for _ in 0..100 {
             let light = (random.next() * light_count as f32) as usize;
             let now = PunctualLight { kind: lights[light].kind, ..any_light(random) };
@@ -142,7 +142,7 @@ fn tree(lights: &[PunctualLight]) -> LightTree {
     LightTree::new((0..).zip(lights).map(|(place, light)| Reach::of(light, Some(place))).collect())
 }
 
-/// Returns the most nodes that a search visits, over many boxes.
+/// Returns the highest number of nodes that a search visits, over many boxes.
 fn most_visits(lights: &[PunctualLight], random: &mut Random) -> usize {
     let tree = tree(lights);
     let visits = |_| tree.strongest(&any_box(random), usize::MAX).visits;
@@ -171,7 +171,7 @@ fn a_search_asks_few_of_many_lights() {
     }
 }
 
-/// Returns lights around a place that end just short of it: a tree of boxes must test nearly all of
+/// Returns lights around a point that end just short of it: a tree of boxes must test nearly all of
 /// them.
 fn shell(count: usize, random: &mut Random) -> Vec<PunctualLight> {
     let light = |_| {
@@ -211,7 +211,7 @@ fn many_lights_that_change_are_one_search_an_object_and_frame() {
     assert_eq!(lists.crowded(), boxes.len());
     let mut asked = 0;
     for _ in 0..3 {
-        // As if no frame were drawn.
+        // Simulates changes without frames.
         for (place, light) in (0..).zip(&lights) {
             for (centre, radius_m) in lists.replace(place as usize, Some(place), light) {
                 lists.doubt(&hierarchy, 0, centre, radius_m);

@@ -1,7 +1,7 @@
-//! Numbers that were marked, each once: changes for a frame that may never be drawn cannot grow
-//! without bound.
+//! Marked numbers without duplicates, so that changes for a frame that is never drawn cannot grow
+//! without limit.
 
-/// A set of marked numbers below a bound.
+/// A set of numbers below a bound.
 #[derive(Debug, Default)]
 pub(crate) struct Marked {
     list: Vec<u32>,
@@ -14,7 +14,7 @@ impl Marked {
         Self { list: Vec::new(), is_marked: vec![false; bound] }
     }
 
-    /// Marks a number; one beyond the bound is ignored.
+    /// Marks a number. A number beyond the bound is ignored.
     pub(crate) fn mark_dirty(&mut self, number: u32) {
         if let Some(is_marked) = self.is_marked.get_mut(number as usize)
             && !std::mem::replace(is_marked, true)
@@ -28,7 +28,7 @@ impl Marked {
         &self.list
     }
 
-    /// Unmarks all, and returns them in their order.
+    /// Unmarks all numbers, and returns them in their order.
     pub(crate) fn drain(&mut self) -> impl Iterator<Item = u32> + '_ {
         let Self { list, is_marked } = self;
         list.drain(..).inspect(|number| {

@@ -1,4 +1,5 @@
-//! The materials of a scene and those that come later: their places in the table of the shaders.
+//! The materials of a scene, materials that are added later, and their places in the table of the
+//! shaders.
 
 use gpu::{BufferSlice, Frame};
 use occlusion::{ScatterIo, ScatterPass};
@@ -16,7 +17,7 @@ use crate::shading::surfaces::texture_transforms::TransformEntry;
 struct MaterialSlot {
     /// The material, if there is one.
     material: Option<Material>,
-    /// The number of meshes that have it.
+    /// The number of meshes with the material.
     users: u32,
 }
 
@@ -29,8 +30,8 @@ pub(crate) struct MaterialSlots {
 }
 
 impl MaterialSlots {
-    /// Notes the materials of a scene, and the room between them and the one of meshes that name
-    /// none.
+    /// Notes the materials of a scene. Room for more follows, and then the material of meshes
+    /// without one.
     pub(crate) fn new(surfaces: &Surfaces, table: MaterialTable, spare: &SpareCapacity) -> Self {
         let slot =
             |material: &Material| MaterialSlot { material: Some(material.clone()), users: 0 };
@@ -54,7 +55,7 @@ impl MaterialSlots {
         self.slots.get(material.0 as usize)?.material.as_ref()
     }
 
-    /// Returns true if a material lets no light through; that of meshes that name none does not.
+    /// Returns true if a material is opaque. The material of meshes without one is opaque.
     pub(crate) fn is_opaque(&self, material: MaterialId) -> bool {
         self.material(material).is_none_or(|material| material.alpha == Alpha::Opaque)
     }
@@ -65,7 +66,7 @@ impl MaterialSlots {
         matches!(alpha, Some(Alpha::Mask { .. }))
     }
 
-    /// Returns the reason why a mesh that comes cannot have a material.
+    /// Refuses a material that an added mesh cannot have, with the reason.
     pub(crate) fn check_mesh(&self, material: MaterialId) -> Result<(), &'static str> {
         match self.material(material) {
             None => Err("the scene does not have its material"),
@@ -76,8 +77,8 @@ impl MaterialSlots {
         }
     }
 
-    /// Returns the reason why a material cannot be added to a scene that is drawn by passes with
-    /// these features.
+    /// Refuses a material that cannot be added to a scene whose passes have these features, with
+    /// the reason.
     pub(crate) fn check(
         &self,
         material: &Material,
@@ -90,10 +91,7 @@ impl MaterialSlots {
         self.table.check(material, features)
     }
 
-    /// Takes a place for a material that was checked. The next frame has it.
-    ///
-    /// # Errors
-    /// [`Error::CapacityExceeded`].
+    /// Takes a place for a material that was checked. The next frame uploads it.
     pub(crate) fn add(&mut self, material: &Material) -> Result<MaterialId, Error> {
         self.table.check_room(material)?;
         let id = self.ids.take(1)?.start;
@@ -105,7 +103,7 @@ impl MaterialSlots {
         Ok(MaterialId(id))
     }
 
-    /// Notes the place of a texture that comes, and that it has none when it goes.
+    /// Notes the place of a texture that is added; `None` for one that is removed.
     pub(crate) fn place_texture(&mut self, texture: TextureId, place: Option<TexturePlace>) {
         self.table.place_texture(texture, place);
     }
@@ -115,13 +113,13 @@ impl MaterialSlots {
         self.table.place(texture)
     }
 
-    /// Notes a light that comes or goes, with the picture that it projects.
+    /// Notes that a light with its picture is added or removed.
     pub(crate) fn count_cookie(&mut self, light: &PunctualLight, change: i32) {
         self.table.count_cookie(light, change);
     }
 
-    /// Returns the reason why passes that are compiled for `features` cannot show the picture of a
-    /// light.
+    /// Refuses the picture of a light if passes with these `features` cannot show it, with the
+    /// reason.
     pub(crate) fn check_cookie(
         &self,
         light: &PunctualLight,
@@ -147,7 +145,7 @@ impl MaterialSlots {
         self.table.uses_texture(texture)
     }
 
-    /// Returns the reason why a material cannot be removed.
+    /// Refuses to remove a material that is used or does not exist, with the reason.
     pub(crate) fn check_removal(&self, material: MaterialId) -> Result<(), &'static str> {
         match self.slots.get(material.0 as usize) {
             None | Some(MaterialSlot { material: None, .. }) => {
@@ -167,7 +165,7 @@ impl MaterialSlots {
         }
     }
 
-    /// Returns the reason why a material cannot be replaced by another one that was checked.
+    /// Refuses to replace a material by one that does not fit its use, with the reason.
     pub(crate) fn check_replacement(
         &self,
         material: MaterialId,
@@ -182,10 +180,8 @@ impl MaterialSlots {
         }
     }
 
-    /// Replaces a material, after that was checked. The next frame has it.
-    ///
-    /// # Errors
-    /// [`Error::CapacityExceeded`]; the material stays then.
+    /// Replaces a material by one that was checked. The next frame uploads it. After an error the
+    /// former material stays.
     pub(crate) fn replace(&mut self, material: MaterialId, to: &Material) -> Result<(), Error> {
         let slot = self.slots.get_mut(material.0 as usize);
         let Some(there) = slot.and_then(|slot| slot.material.as_mut()) else { return Ok(()) };
@@ -209,10 +205,7 @@ impl MaterialSlots {
         }
     }
 
-    /// Records the upload of materials that came, before anything of `frame` reads them.
-    ///
-    /// # Errors
-    /// No memory.
+    /// Records the upload of new materials, before anything of `frame` reads them.
     pub(crate) fn upload_changes(
         &self,
         frame: &mut Frame<'_>,

@@ -31,24 +31,24 @@ pub(crate) struct MaterialEntry {
 
 const _: () = assert!(size_of::<MaterialEntry>() == 64);
 
-/// No texture: all bits of a place.
+/// The packed place without a texture.
 pub(super) const NO_TEXTURE: u32 = 0xFFEF;
 const UNLIT_FLAG: u32 = 1 << 16;
 const NORMALS_OF_TWO_CHANNELS_FLAG: u32 = 1 << 17;
-/// The textures of a material: each may have a transform of its own.
+/// The number of textures of a material. Each may have its own transform.
 const TEXTURES: usize = 5;
 
-/// All materials of a scene, and room for more; the last one is for meshes that name none.
+/// All materials of a scene, and room for more. The last one is for meshes without a material.
 pub(crate) struct MaterialTable {
     pub(crate) entries: Vec<MaterialEntry>,
     pub(crate) transforms: TextureTransforms,
     places: Vec<Option<TexturePlace>>,
-    /// By texture, the number of uses by materials and lights.
+    /// The number of uses of each texture by materials and lights.
     texture_users: Vec<u32>,
 }
 
 /// The features that the materials and lights of a scene use. Pipelines are compiled for them, so
-/// that a feature of no material costs no pixel anything.
+/// that unused features cost nothing per pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Features {
     pub(crate) is_masked: bool,
@@ -58,10 +58,10 @@ pub(crate) struct Features {
     pub(crate) directional_lights: u32,
     pub(crate) has_local_lights: bool,
     pub(crate) has_spots: bool,
-    /// The pages of base colours, of roughness and metallic, normals, occlusion, emission: a bit
-    /// per page; or per encoding, where textures have an image each.
+    /// The pages of base colours, of roughness and metallic, normals, occlusion and emission, with
+    /// a bit per page; for textures with separate images, a bit per encoding.
     pub(crate) pages: [u32; 5],
-    /// The same for the pictures that spots project.
+    /// The pages of the pictures that spot lights project, with the same bits.
     pub(crate) pictures: u32,
 }
 
@@ -89,7 +89,7 @@ impl MaterialTable {
         self.places.len()
     }
 
-    /// Returns the reason why passes that are compiled for `features` cannot draw a material.
+    /// Refuses a material that passes compiled for `features` cannot draw, with the reason.
     pub(crate) fn check(
         &self,
         material: &Material,
@@ -110,16 +110,13 @@ impl MaterialTable {
     }
 
     /// Refuses a material if there is no room for the transforms of its textures.
-    ///
-    /// # Errors
-    /// [`Error::CapacityExceeded`].
     pub(crate) fn check_room(&self, material: &Material) -> Result<(), Error> {
         let uses = textures_of(material).into_iter().flatten();
         self.transforms.check_room(uses.map(|texture_use| texture_use.transform))
     }
 
-    /// Packs a material that was [checked](MaterialTable::check) and that there is
-    /// [room](MaterialTable::check_room) for at its place.
+    /// Packs a material at its place. The material must have been [checked](MaterialTable::check),
+    /// and there must be [room](MaterialTable::check_room) for it.
     pub(crate) fn set(&mut self, number: u32, material: &Material) {
         let entry = entry_of(material, &self.places, &mut self.transforms);
         self.count_textures(material, 1);
@@ -143,7 +140,7 @@ impl MaterialTable {
         self.places.get(texture.0 as usize).copied().flatten()
     }
 
-    /// Notes a light that comes or goes, with the picture that it projects.
+    /// Notes that a light with its picture is added or removed.
     pub(crate) fn count_cookie(&mut self, light: &PunctualLight, change: i32) {
         if let Some(LightCookie { texture, .. }) = light.cookie {
             self.count_texture(texture, change);
@@ -172,7 +169,7 @@ impl MaterialTable {
         }
     }
 
-    /// Gives the textures of a material back, and their transforms.
+    /// Frees the textures of a material and their transforms.
     pub(crate) fn free(&mut self, material: &Material) {
         self.count_textures(material, -1);
         for texture_use in textures_of(material).into_iter().flatten() {
@@ -189,7 +186,7 @@ impl MaterialTable {
 }
 
 impl Features {
-    /// Returns the features that materials use; lights are left to the caller.
+    /// Returns the features that materials use. The features of lights are left to the caller.
     pub(crate) fn of<'a>(
         materials: impl Iterator<Item = &'a Material>,
         places: &[Option<TexturePlace>],
@@ -210,7 +207,8 @@ impl Features {
         found
     }
 
-    /// Returns the pages that lights may project pictures of: where one does, those of all colours.
+    /// Returns the pages of pictures that lights may project: if any light projects one, the pages
+    /// of all colours.
     pub(crate) fn cookie_pages(
         surfaces: &Surfaces,
         places: &[Option<TexturePlace>],
@@ -222,8 +220,8 @@ impl Features {
         if own == 0 { 0 } else { own | plan.bits_of(Encoding::Srgb) }
     }
 
-    /// Returns the features that any material without blending may use, with these lights and with
-    /// textures for what they are made for.
+    /// Returns the features that any material without blending may use, with these lights, if
+    /// textures are used for their purpose.
     pub(crate) fn of_any(self, plan: &PagePlan) -> Self {
         let [colours, numbers] =
             [Encoding::Srgb, Encoding::Linear].map(|encoding| plan.bits_of(encoding));
@@ -276,13 +274,14 @@ fn textures_of(material: &Material) -> [Option<TextureUse>; TEXTURES] {
         material.metallic_roughness_texture,
         material.normal_texture,
         material.occlusion_texture,
-        // Black stays black whatever its texture is.
+        // Black times any texture is black.
         material.emission_texture.filter(|_| material.emission.iter().any(|part| *part > 0.0)),
     ]
 }
 
-/// Returns a texture's place, without a set of coordinates and a transform: four bits of a page and
-/// eleven of its layer, or fifteen bits of the number of an image, without the fifth bit.
+/// Packs the place of a texture, without a set of coordinates and a transform: four bits of a page
+/// and eleven bits of its layer, or fifteen bits of the number of an image. The fifth bit is left
+/// out.
 pub(super) fn packed(TexturePlace { page, layer, .. }: TexturePlace) -> u32 {
     let number = page as u32;
     number & 15 | ((number >> 4) + layer) << 5
@@ -319,13 +318,13 @@ fn entry_of(
         occlusion_and_flags: pack_unorm16(or(material.occlusion_strength, 1.0), 0.0) | flags,
         cutoff: match material.alpha {
             Alpha::Mask { cutoff } => or(cutoff, 0.5),
-            // No alpha is below this.
+            // No alpha is lower.
             Alpha::Opaque | Alpha::Blend => -1.0,
         },
         normal_scale: or(material.normal_scale, 1.0),
         base_colour_texture: base,
         metallic_roughness_texture: metallic_roughness,
-        // Anything brighter is white all the same.
+        // Anything brighter is shown as white anyway.
         emission: material.emission.map(|part| or(part, 0.0).clamp(0.0, 65504.0)),
         emission_texture: emission,
         normal_texture: normal,
@@ -339,7 +338,7 @@ fn or(value: f32, otherwise: f32) -> f32 {
     if value.is_finite() { value } else { otherwise }
 }
 
-/// Returns two numbers of `0.0..=1.0` as GLSL's `unpackUnorm2x16` reads them.
+/// Packs two numbers in `0.0..=1.0` for GLSL's `unpackUnorm2x16`.
 fn pack_unorm16(low: f32, high: f32) -> u32 {
     let unorm = |value: f32| (value.clamp(0.0, 1.0) * 65535.0).round() as u32;
     unorm(low) | unorm(high) << 16

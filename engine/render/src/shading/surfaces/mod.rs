@@ -1,5 +1,4 @@
-//! Surfaces on the GPU: textures, materials, lights, and the lights that reach each
-//! object.
+//! Surfaces on the GPU: textures, materials, lights, and the lights that reach each object.
 
 mod bindless_textures;
 mod blocks;

@@ -1,15 +1,15 @@
-//! Groups of images that share texture pages: joined until they are few enough, in memory that is
-//! bounded by the size of the images themselves.
+//! Groups of images that share texture pages. Groups are joined until they are few enough, within a
+//! memory limit that follows from the size of the images.
 
 use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
 
 use scene::{Encoding, ImageId, Sampler, Wrap};
 
-/// The bytes that pages may take even if their images are smaller.
+/// The bytes that pages may always take, even if their images are smaller.
 pub const SMALL_PAGES_BYTES: u64 = 256 << 20;
 
-/// The most groups that are joined in pairs: more are first joined by classes.
+/// The highest number of groups that are joined in pairs. More groups are first joined by classes.
 const MOST_PAIRED: usize = 96;
 
 /// Images of one size, encoding and sampler.
@@ -19,7 +19,7 @@ pub(super) struct Group {
     pub(super) encoding: Encoding,
     pub(super) sampler: Sampler,
     pub(super) images: Vec<ImageId>,
-    /// The groups that became this one, by their numbers.
+    /// The numbers of the groups that were joined into this one.
     pub(super) members: Vec<usize>,
 }
 
@@ -36,7 +36,7 @@ impl Group {
         pixels(self.size) * self.images.len() as u64
     }
 
-    /// Adds the images of another group, each once.
+    /// Adds the images of another group, without duplicates.
     fn absorb(&mut self, other: Self) {
         let mut known: HashSet<ImageId> = self.images.iter().copied().collect();
         self.images.extend(other.images.into_iter().filter(|image| known.insert(*image)));
@@ -55,8 +55,9 @@ fn pixels(size: [u32; 2]) -> u64 {
     u64::from(width) * u64::from(height)
 }
 
-/// Returns the most texels that pages may have, with all mip maps: twice those of the images, or
-/// [`SMALL_PAGES_BYTES`]. An image that is sampled as colours and as numbers counts twice.
+/// Returns the highest number of texels that pages may have, with all mip maps: twice the texels of
+/// the images, or [`SMALL_PAGES_BYTES`] if that is more. An image that is sampled both as colours
+/// and as numbers counts twice.
 pub(super) fn most_texels(groups: &[Group]) -> u64 {
     let mut known = HashSet::new();
     let own: u64 = groups
@@ -68,8 +69,8 @@ pub(super) fn most_texels(groups: &[Group]) -> u64 {
     (2 * own).max(SMALL_PAGES_BYTES / 4)
 }
 
-/// Joins groups until their pages are few enough and take no more than `most_texels`. Only the
-/// number of pages can fail, where there are more images of an encoding than all pages hold.
+/// Joins groups until their pages are few enough and take at most `most_texels`. The number of
+/// pages stays too high only if an encoding has more images than all pages hold.
 pub(super) fn joined(
     groups: Vec<Group>,
     max_layers: u32,
@@ -96,10 +97,11 @@ pub(super) fn joined(
                 .flatten()
                 .map(move |(found, size)| (found, from, to, size))
         });
-        // Nothing to join is left where a scene has more images of one kind than all pages hold.
+        // Nothing can be joined any more if a scene has more images of one kind than all pages
+        // hold.
         let Some((_, from, to, size)) = possible.min() else { break };
         let moved = groups.swap_remove(from);
-        // The last group took the place of the one that was moved.
+        // The last group has moved to the place of the removed one.
         let target = if to == groups.len() { from } else { to };
         if let Some(group) = groups.get_mut(target) {
             total -= group.texels() + moved.texels();
@@ -114,19 +116,20 @@ pub(super) fn joined(
 /// The cost of moving the images of one group to another, ordered by the loss.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Joining {
-    /// True if there are as many pages as before.
+    /// True if the number of pages stays the same.
     wins_nothing: bool,
-    /// The change of images: they are made larger before any is made smaller; then samplers of the
-    /// same wrapping are given up, others last.
+    /// The kind of change: images are enlarged before any is shrunk. Then samplers with the same
+    /// wrapping are given up, and other samplers last.
     look: u8,
-    /// The most mip levels that an image loses.
+    /// The highest number of mip levels that an image loses.
     lost_levels: u32,
     /// The difference in the pixels of images.
     changed: u64,
 }
 
-/// Returns the ways to move the images of one group to another, within `room` for more texels: in
-/// the size of the other, or in one between both that takes no more texels than before.
+/// Returns the ways to move the images of one group to another, within `room` for more texels. The
+/// new size is the size of the other group, or a size between both that takes no more texels than
+/// before.
 fn joinings_of(
     from: &Group,
     to: &Group,
@@ -158,7 +161,7 @@ fn joinings_of(
         (Joining { wins_nothing, look, lost_levels, changed }, size)
     };
     let whole = texels(to.size) * count <= before + room;
-    // Between the two it is the same whoever comes to whom, but for the sampler.
+    // With a size between both, the direction of the move matters only for the sampler.
     let between = between(from.size, to.size);
     [whole.then(|| joining(to.size)), Some(joining(within(between, count, before)))]
 }
@@ -168,8 +171,8 @@ fn between(a: [u32; 2], b: [u32; 2]) -> [u32; 2] {
     std::array::from_fn(|side| (u64::from(a[side]) * u64::from(b[side])).isqrt() as u32)
 }
 
-/// Returns a size made smaller until `count` images of it take at most `most_texels`, but at least
-/// one texel each.
+/// Halves the longer side of a size until `count` images of it take at most `most_texels`, or a
+/// texel each.
 fn within(mut size: [u32; 2], count: u64, most_texels: u64) -> [u32; 2] {
     while texels(size) * count > most_texels && size != [1, 1] {
         let larger = usize::from(size[1] > size[0]);
@@ -178,8 +181,8 @@ fn within(mut size: [u32; 2], count: u64, most_texels: u64) -> [u32; 2] {
     size
 }
 
-/// Returns the groups with fewer samplers where an image's layers, one per sampler, take too much:
-/// those of the same wrapping are given up first.
+/// Returns the groups with fewer samplers if the layers of images, one per sampler, take too much
+/// memory. Samplers with the same wrapping are given up first.
 fn without_copies(mut groups: Vec<Group>, most_texels: u64) -> Vec<Group> {
     for kept in [Kept::Wrap, Kept::Nothing] {
         if groups.iter().map(Group::texels).sum::<u64>() > most_texels {
@@ -190,7 +193,7 @@ fn without_copies(mut groups: Vec<Group>, most_texels: u64) -> Vec<Group> {
     groups
 }
 
-/// Joins groups of similar sizes, by classes as coarse as necessary.
+/// Joins groups of similar sizes by classes, which are made coarser until there are few enough.
 fn by_classes(groups: Vec<Group>, most_texels: u64) -> Vec<Group> {
     let class = |group: &Group, (step, kept): (u32, Kept)| {
         (group.size.map(|side| side.max(1).ilog2() / step), kept.of(group))
@@ -206,13 +209,13 @@ fn by_classes(groups: Vec<Group>, most_texels: u64) -> Vec<Group> {
     let united_by = |size: fn([u32; 2], [u32; 2]) -> [u32; 2]| -> Vec<Group> {
         classes.iter().filter_map(|class| united(class.clone(), size)).collect()
     };
-    // Nothing is lost where all can have the largest size of their class.
+    // Nothing is lost if all groups can have the largest size of their class.
     let largest = united_by(|a, b| [a[0].max(b[0]), a[1].max(b[1])]);
     let is_within = largest.iter().map(Group::texels).sum::<u64>() <= most_texels;
     if is_within { largest } else { united_by(between) }
 }
 
-/// Returns groups of equal keys, in the order of their first.
+/// Collects groups by equal keys, in the order of the first group of each key.
 fn classes<Key: Eq + Hash>(groups: Vec<Group>, key: impl Fn(&Group) -> Key) -> Vec<Vec<Group>> {
     let mut classes: Vec<Vec<Group>> = Vec::new();
     let mut of_key: HashMap<Key, usize> = HashMap::new();
@@ -226,9 +229,9 @@ fn classes<Key: Eq + Hash>(groups: Vec<Group>, key: impl Fn(&Group) -> Key) -> V
     classes
 }
 
-/// Returns one group of all, of the sampler that most pixels have. `size` computes its size from
-/// the smallest and the largest sides; where that is not the largest, it takes no more texels than
-/// before.
+/// Joins all groups into one, with the sampler that most pixels have. `size` computes its size from
+/// the smallest and the largest sides. If the result is not the largest size, it takes no more
+/// texels than before.
 fn united(class: Vec<Group>, size: impl Fn([u32; 2], [u32; 2]) -> [u32; 2]) -> Option<Group> {
     let before: u64 = class.iter().map(Group::texels).sum();
     let extreme = |choose: fn(u32, u32) -> u32| {
@@ -242,7 +245,7 @@ fn united(class: Vec<Group>, size: impl Fn([u32; 2], [u32; 2]) -> [u32; 2]) -> O
         *pixels.entry(group.sampler).or_default() += group.pixels();
     }
     let weight = |group: &&Group| pixels.get(&group.sampler).copied().unwrap_or_default();
-    // The first of the heaviest.
+    // The first of the samplers with the most pixels.
     let sampler = class.iter().rev().max_by_key(weight)?.sampler;
     let mut groups = class.into_iter();
     let mut united = groups.next()?;
@@ -259,7 +262,7 @@ fn united(class: Vec<Group>, size: impl Fn([u32; 2], [u32; 2]) -> [u32; 2]) -> O
     Some(united)
 }
 
-/// The part of samplers that separates classes; encodings always do.
+/// The part of samplers that separates classes. Encodings always separate them.
 #[derive(Clone, Copy)]
 enum Kept {
     All,

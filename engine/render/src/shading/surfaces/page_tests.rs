@@ -1,4 +1,4 @@
-//! Tests of the page of each image, as plain data.
+//! Tests of the page of each image, without a device.
 
 use glam::Affine2;
 use scene::limits::MAX_PAGES;
@@ -9,7 +9,7 @@ use scene::{
 
 use super::pages::PagePlan;
 
-/// Returns surfaces with an image of each size, and textures that all are used.
+/// Returns surfaces with an image of each size, and textures that are all used.
 fn surfaces(sizes: &[[u32; 2]], textures: &[(u32, Encoding, Sampler)]) -> Surfaces {
     let image = |size: &[u32; 2]| Image::of_rgba8("", *size, Vec::new());
     let texture = |(image, encoding, sampler): &(u32, Encoding, Sampler)| Texture {
@@ -37,7 +37,7 @@ fn clamped() -> Sampler {
     Sampler { wrap: [Wrap::Clamp; 2], ..Sampler::default() }
 }
 
-/// Returns all samplers that differ, 27 for each pair of filters.
+/// Returns all different samplers, 27 for each pair of filters.
 fn samplers() -> Vec<Sampler> {
     let wraps = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
     let filters = [Filter::Nearest, Filter::Linear];
@@ -147,7 +147,7 @@ fn samplers_are_given_up_last_and_encodings_never() {
     let plan = PagePlan::new(&surfaces, 4096, 256, MAX_PAGES);
     assert_sound(&plan, &surfaces, 256);
     assert!(plan.resampled_by_others > 0);
-    // Six of the nine ways to wrap are left for each encoding; none is lost that need not be.
+    // Six of the nine wrappings are left for each encoding; none is lost without need.
     let kept = surfaces.textures.iter().zip(&plan.places).filter(|(texture, place)| {
         plan.pages[place.unwrap().0].sampler.wrap == texture.sampler.wrap
     });

@@ -1,4 +1,4 @@
-//! Texture pages on the GPU. An image of its own is a page of one layer.
+//! Texture pages on the GPU. A separate image is a page with one layer.
 
 use gpu::{
     CancellationToken, Device, MipGeneration, TextureArray, TextureArrayInfo, TextureUploads, vk,
@@ -48,7 +48,7 @@ pub(super) fn plan(
     Ok(plan)
 }
 
-/// The part of the sampling of textures that is the same for all of them.
+/// The part of sampling that is the same for all textures.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sampling {
     anisotropy: f32,
@@ -56,11 +56,11 @@ pub(crate) struct Sampling {
 }
 
 impl Sampling {
-    /// Returns the sampling that `options` say, or the best of the device.
+    /// Returns the sampling that `options` request, or the best of the device.
     pub(super) fn of(device: &Device, options: &SurfaceOptions) -> Self {
         let is_cpu = device.adapter().kind == vk::PhysicalDeviceType::CPU;
         let anisotropy = options.anisotropy.unwrap_or(if is_cpu { 1.0 } else { 8.0 });
-        // The mip maps of scenes are given for blocks alone.
+        // Scenes contain mip maps only for compressed blocks.
         let mip_making = match options.mip_making {
             MipGeneration::Given(_) => MipGeneration::Cpu,
             made => made,
@@ -101,7 +101,7 @@ impl Sampling {
     }
 }
 
-/// Makes and fills the pages, by a function that creates an array.
+/// Creates and fills the pages. `create` creates an array.
 pub(super) fn upload_pages(
     device: &Device,
     surfaces: &Surfaces,
@@ -117,7 +117,7 @@ pub(super) fn upload_pages(
         let mut array = create(&sampling.array_info(&name, page))?;
         for (layer, image) in (0..).zip(&page.layers) {
             let Some(image) = surfaces.images.get(image.0 as usize) else { continue };
-            // Before it is unpacked or resampled.
+            // Checked before the image is unpacked or resampled.
             cancellation.check()?;
             upload_image(&mut uploads, &mut array, layer, image, page)?;
         }
@@ -128,7 +128,7 @@ pub(super) fn upload_pages(
     Ok(pages)
 }
 
-/// Fills a layer of a page with an image, unpacked and resampled where it must be.
+/// Fills a layer of a page with an image, which is unpacked and resampled if necessary.
 fn upload_image(
     uploads: &mut TextureUploads,
     array: &mut TextureArray,
@@ -148,7 +148,7 @@ fn upload_image(
     if image.size == page.size {
         return Ok(uploads.write(array, layer, &rgba8)?);
     }
-    // Rows of the new width as numbers, and its pixels.
+    // Rows of the new width as numbers, and the pixels of the page.
     let [width, rows] = [page.size[0], image.size[1] + page.size[1]].map(|side| side as usize);
     let wanted = width.saturating_mul(rows);
     limits::check_memory("an image at the size of others", wanted, size_of::<[f32; 4]>())?;
@@ -156,7 +156,7 @@ fn upload_image(
     Ok(uploads.write(array, layer, &gpu::resampled(&rgba8, image.size, page.size, format))?)
 }
 
-/// Makes and fills the pages of passes that sample pages; one white texel where there are none.
+/// Creates and fills the pages of passes that sample pages; one white texel if there are none.
 pub(super) fn upload_all_pages(
     device: &Device,
     surfaces: &Surfaces,

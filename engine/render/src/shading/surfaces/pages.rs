@@ -1,5 +1,5 @@
-//! The pages of images: texture arrays of one size, encoding and sampler, few enough that any
-//! device binds them all at once.
+//! The pages of images: texture arrays with one size, encoding and sampler. They are few enough for
+//! any device to bind them all at once.
 
 use std::collections::{HashMap, HashSet};
 
@@ -20,11 +20,11 @@ pub struct Page {
     pub encoding: Encoding,
     /// The sampler that all layers share.
     pub sampler: Sampler,
-    /// The image on each layer, resampled where its size is another.
+    /// The image on each layer, resampled if its size differs.
     pub layers: Vec<ImageId>,
-    /// Layers behind those for textures that come later.
+    /// The number of additional layers for textures that are added later.
     pub spare: u32,
-    /// The compressed blocks of its one image, where they lie on the GPU as they are.
+    /// The compressed blocks of its only image, if the GPU samples them without unpacking.
     pub(crate) blocks: Option<PageBlocks>,
 }
 
@@ -33,22 +33,23 @@ pub struct Page {
 pub struct PagePlan {
     /// The pages, at most [`MAX_PAGES`](scene::limits::MAX_PAGES).
     pub pages: Vec<Page>,
-    /// Page and layer of each texture; `None` for one whose image is not there.
+    /// The page and the layer of each texture; `None` if its image does not exist.
     pub places: Vec<Option<(usize, u32)>>,
-    /// Images that are resampled to the size of their page.
+    /// The number of images that are resampled to the size of their page.
     pub resampled: usize,
-    /// Those of them that lose sharpness, since the device or the memory holds no larger ones.
+    /// The number of resampled images that lose sharpness, since the device or the memory cannot
+    /// hold larger ones.
     pub shrunk: usize,
-    /// Images of compressed blocks that are unpacked.
+    /// The number of images of compressed blocks that are unpacked.
     pub unpacked: usize,
-    /// Textures that are sampled by another sampler than their own.
+    /// The number of textures that are sampled by another sampler than their own.
     pub resampled_by_others: usize,
-    /// True if each page is the image of one texture, which shaders find by the page's number.
+    /// True if each page is the image of one texture, which shaders index by the page's number.
     pub are_own: bool,
 }
 
-/// Returns the bit of [`Features`](super::materials::Features) for textures with an image of their
-/// own: pipelines tell colours and numbers apart.
+/// Returns the bit of [`Features`](super::materials::Features) for textures with separate images:
+/// pipelines distinguish colours from numbers.
 pub(super) fn bit_of(encoding: Encoding) -> u32 {
     match encoding {
         Encoding::Srgb => 1,
@@ -56,22 +57,24 @@ pub(super) fn bit_of(encoding: Encoding) -> u32 {
     }
 }
 
-/// The properties that textures on one page have in common.
+/// The properties that textures on one page share.
 type Key = ([u32; 2], Encoding, Sampler);
 
 impl PagePlan {
-    /// Plans pages for the textures of `surfaces` that materials and lights use. Images of the
-    /// device have at most `max_side` pixels per side and `max_layers` layers. Textures of the same
-    /// image and sampler share a layer. Images beyond the device's size are halved until they fit.
+    /// Plans pages for the textures of `surfaces` that materials and lights use. Images on the
+    /// device have at most `max_side` pixels per side and `max_layers` layers. Textures with the
+    /// same image and sampler share a layer. Images that are too large for the device are halved
+    /// until they fit.
     ///
-    /// Where there would be more than `max_pages`, the two pages whose union costs least become
-    /// one: first those of the same sampler and aspect, so that images are made larger before any
-    /// is made smaller; then those of the same wrapping; samplers are given up last, encodings
-    /// never. Where there are very many, those of similar sizes are joined first.
+    /// If there would be more than `max_pages` pages, the two pages that cost least to join are
+    /// joined, repeatedly. Pages with the same sampler and aspect are joined first, so that images
+    /// are enlarged before any is shrunk; then pages with the same wrapping. Samplers are given up
+    /// last, encodings never. If there are very many pages, pages of similar sizes are joined
+    /// first.
     ///
     /// All pages together take at most twice the memory of their images (unpacked), or
-    /// [`SMALL_PAGES_BYTES`](super::page_groups::SMALL_PAGES_BYTES) if more. An image that is
-    /// sampled as colours and as numbers counts twice.
+    /// [`SMALL_PAGES_BYTES`](super::page_groups::SMALL_PAGES_BYTES) if that is more. An image that
+    /// is sampled both as colours and as numbers counts twice.
     #[must_use]
     pub fn new(surfaces: &Surfaces, max_side: u32, max_layers: u32, max_pages: usize) -> Self {
         let max_layers = max_layers.clamp(1, MAX_LAYERS);
@@ -129,9 +132,10 @@ impl PagePlan {
         plan
     }
 
-    /// Plans an image for each texture of `surfaces` that materials and lights use, as large as it
-    /// is; beyond `max_side` pixels per side it is halved until it fits. Textures of the same
-    /// image, encoding and sampler share one. Compressed blocks among `sampled` stay as they are.
+    /// Plans an image for each texture of `surfaces` that materials and lights use, in its own
+    /// size; an image with more than `max_side` pixels per side is halved until it fits. Textures
+    /// with the same image, encoding and sampler share one. Compressed blocks that `sampled`
+    /// contains are not unpacked.
     pub(crate) fn of_images(surfaces: &Surfaces, max_side: u32, sampled: SampledBlocks) -> Self {
         let used = used_textures(surfaces);
         let mut plan = Self { are_own: true, ..Self::default() };
@@ -159,7 +163,7 @@ impl PagePlan {
         plan
     }
 
-    /// Returns the place of each texture of `surfaces`, for which this was planned.
+    /// Returns the place of each texture of `surfaces`, which this plan was made for.
     pub(crate) fn texture_places(&self, surfaces: &Surfaces) -> Vec<Option<TexturePlace>> {
         let place = |((page, layer), texture): ((usize, u32), &Texture)| {
             let encoding = self.pages.get(page)?.encoding;
@@ -171,8 +175,8 @@ impl PagePlan {
         textures.map(|(there, texture)| place(((*there)?, texture))).collect()
     }
 
-    /// Returns the bits of [`Features`](super::materials::Features) for all textures of an encoding
-    /// that are there or may come.
+    /// Returns the bits of [`Features`](super::materials::Features) for all present and later
+    /// textures of an encoding.
     pub(crate) fn bits_of(&self, encoding: Encoding) -> u32 {
         if self.are_own {
             return bit_of(encoding);
@@ -181,7 +185,7 @@ impl PagePlan {
         pages.fold(0, |bits, (page, _)| bits | 1 << page)
     }
 
-    /// Adds a page for each kind of textures that may come later.
+    /// Adds a page for each kind of textures that may be added later.
     pub(crate) fn add_room(&mut self, rooms: &[TextureCapacity]) {
         let page = |room: &TextureCapacity| {
             let TextureCapacity { size, encoding, sampler, layers } = *room;
@@ -228,7 +232,7 @@ fn fitting(mut size: [u32; 2], max_side: u32) -> [u32; 2] {
     size
 }
 
-/// Returns the textures that some material uses, once each.
+/// Returns the textures that materials or lights use.
 fn used_textures(surfaces: &Surfaces) -> HashSet<TextureId> {
     let of_material = |material: &scene::Material| {
         [

@@ -28,12 +28,12 @@ use crate::shading::surfaces::texture_storage::TextureStorage;
 use crate::shading::surfaces::textures::SurfaceTextures;
 use occlusion::{ScatterIo, ScatterPass};
 
-/// The data that the surface pass reads of a scene beside positions, indices and instances.
+/// The data of a scene that the surface pass reads in addition to positions, indices and instances.
 ///
-/// An object has a *slot*: its id, or, if it is transparent, the number of the hierarchy's leaves
-/// plus its place in [`Surfaces::transparent`].
+/// An object has a *slot*. It is the object's id; for a transparent object it is the number of the
+/// hierarchy's leaves plus the object's index in [`Surfaces::transparent`].
 pub struct SurfaceResources {
-    /// [`SurfaceVertex`]es, beside the vertices of all meshes in their order.
+    /// A [`SurfaceVertex`] for each vertex of all meshes, in the same order.
     vertices: Buffer,
     materials: Buffer,
     transforms: Buffer,
@@ -43,29 +43,29 @@ pub struct SurfaceResources {
     features: [Features; 2],
     mesh_materials: Vec<u32>,
     pub(crate) material_slots: MaterialSlots,
-    /// For each mesh the place of its sprites behind the instances, 0 without any.
+    /// The place of each mesh's sprites after the instances; 0 without sprites.
     mesh_sprites: Vec<u32>,
-    /// The material of meshes that name none.
+    /// The material of meshes without one.
     default_material: u32,
     pub(crate) table: LightTable,
     pub(crate) light_lists: LightLists,
     dirty_lights: Marked,
     first_transparent_slot: u32,
-    /// The hierarchy over the transparent objects, so that lights find them.
+    /// The hierarchy over the transparent objects, by which lights find them.
     transparent: Hierarchy,
     pub(crate) exposure: f32,
     pub(crate) environment: EnvironmentTexture,
-    /// The degradations that are known once they are on the GPU.
+    /// The degradations that are known after the upload.
     degradations: SceneDegradations,
 }
 
 impl SurfaceResources {
     /// Uploads the surfaces of `scene` and finds the lights of the objects in `hierarchy`; `None`
-    /// for a scene without surfaces. Waits for copies, on any thread.
+    /// for a scene without surfaces. Waits for copies, and can run on any thread.
     ///
     /// # Errors
-    /// Too many lights, meshes without surface vertices, images with a number of bytes that does
-    /// not fit their size; sizes beyond the device's limits, no memory, a failed call,
+    /// Too many lights, meshes without surface vertices, images whose number of bytes does not fit
+    /// their size; sizes beyond the device's limits, no memory, a failed call,
     /// [`gpu::Error::Cancelled`].
     pub fn upload(
         device: &Device,
@@ -94,7 +94,7 @@ impl SurfaceResources {
         light_lists.submitted();
         options.cancellation.check()?;
         let vertices = surface_vertices(scene, surfaces, &options.spare)?;
-        // Without lights nobody reads the lists.
+        // Without lights the lists are not read.
         let lists = if light_lists.has_lights() { light_lists.all_values() } else { Vec::new() };
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let beside = vk::BufferUsageFlags::VERTEX_BUFFER | storage;
@@ -136,9 +136,9 @@ impl SurfaceResources {
         }))
     }
 
-    /// Returns true if some object that is not transparent has holes: then a
-    /// [`SurfaceKind::Depth`](crate::passes::SurfaceKind::Depth) pass draws the depth, else
-    /// [`OpaquePass::depth_only`](crate::passes::OpaquePass::depth_only).
+    /// Returns true if an object that is not transparent has holes. A
+    /// [`SurfaceKind::Depth`](crate::passes::SurfaceKind::Depth) pass then draws the depth;
+    /// otherwise [`OpaquePass::depth_only`](crate::passes::OpaquePass::depth_only) does.
     pub fn is_masked(&self) -> bool {
         self.features[0].is_masked
     }
@@ -148,8 +148,8 @@ impl SurfaceResources {
         self.first_transparent_slot
     }
 
-    /// Returns the last 16 bytes of the instance of an object, where other scenes have its tint
-    /// alone.
+    /// Returns the last 16 bytes of the instance of an object, which hold only its tint in other
+    /// scenes.
     pub fn instance_tail(&self, object: &Object, slot: u32) -> [u32; 4] {
         let mesh = object.mesh;
         let material =
@@ -158,13 +158,13 @@ impl SurfaceResources {
         [material, slot, lights_and_tint(self.light_lists.count(slot), object.tint), sprites]
     }
 
-    /// Returns true if a mesh is made of sprites.
+    /// Returns true if a mesh consists of sprites.
     pub(crate) fn is_of_sprites(&self, mesh: MeshId) -> bool {
         self.mesh_sprites.get(mesh.0 as usize).is_some_and(|place| *place != 0)
     }
 
-    /// Returns true if objects of a mesh cast shadow volumes: its material lets no light through,
-    /// and it is not made of sprites.
+    /// Returns true if objects with a mesh cast shadow volumes: its material is opaque, and it does
+    /// not consist of sprites.
     pub(crate) fn casts_volumes(&self, mesh: MeshId) -> bool {
         let of_mesh = |values: &[u32]| values.get(mesh.0 as usize).copied();
         let material = of_mesh(&self.mesh_materials).unwrap_or(self.default_material);
@@ -178,12 +178,12 @@ impl SurfaceResources {
         self.material_slots.is_masked(MaterialId(material.unwrap_or(self.default_material)))
     }
 
-    /// Returns the reason why a material cannot be added.
+    /// Refuses a material that cannot be added, with the reason.
     pub(crate) fn check_material(&self, material: &Material) -> Result<(), &'static str> {
         self.material_slots.check(material, &self.features[0])
     }
 
-    /// Sets the material of a mesh that no object has; `None` for a mesh that is gone.
+    /// Sets the material of a mesh that no object has; `None` for a mesh that is removed.
     pub(crate) fn set_mesh_material(&mut self, mesh: MeshId, material: Option<MaterialId>) {
         let now = material.map_or(self.default_material, |material| material.0);
         if let Some(there) = self.mesh_materials.get_mut(mesh.0 as usize) {
@@ -192,9 +192,6 @@ impl SurfaceResources {
     }
 
     /// Takes a place for a texture that was checked.
-    ///
-    /// # Errors
-    /// [`Error::CapacityExceeded`].
     pub(crate) fn add_texture(
         &mut self,
         texture: &PreparedTexture,
@@ -204,7 +201,7 @@ impl SurfaceResources {
         Ok((id, place))
     }
 
-    /// Returns the mip maps of a texture that the device does not make.
+    /// Returns the mip maps of a texture that the device does not generate.
     pub(crate) fn levels_by_cpu(
         &self,
         place: TexturePlace,
@@ -215,7 +212,8 @@ impl SurfaceResources {
         array.map(|array| array.levels_by_cpu(rgba8)).unwrap_or_default()
     }
 
-    /// Returns the reason why a texture cannot be removed.
+    /// Refuses to remove a texture that is in use, that the scene began with, or that does not
+    /// exist.
     pub(crate) fn check_texture_removal(&self, texture: TextureId) -> Result<(), &'static str> {
         self.textures.check_removal(texture)?;
         if self.material_slots.uses_texture(texture) {
@@ -225,7 +223,7 @@ impl SurfaceResources {
         }
     }
 
-    /// Returns the reason why the picture of a light cannot be shown.
+    /// Refuses the picture of a light that cannot be shown, with the reason.
     pub(crate) fn check_cookie(&self, light: &PunctualLight) -> Result<(), &'static str> {
         self.material_slots.check_cookie(light, &self.features[0])
     }
@@ -236,18 +234,18 @@ impl SurfaceResources {
         self.material_slots.place_texture(texture, None);
     }
 
-    /// Returns true if a mesh is made of sprites.
+    /// Returns true if any mesh consists of sprites.
     pub(crate) fn has_sprites(&self) -> bool {
         self.mesh_sprites.iter().any(|place| *place != 0)
     }
 
-    /// Returns the [`SurfaceVertex`]es of all meshes, side by side with their vertices. A compute
+    /// Returns the [`SurfaceVertex`]es of all meshes, in the order of their vertices. A compute
     /// shader may write them.
     pub fn vertices(&self) -> BufferSlice {
         self.vertices.whole()
     }
 
-    /// Returns the parts that are shown in a degraded form, as lights and objects are now.
+    /// Returns the parts that are shown in a degraded form, with the present lights and objects.
     pub(crate) fn degradations(&self) -> SceneDegradations {
         SceneDegradations {
             crowded_objects: self.light_lists.crowded(),
@@ -256,21 +254,18 @@ impl SurfaceResources {
         }
     }
 
-    /// Returns the factor of all light before tone mapping.
+    /// Returns the factor on all light before tone mapping.
     pub fn exposure(&self) -> f32 {
         self.exposure
     }
 
-    /// Finds the lights of the object in a slot, with its present box; an empty box holds no
-    /// object. Returns true if its instance must be uploaded again.
+    /// Finds the lights of the object in a slot by its present box; an empty box means no object.
+    /// Returns true if its instance must be uploaded again.
     pub(crate) fn find_lights(&mut self, slot: u32, bounds: &Aabb) -> bool {
         self.light_lists.has_lights() && self.light_lists.find(slot, bounds)
     }
 
-    /// Notes that a transparent object has moved.
-    ///
-    /// # Errors
-    /// There is no such object.
+    /// Notes that a transparent object has moved. Fails if it does not exist.
     pub(crate) fn move_transparent(
         &mut self,
         transparent: TransparentId,
@@ -281,8 +276,8 @@ impl SurfaceResources {
         Ok(())
     }
 
-    /// Replaces a light by one of the same kind; the next frame shows it. Objects of `hierarchy`
-    /// and transparent ones around its old and its new place must [find their
+    /// Replaces a light by one of the same kind; the next frame shows it. Objects around its old
+    /// and its new place, transparent ones included, must [find their
     /// lights](SurfaceResources::relight) again.
     pub(crate) fn replace_light(
         &mut self,
@@ -315,7 +310,8 @@ impl SurfaceResources {
         if is_compiled { self.table.room(kind) } else { 0 }
     }
 
-    /// Adds a light, if there is [room](SurfaceResources::light_room): one that was dark shines.
+    /// Adds a light, if there is [room](SurfaceResources::light_room): a dark light begins to
+    /// shine.
     pub(crate) fn add_light(
         &mut self,
         hierarchy: &Hierarchy,
@@ -326,7 +322,7 @@ impl SurfaceResources {
         Some(id)
     }
 
-    /// Makes a light dark and gives its id back.
+    /// Makes a light dark and frees its id.
     pub(crate) fn remove_light(&mut self, hierarchy: &Hierarchy, light: LightId) {
         if let Some(kind) = self.table.get(light).map(|light| light.kind) {
             self.replace_light(hierarchy, light, dark_light(kind));
@@ -334,8 +330,8 @@ impl SurfaceResources {
         }
     }
 
-    /// Finds again the lights of transparent objects around which lights changed, and returns the
-    /// other objects in need of it.
+    /// Finds the lights of transparent objects again around lights that changed. Returns the other
+    /// objects whose lights must be found again.
     pub(crate) fn relight(&mut self) -> Vec<ObjectId> {
         let mut objects = self.light_lists.take_doubtful();
         objects.retain(|slot| {
@@ -351,7 +347,7 @@ impl SurfaceResources {
     }
 
     /// Records the upload of changed lights and lists, before anything of `frame` reads them. They
-    /// count as changed until the frame was [submitted](SurfaceResources::submitted).
+    /// stay marked until the frame was [submitted](SurfaceResources::submitted).
     pub(crate) fn upload_changes(
         &self,
         frame: &mut Frame<'_>,
@@ -401,19 +397,20 @@ impl SurfaceResources {
         self.dirty_lights.drain().for_each(drop);
     }
 
-    /// Returns the features that opaque and masked objects, or transparent ones, use.
+    /// Returns the features that transparent objects use, or that all other objects use.
     pub(crate) fn features(&self, is_transparent: bool) -> &Features {
         &self.features[usize::from(is_transparent)]
     }
 
-    /// Returns the buffers at the bindings after the instances: materials, transforms, lights,
+    /// Returns the buffers at the bindings after the instances: materials, transforms, lights and
     /// lists.
     pub(crate) fn buffers(&self) -> [BufferSlice; 4] {
         [&self.materials, &self.transforms, &self.lights, &self.lists].map(Buffer::whole)
     }
 }
 
-/// Returns the vertices of all meshes in the order of their positions, those of sprites, and room.
+/// Returns the vertices of all meshes in the order of their positions, followed by the vertices of
+/// sprites and room for more.
 fn surface_vertices(
     scene: &Scene,
     surfaces: &Surfaces,

@@ -9,16 +9,16 @@ use crate::shading::transparency::TransparencyOptions;
 /// The options of the upload of surfaces.
 #[derive(Clone, Debug)]
 pub struct SurfaceOptions {
-    /// The most samples of textures along grazing surfaces; `None` takes 8, and 1 on a CPU, where
-    /// each costs as much as another texture.
+    /// The highest anisotropy of textures on surfaces seen at a low angle. `None` takes 8, and 1 on
+    /// a software driver, on which each sample costs as much as another texture.
     pub anisotropy: Option<f32>,
-    /// The maker of the mip maps.
+    /// The way in which mip maps are generated.
     pub mip_making: MipGeneration,
-    /// The way that textures lie on the GPU; `None` takes the device's best.
+    /// The storage of textures on the GPU; `None` takes the device's best.
     pub textures: Option<TextureStorage>,
-    /// Room for what comes later.
+    /// Room for things that are added later.
     pub spare: SpareCapacity,
-    /// The request to give the upload up, which is checked between its pieces.
+    /// Cancels the upload; checked between its parts.
     pub cancellation: CancellationToken,
     /// The order in which transparent objects are blended.
     pub transparency: TransparencyOptions,

@@ -1,4 +1,4 @@
-//! The places of textures that come later, on pages that are kept for them.
+//! The places of textures that are added later, on pages that are kept for them.
 
 use scene::{PreparedTexture, TextureId};
 
@@ -8,12 +8,12 @@ use crate::resources::spare_capacity::{SpareRanges, TextureCapacity};
 /// The place of a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct TexturePlace {
-    /// The page, or the number of its own image.
+    /// The page, or the number of a separate image.
     pub(crate) page: usize,
     pub(crate) layer: u32,
     /// The bit of [`Features`](super::materials::Features) that pipelines must be compiled with.
     pub(crate) bit: u32,
-    /// True if its image holds red and green alone: a normal map's z follows from them.
+    /// True if its image has only red and green: z of a normal map is computed from them.
     pub(crate) has_two_channels: bool,
 }
 
@@ -25,19 +25,19 @@ struct SparePage {
     layers: SpareRanges,
 }
 
-/// The pages that are kept, and the textures on them.
+/// The pages that are kept for added textures, and the textures on them.
 #[derive(Debug)]
 pub(crate) struct TextureSlots {
     pages: Vec<SparePage>,
     ids: SpareRanges,
-    /// The number of the scene's textures: others have greater ids.
+    /// The number of the scene's textures. Added textures have greater ids.
     of_scene: u32,
-    /// By texture behind those of the scene.
+    /// The places of added textures.
     places: Vec<Option<TexturePlace>>,
 }
 
 impl TextureSlots {
-    /// Keeps the pages from `first_page` on, and ids behind those of the scene's textures.
+    /// Keeps the pages from `first_page` on, and the ids after the ids of the scene's textures.
     pub(crate) fn new(of_scene: u32, first_page: usize, rooms: &[TextureCapacity]) -> Self {
         let page = |(page, room): (usize, &TextureCapacity)| SparePage {
             room: *room,
@@ -53,7 +53,7 @@ impl TextureSlots {
         }
     }
 
-    /// Returns the reason why a texture cannot be added, but for the lack of room.
+    /// Refuses a texture that cannot be added for a reason other than lack of room.
     pub(crate) fn check(&self, texture: &PreparedTexture) -> Result<(), &'static str> {
         if self.pages.iter().any(|page| page.room.takes(texture)) {
             return Ok(());
@@ -62,9 +62,6 @@ impl TextureSlots {
     }
 
     /// Takes a place for a texture that was checked.
-    ///
-    /// # Errors
-    /// [`Error::CapacityExceeded`].
     pub(crate) fn add(
         &mut self,
         texture: &PreparedTexture,
@@ -94,7 +91,8 @@ impl TextureSlots {
         Err(full)
     }
 
-    /// Returns the reason why a texture cannot be removed, but for its materials.
+    /// Refuses to remove a texture that was not added later or does not exist. Materials are not
+    /// checked.
     pub(crate) fn check_removal(&self, texture: TextureId) -> Result<(), &'static str> {
         removable(texture, self.of_scene, &self.places).map(drop)
     }
@@ -111,7 +109,7 @@ impl TextureSlots {
     }
 }
 
-/// Returns the place of a texture that came later, or the reason why it cannot be removed.
+/// Returns the place of an added texture, or the reason why it cannot be removed.
 pub(super) fn removable(
     texture: TextureId,
     of_scene: u32,

@@ -1,21 +1,23 @@
-//! The two ways that textures lie on the GPU, and the choice between them.
+//! The two storages of textures on the GPU, and the choice between them.
 
-/// The way that the textures of materials and lights lie on the GPU.
+/// The storage of the textures of materials and lights on the GPU.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum TextureStorage {
-    /// An image for each, as large as it is, which shaders find by its number: for devices with
+    /// A separate image for each texture, in its own size, which shaders index by number. For
+    /// devices with
     /// [`OptionalFeature::DescriptorIndexing`](gpu::OptionalFeature::DescriptorIndexing). Textures
-    /// of any size come while a renderer runs, and none needs
-    /// [room](crate::SpareCapacity::textures).
+    /// of any size can be added while a renderer runs, without
+    /// [room](crate::SpareCapacity::textures) for them.
     #[default]
     Bindless,
-    /// Pages: at most [`MAX_PAGES`](scene::limits::MAX_PAGES) arrays of images of one size and
-    /// sampler, for every device. Images may be resampled to share a page.
+    /// Pages: at most [`MAX_PAGES`](scene::limits::MAX_PAGES) arrays of images with one size and
+    /// sampler, on every device. Images may be resampled to share a page.
     ArrayPacked,
 }
 
 impl TextureStorage {
-    /// Returns the best for so many textures on a device that indexes at most so many.
+    /// Returns the best storage for `textures` textures on a device that can index `indexed` of
+    /// them.
     pub(crate) fn best(textures: u64, indexed: u32) -> Self {
         if indexed > 0 && textures <= indexed.into() { Self::Bindless } else { Self::ArrayPacked }
     }

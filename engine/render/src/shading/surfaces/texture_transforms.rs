@@ -1,4 +1,4 @@
-//! The transforms of texture coordinates: equal ones share one.
+//! The transforms of texture coordinates. Equal transforms share an entry.
 
 use std::collections::HashMap;
 
@@ -10,7 +10,8 @@ use crate::error::Error;
 use crate::resources::limits;
 use crate::shading::surfaces::marked::Marked;
 
-/// The transform from texture coordinates to those of one texture, as `texels.glsl` declares it.
+/// The transform from texture coordinates to the coordinates of one texture, as `texels.glsl`
+/// declares it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub(crate) struct TransformEntry {
@@ -25,13 +26,13 @@ pub(crate) struct TextureTransforms {
     entries: Vec<TransformEntry>,
     users: Vec<u32>,
     numbers: HashMap<[u32; 6], u32>,
-    /// The numbers that nobody uses, once the scene's transforms are [known](Self::keep_room).
+    /// The unused numbers, once the scene's transforms are [known](Self::keep_room).
     free: Vec<u32>,
     dirty: Marked,
 }
 
 impl TextureTransforms {
-    /// Creates the transform that moves nothing, which stays.
+    /// Creates the permanent identity transform.
     pub(crate) fn new() -> Self {
         let mut transforms = Self {
             entries: Vec::new(),
@@ -44,11 +45,7 @@ impl TextureTransforms {
         transforms
     }
 
-    /// Refuses more transforms than there are numbers, and keeps room for `spare` more, as far as
-    /// there are.
-    ///
-    /// # Errors
-    /// [`Error::SceneTooLarge`].
+    /// Refuses more transforms than there are numbers. Keeps room for up to `spare` more.
     pub(crate) fn keep_room(&mut self, spare: usize) -> Result<(), Error> {
         let used = self.entries.len();
         limits::check(
@@ -65,15 +62,12 @@ impl TextureTransforms {
         Ok(())
     }
 
-    /// Returns the transforms, and room.
+    /// Returns the transforms, followed by room for more.
     pub(crate) fn entries(&self) -> &[TransformEntry] {
         &self.entries
     }
 
-    /// Refuses transforms that there are no numbers for.
-    ///
-    /// # Errors
-    /// [`Error::CapacityExceeded`].
+    /// Refuses transforms for which there are no numbers left.
     pub(crate) fn check_room(
         &self,
         transforms: impl Iterator<Item = Affine2>,
@@ -93,8 +87,8 @@ impl TextureTransforms {
         })
     }
 
-    /// Returns the number of a transform that there is [room](Self::check_room) for, which one more
-    /// texture uses.
+    /// Returns the number of a transform for one more texture. There must be
+    /// [room](Self::check_room).
     pub(crate) fn take(&mut self, transform: Affine2) -> u32 {
         let key = key_of(transform);
         let number = self.numbers.get(&key).copied().unwrap_or_else(|| self.number(key));
@@ -104,7 +98,7 @@ impl TextureTransforms {
         number
     }
 
-    /// Numbers a transform that is not known.
+    /// Gives a new transform a number.
     fn number(&mut self, key: [u32; 6]) -> u32 {
         let [a, b, c, d, x, y] = key.map(f32::from_bits);
         let entry = TransformEntry { axes: [a, b, c, d], origin: [x, y, 0.0, 0.0] };
@@ -121,7 +115,7 @@ impl TextureTransforms {
         number
     }
 
-    /// Gives a transform back that a texture used.
+    /// Releases a transform that a texture used.
     pub(crate) fn free(&mut self, transform: Affine2) {
         let key = key_of(transform);
         let Some(number) = self.numbers.get(&key).copied() else { return };
@@ -143,14 +137,14 @@ impl TextureTransforms {
         )
     }
 
-    /// Notes that the GPU gets them.
+    /// Notes that the changed transforms are on the GPU.
     pub(crate) fn submitted(&mut self) {
         self.dirty.drain().for_each(drop);
     }
 }
 
 fn key_of(transform: Affine2) -> [u32; 6] {
-    // An invalid transform would move texels to nowhere.
+    // An invalid transform would give texel coordinates that are not numbers.
     let transform = if transform.is_finite() { transform } else { Affine2::IDENTITY };
     transform.to_cols_array().map(f32::to_bits)
 }

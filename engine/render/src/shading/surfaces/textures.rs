@@ -1,4 +1,4 @@
-//! The textures of a renderer on the GPU: on pages, or with an image each.
+//! The textures of a renderer on the GPU: on pages, or with separate images.
 
 use gpu::{Device, SampledArrays, TextureArray};
 use scene::limits::MAX_PAGES;
@@ -19,12 +19,8 @@ pub(crate) enum SurfaceTextures {
 }
 
 impl SurfaceTextures {
-    /// Uploads the textures of `surfaces`, and returns the plan of their places too. Waits for
-    /// copies.
-    ///
-    /// # Errors
-    /// Images beyond limits, images for each texture on a device that cannot index them, no memory,
-    /// a failed call, [`gpu::Error::Cancelled`].
+    /// Uploads the textures of `surfaces`. Returns them with the plan of their places. Waits for
+    /// copies. Fails for separate images on a device that cannot index them.
     pub(crate) fn new(
         device: &Device,
         surfaces: &Surfaces,
@@ -57,7 +53,7 @@ impl SurfaceTextures {
         }
     }
 
-    /// Returns the array that a texture lies in.
+    /// Returns the array that contains a texture.
     pub(crate) fn array(&self, place: TexturePlace) -> Option<&TextureArray> {
         match self {
             Self::Pages { arrays, .. } => arrays.get(place.page),
@@ -65,8 +61,8 @@ impl SurfaceTextures {
         }
     }
 
-    /// Calls `bind` with what passes are bound with: as many pages as shaders declare, missing ones
-    /// being the first; or the table of all images.
+    /// Calls `bind` with the arrays for passes: all pages that shaders declare, with the first in
+    /// place of missing ones; or the table of all images.
     pub(crate) fn bound(&self, bind: impl FnOnce(SampledArrays<'_>)) {
         match self {
             Self::Images(images) => bind(SampledArrays::Table(images.table())),
@@ -78,7 +74,7 @@ impl SurfaceTextures {
         }
     }
 
-    /// Returns true if a texture has compressed blocks that do not lie on the GPU as they are.
+    /// Returns true if a texture has compressed blocks that must be unpacked.
     pub(crate) fn unpacks(&self, texture: &PreparedTexture) -> bool {
         let takes_blocks = match self {
             Self::Pages { .. } => false,
@@ -87,12 +83,12 @@ impl SurfaceTextures {
         matches!(texture.image().texels, Texels::Blocks { .. }) && !takes_blocks
     }
 
-    /// Returns a texture as it goes to the GPU.
+    /// Returns a texture in the form to upload.
     pub(crate) fn ready(&self, texture: PreparedTexture) -> PreparedTexture {
         if self.unpacks(&texture) { texture.unpacked() } else { texture }
     }
 
-    /// Returns the reason why a texture cannot be added, but for the lack of room.
+    /// Refuses a texture that cannot be added for a reason other than lack of room.
     pub(crate) fn check(&self, texture: &PreparedTexture) -> Result<(), &'static str> {
         match self {
             Self::Pages { slots, .. } => slots.check(texture),
@@ -101,9 +97,6 @@ impl SurfaceTextures {
     }
 
     /// Takes a place for a texture that was checked.
-    ///
-    /// # Errors
-    /// [`Error::CapacityExceeded`]; for an image of its own also no memory.
     pub(crate) fn add(
         &mut self,
         texture: &PreparedTexture,
@@ -114,7 +107,8 @@ impl SurfaceTextures {
         }
     }
 
-    /// Returns the reason why a texture cannot be removed, but for its materials.
+    /// Refuses to remove a texture that was not added later or does not exist. Materials are not
+    /// checked.
     pub(crate) fn check_removal(&self, texture: TextureId) -> Result<(), &'static str> {
         match self {
             Self::Pages { slots, .. } => slots.check_removal(texture),

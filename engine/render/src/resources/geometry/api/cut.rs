@@ -1,4 +1,4 @@
-//! Objects as section planes cut them, and as stencils cannot.
+//! The geometry of objects for section planes.
 
 use cull::{LeafIndex, ObjectId};
 use gpu::IndirectDraw;
@@ -20,7 +20,7 @@ impl Geometry {
         self.object_instances.get(object.0 as usize)
     }
 
-    /// Returns true if a mesh is drawn in other places than those of its vertices: in a pose, or as
+    /// Returns true if a mesh is not drawn at the positions of its vertices: in a pose, or as
     /// sprites.
     pub(crate) fn changes_shape(&self, mesh: MeshId) -> bool {
         let surfaces = self.surfaces.as_ref();
@@ -33,8 +33,8 @@ impl Geometry {
         Some(IndirectDraw { first_instance: leaf.0, instance_count: 1, ..mesh.draw })
     }
 
-    /// Returns the colour of an object where it is cut open, linear: that of its mesh without
-    /// textures, which has the colour of its first material, with its tint.
+    /// Returns the linear colour of an object where it is cut open: the colour of its mesh without
+    /// textures, which is the colour of its first material, times its tint.
     pub(crate) fn section_colour(&self, object: ObjectId) -> [f32; 3] {
         const WHITE: [f32; 3] = [1.0; 3];
         let (Some(mesh), Some(instance)) = (self.mesh_of(object), self.instance(object)) else {

@@ -1,3 +1,3 @@
-//! The parts of a scene's geometry that only some frames ask for.
+//! The parts of a scene's geometry that only some frames need.
 
 mod cut;
