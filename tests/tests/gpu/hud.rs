@@ -54,7 +54,7 @@ fn pixel(image: &[u8], place: [u32; 2]) -> [u8; 4] {
     image[start..start + 4].try_into().unwrap()
 }
 
-/// Returns a page with a frame rate and additional letters.
+/// Returns a page with a frame rate, and with a toast of `letters` if there are any.
 fn page(rate: &str, letters: &str) -> HudPage {
     let figure = |value: &str, name| HudFigure { value: value.to_owned(), name };
     let overview = Overview {

@@ -1,4 +1,5 @@
-//! Runs `walkthrough` with bad input: one sentence, the right exit code, nothing left behind.
+//! Runs `walkthrough` with bad input: a message of one sentence, the right exit code, and no files
+//! left behind.
 
 use std::fs;
 use std::process::{Command, Output};
@@ -7,7 +8,7 @@ use harness::{Scratch, stderr};
 
 use crate::walkthrough;
 
-/// Returns the message of a refusal, which must be one line, with nothing on standard output.
+/// Returns the message of a refusal. It must be one line, and standard output must be empty.
 fn refusal(output: &Output, exit_code: i32) -> String {
     let message = stderr(output);
     assert_eq!(output.status.code(), Some(exit_code), "{message}");
@@ -32,7 +33,7 @@ fn mistakes_in_the_command_line_end_with_2_and_leave_nothing() {
         assert!(message.contains(sentence), "{message}");
         assert_empty(&scratch);
     };
-    // Arguments that are wrong by themselves: as in every program.
+    // Arguments that are wrong individually: the same message as in every program.
     for (mistake, sentence) in [
         (["--scene", "citty"], "did you mean 'city'?"),
         (["--strategy", "frustum,frustum"], "'frustum' twice"),
@@ -68,7 +69,7 @@ fn mistakes_in_the_command_line_end_with_2_and_leave_nothing() {
         assert!(message.starts_with("error: ") && !message.contains("panicked"), "{message}");
         refused(mistake, sentence, message);
     }
-    // Arguments that are wrong together: one sentence.
+    // Arguments that are wrong in combination: one sentence.
     for (mistake, sentence) in [
         (["--path", "Camera"], "there is street, fly and cut"),
         (["--path", "missing.txt"], "cannot read the path file 'missing.txt'"),
@@ -76,7 +77,7 @@ fn mistakes_in_the_command_line_end_with_2_and_leave_nothing() {
         (["--images", "121"], "from 0 to 120, not '121'"),
     ] {
         let output = walkthrough(&scratch.0, &[&mistake[..], &out].concat()).output();
-        // In one line: nothing was begun.
+        // One line, since nothing was begun.
         let message = refusal(&output.expect("it starts"), 2);
         assert!(message.contains(sentence), "{message}");
         assert_empty(&scratch);
@@ -148,7 +149,7 @@ fn places_that_cannot_be_written_end_with_2_before_any_work() {
     fs::remove_file(&file).expect("ours");
 }
 
-/// Returns a small walk that would leave images and a report, with `more` arguments.
+/// Returns a small walk that writes images and a report, with `more` arguments.
 fn small_walk(scratch: &Scratch, more: &[&str]) -> Command {
     let mut words = vec!["--quiet", "--out", "made/images", "--report", "made/report.json"];
     for [option, value] in [["--objects", "50"], ["--frames", "2"], ["--size", "32x32"]] {
@@ -176,7 +177,7 @@ fn an_unknown_device_ends_with_2_and_lists_the_devices() {
 fn sizes_beyond_the_device_end_with_2() {
     let scratch = Scratch::new("too-large");
     for (size, side) in [("1000000x32", "width"), ("32x4294967295", "height")] {
-        // A city of one object has no streets, which is found when it is made: that comes later.
+        // A city of one object has no streets, which is only detected when the city is generated.
         let asked = ["--size", size, "--objects", "1"];
         let output = small_walk(&scratch, &asked).output().expect("it starts");
         let message = refusal(&output, 2);
@@ -208,7 +209,7 @@ fn without_the_validation_layer_it_ends_with_1_and_says_what_to_do() {
     let scratch = Scratch::new("no-layer");
     for validation in ["on", "sync"] {
         let mut command = small_walk(&scratch, &["--validation", validation]);
-        // Says where the loader looks for such layers, and that is nowhere.
+        // The loader looks for such layers in a folder that does not exist.
         command.env("VK_LAYER_PATH", "/nonexistent").env_remove("VK_ADD_LAYER_PATH");
         let message = refusal(&command.output().expect("it starts"), 1);
         assert!(message.contains("VK_LAYER_KHRONOS_validation is not installed"), "{message}");
@@ -217,7 +218,7 @@ fn without_the_validation_layer_it_ends_with_1_and_says_what_to_do() {
     }
 }
 
-/// Checks that walks and `--list-devices` end with 1 and one error on a machine made poorer.
+/// Checks that walks and `--list-devices` end with code 1 and one error on a restricted machine.
 fn assert_machine_is_blamed(name: &str, poorer: impl Fn(&mut Command)) {
     let scratch = Scratch::new(name);
     let walk = ["--out", "made/images", "--report", "made/report.json"];
@@ -247,7 +248,8 @@ fn without_a_driver_it_ends_with_1_and_leaves_nothing() {
 #[test]
 #[cfg(target_os = "linux")]
 fn without_a_loader_it_ends_with_1_and_leaves_nothing() {
-    // An empty file of its name, found first: the dynamic linker gives up on it.
+    // An empty file with the name of the library, which is found first: the dynamic linker refuses
+    // it.
     let fake = Scratch::new("fake-loader");
     fs::write(fake.0.join("libvulkan.so.1"), "").expect("the target folder is writable");
     fs::write(fake.0.join("libvulkan.so"), "").expect("the target folder is writable");
@@ -313,7 +315,7 @@ fn a_shader_that_does_not_compile_ends_with_2_and_its_line() {
     let output = small_walk(&scratch, &["--shaders", &folder]).output().expect("it starts");
     let message = stderr(&output);
     assert_eq!(output.status.code(), Some(2), "{message}");
-    // One error, and under it what the compiler said.
+    // One error, followed by the output of the compiler.
     assert!(message.starts_with("error: ") && !message.contains("panicked"), "{message}");
     assert_eq!(message.lines().filter(|line| line.starts_with("error: ")).count(), 1, "{message}");
     assert!(message.contains(&format!("opaque_main.glsl:{line}: ")), "{message}");
@@ -333,8 +335,8 @@ fn a_damaged_driver_manifest_is_not_called_a_lack_of_memory() {
     assert!(message.contains("VK_LOADER_DEBUG") && !message.contains("fewer"), "{message}");
 }
 
-/// Checks the message where a scene of 2,000,000 objects gets too little memory, regardless of how
-/// much the driver takes.
+/// Checks the message if a scene of 2,000,000 objects gets too little memory, regardless of the
+/// memory that the driver takes.
 #[cfg(target_os = "linux")]
 #[test]
 fn too_little_memory_for_a_scene_is_said_in_a_sentence() {
@@ -352,8 +354,8 @@ fn too_little_memory_for_a_scene_is_said_in_a_sentence() {
     assert!(!message.contains("panicked") && !message.contains("allocation of"), "{message}");
 }
 
-/// Checks that a limit under which no driver runs is told as such, on each of the software drivers
-/// alone: the loader says that there is none, or one of them ends the process.
+/// Checks the message for a memory limit under which no driver runs, on each software driver alone.
+/// The loader reports that there is no driver, or a driver ends the process.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_limit_of_address_space_is_not_called_a_missing_driver() {
@@ -372,7 +374,7 @@ fn a_limit_of_address_space_is_not_called_a_missing_driver() {
     }
 }
 
-/// Checks that a cache that is no regular file, or larger than any, is left alone and costs neither
+/// Checks that a cache that is not a regular file, or is too large, is left alone and costs neither
 /// time nor memory.
 #[cfg(target_os = "linux")]
 #[test]

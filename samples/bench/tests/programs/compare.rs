@@ -1,4 +1,4 @@
-//! Runs `compare` as a user does: a page of reports, and one sentence on failure.
+//! Runs `compare` as users do: it writes a page of reports, or one sentence on failure.
 
 use std::fs;
 use std::process::{Command, Output};
@@ -13,7 +13,7 @@ fn compare(scratch: &Scratch, arguments: &[&str]) -> Output {
     command.current_dir(&scratch.0).args(arguments).output().expect("it starts")
 }
 
-/// Returns a report as `walkthrough` writes it, of strategies that take these times in each of 24
+/// Returns a report as `walkthrough` writes it, for strategies with these times in each of 24
 /// frames.
 fn report(path: &str, objects: u64, times_ms: &[(&str, f64)]) -> Value {
     let summary = |time: f64| json!({"median": time, "p95": time, "max": time});
@@ -45,7 +45,7 @@ fn write(scratch: &Scratch, name: &str, report: &Value) {
     fs::write(folder.join(name), report.to_string()).expect("the target folder is writable");
 }
 
-/// Checks that it is well-formed, has a title, and names these strategies.
+/// Checks that a page is well-formed, has a title, and names these strategies.
 fn assert_image(svg: &str, strategies: &[&str]) {
     let document = roxmltree::Document::parse(svg).expect("well-formed");
     let texts = |tag: &str| -> Vec<String> {
@@ -152,12 +152,12 @@ fn the_page_shows_what_was_walked_through_and_how_steady_the_machine_was() {
     assert!(page.contains("alt=\"street 10k\" width=\"240\" height=\"135\""), "no thumbnail");
     assert!(page.contains("src=\"data:image/png;base64,iVBORw0KGgo"), "no image in it");
     assert!(page.contains("images/b.1/frame_00000.png: "), "what is no image is named");
-    // Walks that were measured once, or differ too much, are to be repeated.
+    // `--noisy` names the walks that were measured only once, or that differ too much.
     let noisy = compare(&scratch, &["reports", "--noisy"]);
     assert_eq!(String::from_utf8_lossy(&noisy.stdout), "b\n");
 }
 
-/// Checks that the result is printed if the files fail, and that each file is tried.
+/// Checks that the result is printed even if files cannot be written, and that each file is tried.
 #[test]
 fn a_full_disk_costs_its_file_only() {
     let scratch = Scratch::new("compare-full");

@@ -1,5 +1,5 @@
-//! Runs `walkthrough` where results are in danger: full disks, signals, taken names, concurrent
-//! runs.
+//! Runs `walkthrough` in situations that endanger results: full disks, signals, taken names,
+//! concurrent runs.
 
 use std::fs;
 use std::io::Read;
@@ -29,7 +29,7 @@ fn stdout(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// Checks that the table is printed, each of the failures too, and that the exit code is 1.
+/// Checks that the table and each failure are printed, and that the exit code is 1.
 fn assert_table_and_failures(output: &Output, failures: &[&str]) {
     let message = stderr(output);
     assert_eq!(output.status.code(), Some(1), "{message}");
@@ -62,7 +62,7 @@ fn a_pipe_that_nobody_reads_holds_no_walk() {
 fn images_that_find_no_space_cost_nothing_else() {
     let scratch = Scratch::new("results-images");
     let walk = walkthrough(&scratch.0, &SMALL);
-    // No file may grow beyond 8 KiB: enough for the report, and for no image.
+    // Files must not grow beyond 8 KiB, which is enough for the report but not for an image.
     let limited = "ulimit -f 16; exec \"$0\" \"$@\"";
     let outputs = ["--size=640x360", "--out=out", "--images=2", "--report=report.json"];
     let mut command = Command::new("sh");
@@ -102,7 +102,7 @@ fn what_cannot_be_printed_is_no_success() {
     let output = command.stdout(full()).output().expect("it starts");
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
     assert_eq!(scratch.names("."), ["report.json"], "what can be written is");
-    // Without any working output it ends as it would.
+    // Without any working output it still ends normally.
     let mut command = walkthrough(&scratch.0, &SMALL);
     assert_eq!(command.stderr(full()).output().expect("it starts").status.code(), Some(0));
 }

@@ -1,5 +1,5 @@
-//! Runs ci/compare, ci/demo, ci/gpu and ci/verify with stand-ins for the programs: the scripts' own
-//! decisions.
+//! Runs ci/compare, ci/demo, ci/gpu and ci/verify with stand-ins for the programs, to test the
+//! decisions of the scripts.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
@@ -9,8 +9,8 @@ use std::sync::Mutex;
 
 use harness::{Scratch, stderr};
 
-/// A stand-in that knows some strategies; a walk leaves its options in the place of its report, and
-/// beside the program.
+/// A stand-in that knows some strategies. A walk writes its options instead of its report, and next
+/// to the program.
 const WALKTHROUGH: &str = r#"#!/bin/sh
 case " $* " in *" --list-strategies "*) 
     for name in frustum antumbra next_frame naive ideal; do echo "$name  exact  its description"; done
@@ -25,17 +25,17 @@ while [ "$#" -gt 1 ]; do
 done
 "#;
 
-/// A stand-in that builds nothing; it names the program that it should run.
+/// A stand-in that builds nothing, and prints the program that it should run.
 const CARGO: &str = "#!/bin/sh\n[ \"$1\" != run ] || echo \"$*\"\n";
 
-/// A stand-in with a commit; a tree with the file `dirty` has changes.
+/// A stand-in with a commit. A tree that contains the file `dirty` has changes.
 const GIT: &str = r#"#!/bin/sh
 case "$*" in "rev-parse "*" HEAD") echo abc ;; "diff --quiet HEAD -- :!docs") [ ! -e dirty ] ;; *) exit 9 ;; esac
 "#;
 
-/// The lock held while a program is written and while one is started. A child that another test
-/// starts in between has the file open for writing until it is replaced, and executing it would
-/// fail (ETXTBSY).
+/// The lock around writing and starting programs. A child that another test starts during a write
+/// keeps the file open for writing until `exec`, and starting the file would fail meanwhile
+/// (ETXTBSY).
 static PROGRAMS: Mutex<()> = Mutex::new(());
 
 fn program(path: &Path, text: &str) {
@@ -46,7 +46,7 @@ fn program(path: &Path, text: &str) {
     fs::set_permissions(path, fs::Permissions::from_mode(0o755)).expect("ours");
 }
 
-/// Returns a tree with one of our scripts and nothing real besides.
+/// Returns a tree with one of our scripts and stand-ins for everything else.
 fn tree(name: &str, script: &str) -> Scratch {
     let scratch = Scratch::new(name);
     let ours = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../ci").join(script);
@@ -66,7 +66,7 @@ fn tree(name: &str, script: &str) -> Scratch {
 fn run(scratch: &Scratch, script: &str, arguments: &[&str]) -> Output {
     let path = std::env::var("PATH").expect("a path");
     let nothing_is_written = PROGRAMS.lock();
-    // It returns when the child has replaced itself and holds nothing of ours any more.
+    // The call returns after the child's `exec`, when the child does not hold our files any more.
     let child = Command::new(scratch.0.join("ci").join(script))
         .args(arguments)
         .env("PATH", format!("{}:{path}", scratch.0.join("bin").display()))
@@ -97,7 +97,7 @@ fn a_folder_takes_reports_of_one_mode_and_device_only() {
         assert!(stderr(&output).contains("another build, device or mode"), "{}", stderr(&output));
         assert_eq!(scratch.names("out/reports"), quick, "nothing was walked");
     }
-    // The same goes on where it was.
+    // With the same build, device and mode, the walks go on where they stopped.
     fs::remove_file(scratch.0.join("out/reports/street-2000.1.json")).expect("it is there");
     let again = compare(&[]);
     assert_ends_with(&again, 0);
@@ -106,8 +106,8 @@ fn a_folder_takes_reports_of_one_mode_and_device_only() {
     assert!(scratch.names("out/reports").contains(&"street-2000.3.json".to_owned()));
 }
 
-/// Checks that noisy walks are repeated while they are noisy, up to a bound; the first walk of a
-/// case leaves an image.
+/// Checks that noisy walks are repeated up to a bound, and that the first walk of a case writes an
+/// image.
 #[test]
 fn noisy_walks_are_repeated_and_no_others() {
     let scratch = tree("script-noise", "compare");
@@ -164,7 +164,7 @@ fn what_is_verified_is_every_exact_strategy_of_the_program() {
     assert!(walks.contains("--moving-percent") && walks.contains("--projection orthographic"));
     let told = String::from_utf8_lossy(&output.stdout).into_owned();
     assert_eq!(told.matches(": 3 images compared, 0 pixels wrong").count(), walks.lines().count());
-    // A program that compares nothing is no proof.
+    // A program that compares nothing proves nothing.
     program(&scratch.0.join("target/release/walkthrough"), "#!/bin/sh\n");
     let output = run(&scratch, "verify", &["2"]);
     assert_ends_with(&output, 1);
@@ -179,7 +179,7 @@ fn options_of_the_demo_come_after_its_own() {
     let told = String::from_utf8_lossy(&output.stdout).into_owned();
     let words = told.lines().next().expect("a call").split(" -- ").nth(1).expect("its options");
     assert!(words.ends_with("--path fly"), "{words}");
-    // Read as the program reads them: the last word counts.
+    // Read as the program does: the last option counts.
     let line = ["walkthrough"].into_iter().chain(words.split(' '));
     let arguments: bench::args::Arguments = clap::Parser::try_parse_from(line).expect("options");
     let fly = bench::options::PathChoice::Made(bench::choices::CameraPathChoice::Fly);

@@ -12,8 +12,8 @@ use crate::walkthrough;
 const FRAMES: u64 = 12;
 const SIZE: [u32; 2] = [96, 64];
 
-/// Walks through a small city on `device`, every frame compared, and returns the report. Without
-/// measured costs, which differ from run to run, everything is tested.
+/// Walks through a small city on `device`, compares every frame, and returns the report. Costs are
+/// not measured, since they differ from run to run; without costs, everything is tested.
 fn walk(scratch: &Scratch, device: &str, more: &[&str]) -> Value {
     walk_by(scratch, device, &[&["--cost-model=off"], more].concat())
 }
@@ -123,8 +123,7 @@ fn assert_run(run: &Value, scene_triangles: f64) {
     assert!(run["predicated_draws"].is_u64() && run["result_age_frames"].is_object());
 }
 
-/// Checks the images that a person looks at: whole PNG files of the right size that are not
-/// blank.
+/// Checks the images for people: complete PNG files of the right size that are not blank.
 fn assert_images(scratch: &Scratch) {
     let names = scratch.names("images");
     let expected = [
@@ -290,7 +289,7 @@ fn strategies_are_listed_without_a_device() {
     let output = command.env("VK_DRIVER_FILES", "/nonexistent").output().expect("it starts");
     let names = String::from_utf8_lossy(&output.stdout).into_owned();
     assert_eq!(output.status.code(), Some(0));
-    // The first word of a line is for scripts.
+    // Scripts read the first word of a line.
     let first = names.lines().map(|line| line.split(' ').next().unwrap_or_default());
     assert!(first.eq(methods::strategies().into_iter().map(cull::Strategy::name)), "{names}");
     assert!(names.lines().all(|line| line.contains(" exact ")), "{names}");
@@ -301,7 +300,7 @@ fn strategies_are_listed_without_a_device() {
 fn wrong_pixels_end_with_1_after_the_table_and_the_report() {
     let scratch = Scratch::new("wrong-pixels");
     let shaders = Scratch::new("wrong-pixels-glsl");
-    // Proxies that never show: what they stand for stays hidden for ever.
+    // Proxies that never show, so that their objects stay hidden forever.
     let test = "shows_low || shows_high ?";
     let never = "shows_low && !shows_low ?";
     harness::edited_shaders(&shaders, "box.glsl", test, never);
