@@ -283,8 +283,7 @@ template <typename T> constexpr T init() {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Hidden draws are skipped in the best way that the device supports, or with costs in the
- * cheapest.
+ * Hidden draws are skipped in the device's best way, or in the cheapest way if costs are given.
  */
 #define ANTUMBRA_PREDICATION_BEST 0
 #endif
@@ -312,7 +311,7 @@ template <typename T> constexpr T init() {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Hidden draws are left out of lists, one per bucket and round, which have draw counts.
+ * Compacted lists hold only draws that show: one list per bucket and round, with a draw count.
  */
 #define ANTUMBRA_PREDICATION_COMPACTED 4
 #endif
@@ -1347,8 +1346,8 @@ typedef struct AntumbraMeshObject {
      */
     uint32_t mesh;
     /**
-     * Linear red, green and blue of 8 bits each, red in the lowest byte. The colours of vertices
-     * are multiplied by it, to the share that each vertex has.
+     * Linear red, green and blue of 8 bits each, red in the lowest byte. Multiplies the colours of
+     * vertices, according to the share of each vertex.
      */
     uint32_t tint;
     /**
@@ -1698,7 +1697,7 @@ typedef struct AntumbraShadowStats {
      */
     uint32_t z_fail_volumes;
     /**
-     * The lights without shadows for lack of room.
+     * The lights that have no shadows for lack of room.
      */
     uint32_t unshadowed_lights;
     /**

@@ -1,5 +1,5 @@
-//! The layouts of the structs of the interface, as values. By these, structs of older callers are
-//! read; tests compare them with a C compiler.
+//! The layouts of the structs of the interface, as values. Structs of older callers are read by
+//! them, and tests compare them with a C compiler.
 
 /// A field of a struct in C.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

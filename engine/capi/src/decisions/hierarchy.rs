@@ -150,7 +150,7 @@ impl BoxHierarchy {
         self.revision += 1;
     }
 
-    /// Notes the object of the leaf that holds it.
+    /// Notes an object in the entry of its leaf.
     fn list_leaf_of(&mut self, object: ObjectId) {
         if let Some(leaf) = self.hierarchy.leaf_of(object) {
             self.list_leaves(leaf.0 as usize..leaf.0 as usize + 1);

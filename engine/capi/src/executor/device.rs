@@ -303,7 +303,7 @@ unsafe fn turn_on<T: FeatureBits>(target: *mut T, source: *const T) -> Result<()
         return Ok(());
     }
     let type_of = |place: *const T| place.cast::<vk::StructureType>();
-    // SAFETY: the caller's promise, and that of `FeatureBits`.
+    // SAFETY: the caller's promise, and the promise of `FeatureBits`.
     unsafe {
         if T::FIRST > 0 && type_of(target).read() != type_of(source).read() {
             let [one, other] =

@@ -35,8 +35,7 @@ pub struct AntumbraView {
 }
 handle!(AntumbraView = "view");
 
-/// Hidden draws are skipped in the best way that the device supports, or with costs in the
-/// cheapest.
+/// Hidden draws are skipped in the device's best way, or in the cheapest way if costs are given.
 pub const ANTUMBRA_PREDICATION_BEST: u32 = 0;
 /// Hidden draws are skipped by conditional rendering.
 pub const ANTUMBRA_PREDICATION_CONDITIONAL: u32 = 1;
@@ -44,7 +43,7 @@ pub const ANTUMBRA_PREDICATION_CONDITIONAL: u32 = 1;
 pub const ANTUMBRA_PREDICATION_COUNTS: u32 = 2;
 /// Hidden draws are skipped by instance counts.
 pub const ANTUMBRA_PREDICATION_INSTANCES: u32 = 3;
-/// Hidden draws are left out of lists, one per bucket and round, which have draw counts.
+/// Compacted lists hold only draws that show: one list per bucket and round, with a draw count.
 pub const ANTUMBRA_PREDICATION_COMPACTED: u32 = 4;
 
 /// Returns the number of a predication mode in C.

@@ -74,8 +74,8 @@ pub struct AntumbraMeshObject {
     /// The mesh: its index in `AntumbraRendererDesc::meshes`, or the id that
     /// `antumbra_renderer_add_meshes` wrote.
     pub mesh: u32,
-    /// Linear red, green and blue of 8 bits each, red in the lowest byte. The colours of vertices
-    /// are multiplied by it, to the share that each vertex has.
+    /// Linear red, green and blue of 8 bits each, red in the lowest byte. Multiplies the colours of
+    /// vertices, according to the share of each vertex.
     pub tint: u32,
     /// The transform.
     pub transform: AntumbraTransform,

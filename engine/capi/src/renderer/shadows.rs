@@ -143,7 +143,7 @@ pub struct AntumbraShadowStats {
     pub tests: u32,
     /// The volumes that are counted by z-fail, since the eye may be inside them.
     pub z_fail_volumes: u32,
-    /// The lights without shadows for lack of room.
+    /// The lights that have no shadows for lack of room.
     pub unshadowed_lights: u32,
     /// 0.
     pub reserved: u32,

@@ -53,8 +53,8 @@ fn the_neighbour_in_an_atlas_is_not_seen_at_edges() {
     });
 }
 
-/// On some drivers, earlier draws decide which samples of a pixel a centroid covers. Holes must not
-/// depend on it.
+/// Checks holes behind other draws. On some drivers, earlier draws decide which samples of a pixel
+/// a centroid covers, and holes must not depend on it.
 #[test]
 fn holes_are_exact_before_and_behind_each_other() {
     run_on_all(|device| {
