@@ -64,7 +64,7 @@ fn options() -> RendererOptions {
     }
 }
 
-/// Adds one of each kind, with an object, and removes older ones.
+/// Adds one of each kind, with an object, and removes them; then adds them again.
 fn change(renderer: &mut Renderer, mesh: &Mesh) {
     let image = Image::of_rgba8("came", [16, 16], vec![200; 1024]);
     let texture = PreparedTexture::new(image, Encoding::Srgb, Sampler::default()).unwrap();

@@ -12,7 +12,7 @@ use tests::surface_fixture::{quad, scene};
 
 use super::{SIDE, STRATEGIES, lamp, moved, settled};
 
-/// The side of the lamp's block in pixels.
+/// The first pixel of the lamp's block and the pixel after its last one, across and down.
 const BLOCK: [u32; 2] = [57, 70];
 
 /// Returns the samples of a lamp at a distance of 10 m, whose block has a side of 13 pixels.
@@ -33,7 +33,7 @@ fn samples(renderer: &mut Renderer) -> FlareSamples {
 
 type Quad = (Mesh, SurfaceMesh);
 
-/// Returns a square between two columns of pixels that covers all rows of the block.
+/// Returns a rectangle between two columns of pixels that covers all rows of the block.
 fn columns(from: u32, to: u32, distance_m: f32, material: u32) -> Quad {
     quad(SIDE, [from, 20], [to, 110], distance_m, [[0.0; 2], [1.0; 2]], material, |_| {})
 }

@@ -54,7 +54,7 @@ fn scenes_without_surfaces_have_no_shadows_and_say_so() {
     });
 }
 
-/// Returns the yard under lights without effect, and under `count` ordinary ones.
+/// Returns the yard under impossible lights, with valid ones up to `count` lights in total.
 pub fn badly_lit(count: usize) -> Scene {
     let [sun, spot, point] = shadow_scene::lights();
     let mut lights = vec![
