@@ -1,10 +1,10 @@
-//! Rays against boxes: what a camera shows of them, and what a light reaches.
+//! Rays against boxes: the surfaces that a camera shows, and the surfaces that a light reaches.
 
 use cull::{Aabb, Camera};
 use glam::Vec3;
 use scene::{LightKind, PunctualLight};
 
-/// Returns where a ray enters a box, if it does: the distance in lengths of `along`.
+/// Returns the distance at which a ray enters a box, in lengths of `along`; `None` if it misses.
 pub fn hit(bounds: &Aabb, from: Vec3, along: Vec3) -> Option<f32> {
     let low = (bounds.min - from) / along;
     let high = (bounds.max - from) / along;
@@ -18,8 +18,8 @@ pub fn is_blocked(boxes: &[Aabb], from: Vec3, along: Vec3, end: f32) -> bool {
     boxes.iter().any(|bounds| hit(bounds, from, along).is_some_and(|at| at < end))
 }
 
-/// Returns the place on the boxes that a place in an image of `size` pixels shows to a camera of an
-/// angle of 1 radian, and the normal there.
+/// Returns the point on the boxes that a place in an image of `size` pixels shows, and the normal
+/// at the point. The camera has an angle of 1 radian.
 pub fn shown_at(
     boxes: &[Aabb],
     camera: &Camera,
@@ -48,7 +48,7 @@ pub fn shown_at(
     Some((place, normal))
 }
 
-/// Returns the direction to a light from a place, and how far along it the light is.
+/// Returns the direction from a place to a light, and the distance of the light along it.
 pub fn towards(light: &PunctualLight, place: Vec3) -> (Vec3, f32) {
     match light.kind {
         LightKind::Directional => (-light.direction, f32::INFINITY),

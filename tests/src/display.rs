@@ -5,8 +5,8 @@ use gpu::{PresentMode, PresentResult, PresentSkipped, Swapchain, SwapchainOption
 use crate::window_fixture::{Painter, WindowStage, await_image, show_surely};
 use crate::x11_window::X11Window;
 
-/// The most swapchains that wait for their end: eight that need a proof of it, one that is
-/// replaced.
+/// The most swapchains that wait to be destroyed: eight that wait for a proof that they are unused,
+/// and one that is being replaced.
 const MOST_RETIRING: usize = 9;
 
 /// A window that shows an image after every change.
@@ -21,14 +21,14 @@ pub struct Show<'a> {
     pub swapchain: Swapchain,
     /// The window's size in pixels.
     pub size: [u32; 2],
-    /// Frames that were not presented since the swapchain was out of date.
+    /// Frames that were not presented because the swapchain was out of date.
     pub out_of_date: u32,
     /// Frames that were presented.
     pub presented: u32,
 }
 
 impl<'a> Show<'a> {
-    /// Makes a swapchain of that present mode for a window of `size` pixels.
+    /// Creates a swapchain with a present mode for a window of `size` pixels.
     pub fn new(
         stage: &'a WindowStage,
         window: &'a X11Window,
@@ -56,7 +56,7 @@ impl<'a> Show<'a> {
             PresentResult::Not(other) => panic!("{other:?}"),
         }
         assert!(self.swapchain.retiring() <= MOST_RETIRING, "{}", self.swapchain.retiring());
-        // These wait for a tick: swapchains, and objects of a few frames.
+        // Swapchains, and objects of a few frames, wait for a tick.
         assert!(self.stage.device.retired() < 40, "{}", self.stage.device.retired());
     }
 

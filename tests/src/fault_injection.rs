@@ -38,11 +38,11 @@ pub struct Fault {
     pub call: &'static CStr,
     /// The calls that fail, counted from 0.
     pub fails: Range<usize>,
-    /// The result that it returns then.
+    /// The result of the calls that fail.
     pub code: vk::Result,
 }
 
-/// A user who asks for the end of the loading during a call.
+/// A user who cancels the loading during a call.
 #[derive(Clone, Debug)]
 pub struct Impatience {
     /// The Vulkan call.
@@ -53,14 +53,14 @@ pub struct Impatience {
     pub cancellation: CancellationToken,
 }
 
-/// Something that a driver does wrong without saying so.
+/// A fault of a driver that it does not report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lie {
-    /// Every query has the result of the first one of its copy.
+    /// A copy of query results writes the result of its first query for every query.
     FirstResultForAll,
-    /// Conditional rendering draws all the same.
+    /// Conditional rendering draws whatever the predicate says.
     NoConditions,
-    /// Draws with a count draw all that they could.
+    /// Draws with a count ignore the count and draw the maximum.
     NoCounts,
     /// Compute shaders do nothing.
     NoDispatches,
@@ -68,7 +68,7 @@ pub enum Lie {
     LastDrawFirst,
 }
 
-/// The faults of this machine. A test's thread has one.
+/// The faults of a machine. Each thread of a test has its own machine.
 #[derive(Clone, Debug, Default)]
 pub struct FaultInjection {
     /// The version that the loader reports; 0 for a loader of Vulkan 1.0, which cannot report it.
@@ -81,11 +81,11 @@ pub struct FaultInjection {
     pub is_unconditional: bool,
     /// True if no device counts samples.
     pub is_imprecise: bool,
-    /// True if every device says that it has representative fragments.
+    /// True if every device claims to support representative fragments.
     pub is_representative: bool,
     /// True if loads and stores of attachments are recorded ([`attachment_traffic`]).
     pub records_attachments: bool,
-    /// True if every device says that it has memory which transient attachments take lazily.
+    /// True if every device claims to have lazily allocated memory for transient attachments.
     pub is_lazy: bool,
     /// True if no device resets queries on the CPU.
     pub resets_by_commands: bool,
@@ -97,7 +97,7 @@ pub struct FaultInjection {
     pub most_draws: Option<u32>,
     /// True if no device draws several samples per pixel.
     pub has_one_sample: bool,
-    /// True if windows have no pixel: they are minimised.
+    /// True if windows have no pixels, as if they were minimised.
     pub is_minimised: bool,
     /// True if no device shows frames in windows.
     pub is_blind: bool,
@@ -105,9 +105,9 @@ pub struct FaultInjection {
     pub is_fenceless: bool,
     /// The calls that fail.
     pub faults: Vec<Fault>,
-    /// The lie of its driver.
+    /// The lie of the driver.
     pub lie: Option<Lie>,
-    /// Its user, if that one does not wait for the end of the loading.
+    /// The user, if the user cancels the loading.
     pub impatience: Option<Impatience>,
 }
 
@@ -123,7 +123,7 @@ thread_local! {
 }
 
 impl FaultInjection {
-    /// Makes it this thread's machine; the calls are counted from 0 again.
+    /// Makes these faults the machine of this thread, and restarts the counts of calls at 0.
     pub fn install(self) {
         STATE.with_borrow_mut(|state| {
             state.injected = self;
@@ -131,12 +131,12 @@ impl FaultInjection {
         });
     }
 
-    /// Installs it, and returns an entry of its loader.
+    /// Installs the faults, and returns an entry through the lying loader.
     pub fn entry(self) -> Entry {
         self.install();
         let get_instance_proc_addr = instance_proc_addr;
-        // SAFETY: the function below answers as the real one does, with functions of the same
-        // types; it is there as long as the program.
+        // SAFETY: the function below returns functions of the same types as the real one, and
+        // exists as long as the program.
         unsafe { Entry::from_static_fn(ash::StaticFn { get_instance_proc_addr }) }
     }
 }
@@ -146,7 +146,7 @@ pub fn calls(call: &'static CStr) -> usize {
     STATE.with_borrow(|state| state.calls.get(call).copied().unwrap_or(0))
 }
 
-/// Counts a call, and returns its result if it is to fail.
+/// Counts a call, and returns the error if the call must fail.
 fn due(call: &'static CStr) -> Option<vk::Result> {
     STATE.with_borrow_mut(|state| {
         let count = state.calls.entry(call).or_default();
@@ -167,7 +167,7 @@ fn injected<R>(ask: impl FnOnce(&FaultInjection) -> R) -> R {
     STATE.with_borrow(|state| ask(&state.injected))
 }
 
-/// Returns the real loader, which stays loaded: its functions are held everywhere.
+/// Returns the real loader. It stays loaded, since its functions are stored in many places.
 fn loader() -> &'static Entry {
     static LOADER: OnceLock<Entry> = OnceLock::new();
     LOADER.get_or_init(|| gpu::load_entry().unwrap_or_else(|error| panic!("{error}")))
@@ -176,7 +176,7 @@ fn loader() -> &'static Entry {
 /// Returns the real function of `call`.
 ///
 /// # Safety
-/// `F` is the type of the Vulkan function of that name.
+/// `F` is the type of the Vulkan function with this name.
 unsafe fn real<F: Copy>(call: &'static CStr) -> F {
     let function = STATE.with_borrow(|state| state.real.get(call).copied());
     let function = function.unwrap_or_else(|| panic!("{call:?} was never asked for"));

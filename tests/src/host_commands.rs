@@ -1,4 +1,4 @@
-//! The command buffers of a host: one per frame in flight, each with a fence behind it.
+//! The command buffers of a host: one per frame in flight, each with a fence.
 
 use ash::vk;
 use gpu::{Frame, FrameNumbers, FrameRing, Tick};
@@ -18,7 +18,7 @@ pub struct HostCommands<'a> {
 }
 
 impl<'a> HostCommands<'a> {
-    /// Creates as many as there are frames in flight. The first frame has the number 1.
+    /// Creates one command buffer and fence per frame in flight. The first frame has the number 1.
     pub fn new(host: &'a Host, frames_in_flight: usize) -> Self {
         let info = vk::CommandPoolCreateInfo::default()
             .queue_family_index(host.needs.queue_family.unwrap())
@@ -41,7 +41,7 @@ impl<'a> HostCommands<'a> {
     pub fn begin(&mut self) -> (vk::CommandBuffer, FrameNumbers) {
         let (commands, fence) = self.slot();
         let device = &self.host.device;
-        // SAFETY: the fence was created signaled, or submitted; what it stands for is over then.
+        // SAFETY: the fence was created signaled, or submitted; its command buffer is over then.
         unsafe {
             device.wait_for_fences(&[fence], true, BOUND_NS).unwrap();
             device.begin_command_buffer(commands, &Default::default()).unwrap();
@@ -69,7 +69,7 @@ impl<'a> HostCommands<'a> {
         }
     }
 
-    /// Destroys them. The GPU is idle.
+    /// Destroys the command buffers and fences. The GPU must be idle.
     pub fn destroy(self) {
         // SAFETY: nothing is in use.
         unsafe {
@@ -84,7 +84,7 @@ impl<'a> HostCommands<'a> {
 }
 
 /// Records a frame of a ring into a command buffer that was [begun](HostCommands::begin). Returns
-/// its number and what `record` returns beside the frame.
+/// the number of the frame, and the other result of `record`.
 pub fn record_frame<R>(
     ring: &mut FrameRing,
     commands: vk::CommandBuffer,
@@ -100,8 +100,8 @@ pub fn record_frame<R>(
 /// The submits of a command buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Runs {
-    /// One.
+    /// The command buffer is submitted once.
     Once,
-    /// None: the frame is given up.
+    /// The command buffer is not submitted: the frame is given up.
     Never,
 }

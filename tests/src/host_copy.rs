@@ -1,4 +1,4 @@
-//! A host that copies an image of the engine by commands of its own.
+//! A host that copies an image of the engine by its own commands.
 
 use ash::vk;
 use gpu::{FinishedImage, HostQueueLock, ImageState};
@@ -6,7 +6,8 @@ use gpu::{FinishedImage, HostQueueLock, ImageState};
 use crate::host_device::Host;
 
 impl Host {
-    /// Copies `finished` on the queue that the engine shares, gives it back, and returns its bytes.
+    /// Copies `finished` on the queue that the engine shares, restores its state, and returns its
+    /// bytes.
     pub fn copy(&self, lock: &dyn HostQueueLock, finished: &FinishedImage) -> Vec<u8> {
         let [width, height] = finished.size;
         let size_bytes = u64::from(width) * u64::from(height) * 4;
@@ -36,7 +37,7 @@ impl Host {
     /// Records the copy between two barriers: from the state of the image, and back to it.
     ///
     /// # Safety
-    /// The image is alive and in its state, and the buffer holds it.
+    /// The image exists and is in its state, and the buffer is large enough.
     unsafe fn record_copy(
         &self,
         commands: vk::CommandBuffer,
@@ -45,7 +46,7 @@ impl Host {
     ) {
         use vk::{AccessFlags2 as A, ImageLayout as L, PipelineStageFlags2 as S};
         let state = |layout, stages, access| ImageState { layout, stages, access };
-        // The image can be sampled: a layer would refuse this layout otherwise.
+        // The validation layer refuses this layout unless the image can be sampled.
         let sampled =
             state(L::SHADER_READ_ONLY_OPTIMAL, S::FRAGMENT_SHADER, A::SHADER_SAMPLED_READ);
         let copied = state(L::TRANSFER_SRC_OPTIMAL, S::COPY, A::TRANSFER_READ);

@@ -1,5 +1,5 @@
-//! A host: a program with an instance and a device of its own, made by plain Vulkan with what the
-//! engine's requirements say and nothing else, under the validation layers.
+//! A host: a program with its own instance and device under the validation layers. Plain Vulkan
+//! creates them with exactly what the engine's requirements list.
 
 use std::ffi::{CStr, CString, c_void};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -23,7 +23,7 @@ pub struct Host {
     pub physical: vk::PhysicalDevice,
     /// The host's own device.
     pub device: ash::Device,
-    /// Its one queue.
+    /// The only queue of the device.
     pub queue: vk::Queue,
     /// The requirements that the device was made from.
     pub needs: Requirements,
@@ -41,7 +41,7 @@ const BOUND: Duration = Duration::from_secs(60);
 const LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
 impl Host {
-    /// Creates a device of `driver` with exactly what `purpose` requires and can use.
+    /// Creates a device of `driver` with exactly the features that `purpose` requires and can use.
     pub fn new(driver: Driver, purpose: Purpose) -> Self {
         Self::without(driver, purpose, &[], Features::default())
     }
@@ -57,7 +57,7 @@ impl Host {
         Self::through(entry, driver, purpose, extensions, features)
     }
 
-    /// Creates such a device through a loader of the test.
+    /// Creates a device as [`Self::without`] does, through a loader of the test.
     pub fn through(
         entry: ash::Entry,
         driver: Driver,
@@ -94,7 +94,7 @@ impl Host {
             &kept.collect::<Vec<_>>(),
             needs.features().without(features),
         );
-        // SAFETY: the family and index were asked for when the device was created.
+        // SAFETY: the device was created with this family and index.
         let queue = unsafe { device.get_device_queue(needs.queue_family.unwrap(), 0) };
         Self { entry, instance, physical, device, queue, needs, debug, messenger, messages }
     }
@@ -119,36 +119,36 @@ impl Host {
         }
     }
 
-    /// Hands the device to the engine as `description` says, which [`Host::describe`] began.
+    /// Lets the engine adopt the device by a description from [`Host::describe`].
     pub fn try_adopt(&self, description: HostDevice) -> Result<Device, gpu::Error> {
         // SAFETY: the description is of this host's device, which lives until `finish`.
         unsafe { Device::adopt(description) }
     }
 
-    /// Hands the device to the engine: with a queue, or for an executor.
+    /// Lets the engine adopt the device, with a queue or for an executor.
     pub fn adopt(&self, queue: Option<HostQueue>) -> Device {
         self.try_adopt(HostDevice { queue, ..self.describe() }).unwrap()
     }
 
-    /// Says that every frame is over: the host records none, or has waited for all.
+    /// Declares that every frame is over: the host records none, or has waited for all.
     pub fn say_all_is_over(&self, device: &Device) {
         self.say_finished(device).unwrap();
     }
 
-    /// Says the same to a device that may know better.
+    /// Declares that every frame is over, to a device that may refuse it.
     pub fn say_finished(&self, device: &Device) -> Result<(), gpu::Error> {
         self.wait_idle();
         // SAFETY: the wait before.
         unsafe { device.host_finished() }
     }
 
-    /// Returns its queue, to be shared with an engine that takes this lock.
+    /// Returns the host's queue, shared with an engine that takes this lock.
     pub fn share_queue(&self, lock: Arc<dyn HostQueueLock>) -> HostQueue {
         HostQueue { raw: self.queue, lock }
     }
 
-    /// Submits work of its own that runs once, and waits until it is over. `record` gets the
-    /// command buffer; the queue is held by `lock` for the submit.
+    /// Submits work of the host once, and waits until it is over. `record` gets the command buffer.
+    /// `lock` holds the queue during the submit.
     pub fn run_once(&self, lock: &dyn HostQueueLock, record: impl FnOnce(vk::CommandBuffer)) {
         let pool_info = vk::CommandPoolCreateInfo::default()
             .queue_family_index(self.needs.queue_family.unwrap());
@@ -192,7 +192,7 @@ impl Host {
             .unwrap()
     }
 
-    /// Destroys a pipeline cache that nobody uses any more.
+    /// Destroys a pipeline cache that is no longer used.
     pub fn destroy_pipeline_cache(&self, cache: vk::PipelineCache) {
         // SAFETY: a cache of this device; the engine that used it is gone.
         unsafe { self.device.destroy_pipeline_cache(cache, None) };
@@ -201,7 +201,7 @@ impl Host {
     /// Waits until the GPU is idle.
     #[expect(clippy::disallowed_methods, reason = "the device is the host's own")]
     pub fn wait_idle(&self) {
-        // SAFETY: nobody submits meanwhile.
+        // SAFETY: no other thread submits meanwhile.
         unsafe { self.device.device_wait_idle() }.unwrap();
     }
 
@@ -214,7 +214,7 @@ impl Host {
         unsafe { self.device.create_semaphore(&info, None) }.unwrap()
     }
 
-    /// Wraps a timeline for frames of the engine, which are over before it is destroyed.
+    /// Wraps a timeline for frames of the engine. All frames end before the timeline is destroyed.
     pub fn lend_timeline(&self, device: &Device, timeline: vk::Semaphore) -> Timeline {
         // SAFETY: a timeline of this device.
         unsafe { Timeline::from_raw(device, timeline) }.unwrap()
@@ -233,7 +233,7 @@ impl Host {
         unsafe { self.device.get_semaphore_counter_value(timeline) }.unwrap()
     }
 
-    /// Destroys a timeline that nobody uses any more.
+    /// Destroys a timeline that is no longer used.
     pub fn destroy_timeline(&self, timeline: vk::Semaphore) {
         // SAFETY: all frames that waited for it are over.
         unsafe { self.device.destroy_semaphore(timeline, None) };
@@ -244,10 +244,10 @@ impl Host {
         std::mem::take(&mut *lock(&self.messages))
     }
 
-    /// Destroys device and instance, and fails if a layer said anything: leaks are among it.
+    /// Destroys device and instance, and fails if a layer reported anything, including leaks.
     pub fn finish(self) {
         self.wait_idle();
-        // SAFETY: the engine's devices were dropped before, or the layer says so.
+        // SAFETY: the engine's devices were dropped before, or the layer reports it.
         unsafe {
             self.device.destroy_device(None);
             self.debug.destroy_debug_utils_messenger(self.messenger, None);
@@ -293,7 +293,7 @@ fn create_device(
         .queue_create_infos(&queues)
         .enabled_extension_names(&names)
         .push_next(&mut chain);
-    // SAFETY: the requirements name only what the device has.
+    // SAFETY: the requirements contain only features and extensions that the device has.
     unsafe { instance.create_device(physical, &info, None) }.unwrap()
 }
 
@@ -318,7 +318,7 @@ unsafe extern "system" fn on_message(
     let (data, messages) = unsafe { (&*data, &*user_data.cast::<Messages>()) };
     // SAFETY: the name is null or null-terminated.
     let id = unsafe { data.message_id_name_as_c_str() }.unwrap_or_default();
-    // Loaders and drivers look names up at the wrong level, within `vkCreateDevice`.
+    // Loaders and drivers look names up at the wrong level during `vkCreateDevice`.
     if id != c"WARNING-vkGetDeviceProcAddr-device" {
         // SAFETY: the text is null-terminated.
         let text = unsafe { data.message_as_c_str() }.unwrap_or_default();

@@ -8,11 +8,11 @@ use crate::host_device::Host;
 pub struct OwnImage {
     /// The image.
     pub image: vk::Image,
-    /// A view of all of it.
+    /// A view of the whole image.
     pub view: vk::ImageView,
     /// The format.
     pub format: vk::Format,
-    /// The usage that it was created with.
+    /// The usage that the image was created with.
     pub usage: vk::ImageUsageFlags,
     size: [u32; 2],
     memory: vk::DeviceMemory,
@@ -75,8 +75,8 @@ impl OwnImage {
         }
     }
 
-    /// Records its copy to `to`, from the layout of a source of transfers, and back. Of several
-    /// samples per pixel, the mean goes to `resolved` first.
+    /// Records a copy of the image to `to`: from the layout of a transfer source, and back. With
+    /// several samples per pixel, the mean is written to `resolved` first.
     pub fn record_copy(
         &self,
         host: &Host,
@@ -96,7 +96,7 @@ impl OwnImage {
         let transfer = vk::PipelineStageFlags::TRANSFER;
         let none = vk::DependencyFlags::empty();
         use vk::AccessFlags as A;
-        // SAFETY: the image is in the layout that the caller names, and nobody else uses it.
+        // SAFETY: the image is in the layout that the caller names, and has no other user.
         unsafe {
             let mut image = self.image;
             if let Some(resolved) = resolved {
@@ -129,9 +129,9 @@ impl OwnImage {
         }
     }
 
-    /// Destroys it. The GPU is done with it.
+    /// Destroys the object. The GPU must not use it any more.
     pub fn destroy(self, host: &Host) {
-        // SAFETY: made by this host, which says that it is no longer used.
+        // SAFETY: created by this host, and no longer used, as the caller promises.
         unsafe {
             host.device.destroy_image_view(self.view, None);
             host.device.destroy_image(self.image, None);
@@ -150,7 +150,7 @@ impl OwnBuffer {
     pub fn filled(host: &Host, bytes: &[u8], usage: vk::BufferUsageFlags) -> Self {
         let new = Self::of(host, bytes.len() as u64, usage);
         let flags = vk::MemoryMapFlags::empty();
-        // SAFETY: mapped, written, and unmapped again, before anyone reads.
+        // SAFETY: mapped, written, and unmapped again, before the first read.
         unsafe {
             let to = host.device.map_memory(new.memory, 0, new.size_bytes, flags).unwrap();
             to.cast::<u8>().copy_from_nonoverlapping(bytes.as_ptr(), bytes.len());
@@ -172,10 +172,10 @@ impl OwnBuffer {
         }
     }
 
-    /// Returns the bytes. The GPU is done with the buffer.
+    /// Returns the bytes. The GPU must not use the buffer any more.
     pub fn bytes(&self, host: &Host) -> Vec<u8> {
         let flags = vk::MemoryMapFlags::empty();
-        // SAFETY: mapped, read, and unmapped again, while nobody writes.
+        // SAFETY: mapped, read, and unmapped again, without a write meanwhile.
         unsafe {
             let bytes = host.device.map_memory(self.memory, 0, self.size_bytes, flags).unwrap();
             let copy = std::slice::from_raw_parts(bytes.cast(), self.size_bytes as usize).to_vec();
@@ -184,9 +184,9 @@ impl OwnBuffer {
         }
     }
 
-    /// Destroys it. The GPU is done with it.
+    /// Destroys the object. The GPU must not use it any more.
     pub fn destroy(self, host: &Host) {
-        // SAFETY: made by this host, which says that it is no longer used.
+        // SAFETY: created by this host, and no longer used, as the caller promises.
         unsafe {
             host.device.destroy_buffer(self.buffer, None);
             host.device.free_memory(self.memory, None);
@@ -194,7 +194,7 @@ impl OwnBuffer {
     }
 }
 
-/// Returns the change of the whole of a colour image.
+/// Returns a barrier for the whole of a colour image.
 fn change(
     image: vk::Image,
     old: vk::ImageLayout,

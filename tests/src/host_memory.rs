@@ -1,4 +1,4 @@
-//! A host's memory of the CPU: allocation callbacks that count.
+//! The host memory of a host: allocation callbacks that count.
 
 use std::alloc::{Layout, alloc, dealloc};
 use std::ffi::c_void;
@@ -13,11 +13,11 @@ pub struct HostMemory {
     made: AtomicU64,
 }
 
-/// The bytes before each block that hold its size, and its alignment at least.
+/// The least number of bytes before a block, which hold the block's size and alignment.
 const HEADER: usize = 16;
 
 impl HostMemory {
-    /// Returns the callbacks. They count as long as the program runs.
+    /// Returns the callbacks, which count until the program ends.
     pub fn callbacks(&'static self) -> vk::AllocationCallbacks<'static> {
         vk::AllocationCallbacks::default()
             .user_data(std::ptr::from_ref(self).cast_mut().cast())
@@ -26,12 +26,12 @@ impl HostMemory {
             .pfn_free(Some(free))
     }
 
-    /// Returns the number of blocks that were taken and not given back.
+    /// Returns the number of blocks that were allocated and not freed.
     pub fn live(&self) -> i64 {
         self.live.load(Ordering::Relaxed)
     }
 
-    /// Returns the number of blocks that were ever taken.
+    /// Returns the number of all blocks that were ever allocated.
     pub fn made(&self) -> u64 {
         self.made.load(Ordering::Relaxed)
     }
@@ -69,7 +69,7 @@ unsafe extern "system" fn reallocate(
     alignment: usize,
     scope: vk::SystemAllocationScope,
 ) -> *mut c_void {
-    // SAFETY: blocks are those of `allocate`, with a header; the copy stays within both.
+    // SAFETY: `allocate` returned the blocks, with a header; the copy stays within both.
     unsafe {
         if size == 0 {
             free(user_data, block);

@@ -1,12 +1,12 @@
-//! A host that draws over finished images by Vulkan's own commands.
+//! A host that draws over finished images by plain Vulkan commands.
 
 use ash::vk;
 use gpu::{Commands, Device, OverlayImage};
 use render::{Error, HostOverlay};
 
-/// A rectangle of one colour over images, by `vkCmdClearAttachments` in a rendering of its own.
+/// A rectangle of one colour over images, drawn by `vkCmdClearAttachments` in its own rendering.
 pub struct ClearedRectangle {
-    /// The device that the images are of.
+    /// The device of the images.
     pub device: Device,
     /// Its upper left corner, in pixels.
     pub origin: [u32; 2],

@@ -1,4 +1,5 @@
-//! Render pass objects of a host: one that clears and one that keeps, over a colour and a depth.
+//! Render pass objects of a host with colour and depth: one that clears, and one that keeps the
+//! contents.
 
 use ash::vk;
 use gpu::{Attachments, HostPass};
@@ -15,7 +16,7 @@ pub struct OwnPasses {
 }
 
 impl OwnPasses {
-    /// Creates passes over images of so many samples.
+    /// Creates passes for images with this number of samples.
     pub fn new(
         host: &Host,
         colour: &OwnImage,
@@ -60,7 +61,7 @@ impl OwnPasses {
         Self { device: host.device.clone(), passes, framebuffer, size }
     }
 
-    /// Returns these attachments as those of the passes.
+    /// Returns these attachments with the passes as their render passes.
     pub fn attachments(&self, attachments: Attachments) -> Attachments {
         let pass = HostPass { render_pass: self.raw(), subpass: 0 };
         Attachments { pass: Some(pass), ..attachments }
@@ -71,7 +72,8 @@ impl OwnPasses {
         self.passes[0]
     }
 
-    /// Begins the pass that clears, to opaque black and depth 0, or the one that keeps.
+    /// Begins the pass that clears (to opaque black and depth 0), or the pass that keeps the
+    /// contents.
     pub fn begin(&self, commands: vk::CommandBuffer, rendering: occlusion::Rendering) {
         let clear = [
             vk::ClearValue { color: vk::ClearColorValue { float32: [0.0, 0.0, 0.0, 1.0] } },
@@ -96,9 +98,9 @@ impl OwnPasses {
         unsafe { self.device.cmd_end_render_pass(commands) };
     }
 
-    /// Destroys them. The GPU is done with them.
+    /// Destroys the passes. The GPU must not use them any more.
     pub fn destroy(self) {
-        // SAFETY: made by this host, which says that they are no longer used.
+        // SAFETY: created by this host, and no longer used, as the caller promises.
         unsafe {
             self.device.destroy_framebuffer(self.framebuffer, None);
             self.passes.iter().for_each(|pass| self.device.destroy_render_pass(*pass, None));

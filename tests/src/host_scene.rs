@@ -1,5 +1,5 @@
-//! The boxes of a host in a [`CulledScene`]: drawn under the engine's answers, and again by brute
-//! force, in frames of the host. The images must be the same.
+//! The boxes of a host in a [`CulledScene`]. Frames of the host draw them with the engine's
+//! culling, and again by brute force. The images must be the same.
 
 use std::collections::BTreeMap;
 
@@ -30,7 +30,7 @@ pub const IN_FLIGHT: usize = 2;
 
 /// The buckets that boxes are drawn in, in turn.
 const BUCKETS: u32 = 3;
-/// The place of boxes that are gone.
+/// The box of removed boxes.
 const NOWHERE: Aabb = Aabb { min: Vec3::splat(1.0e6), max: Vec3::splat(1.0e6) };
 
 /// The choices of a host with boxes.
@@ -42,15 +42,15 @@ pub struct BoxOptions<'a> {
     pub samples: vk::SampleCountFlags,
     /// The owner of the renderings.
     pub renderings: RenderingOwner,
-    /// The number of objects that there is room for at first.
+    /// The number of objects that fit at first.
     pub room: usize,
     /// The way that hidden draws are skipped; `None` takes the device's best.
     pub predication: Option<PredicationMode>,
-    /// Two where the host draws from lists.
+    /// Two phases if the host draws from lists.
     pub draw_phases: DrawPhases,
-    /// The assumptions about the driver that are taken as broken.
+    /// The assumptions about the driver that count as broken.
     pub disabled: &'a [DriverAssumption],
-    /// The costs that decide, if any do.
+    /// The costs that decide about tests, if there are any.
     pub costs: Option<&'a DeviceCosts>,
 }
 
@@ -86,7 +86,7 @@ pub struct ComparedScene<'a> {
     pub scene: CulledScene,
     draw_phases: DrawPhases,
     views: Vec<ComparedView>,
-    /// The boxes by instance; those that are gone are nowhere.
+    /// The boxes by instance; removed boxes are `NOWHERE`.
     boxes: Vec<Aabb>,
     unused: Vec<u32>,
     instances: BTreeMap<ObjectId, u32>,
@@ -160,10 +160,10 @@ impl<'a> ComparedScene<'a> {
         self.instances.keys().copied()
     }
 
-    /// Adds boxes in bulk.
+    /// Adds several boxes at once.
     ///
     /// # Errors
-    /// That of [`CulledScene::add`]: nothing of it is drawn by brute force then.
+    /// The error of [`CulledScene::add`]. Brute force then draws none of these boxes.
     pub fn add(&mut self, boxes: &[Aabb]) -> Result<Vec<ObjectId>, Error> {
         let mut instance = || {
             self.unused.pop().unwrap_or_else(|| {
@@ -199,7 +199,7 @@ impl<'a> ComparedScene<'a> {
         Ok(ids)
     }
 
-    /// Takes boxes out.
+    /// Removes boxes.
     pub fn remove(&mut self, objects: &[ObjectId]) {
         self.scene.remove(objects).unwrap();
         for object in objects {
@@ -220,7 +220,7 @@ impl<'a> ComparedScene<'a> {
         self.scene.move_to(&moved).unwrap();
     }
 
-    /// Records the views into a frame, a camera each, and gives the frame back.
+    /// Records the views into a frame, with one camera per view, and returns the frame.
     ///
     /// # Errors
     /// The errors of [`CulledScene::begin`] and of [`occlusion::FrameScope::record`].
@@ -282,7 +282,7 @@ impl<'a> ComparedScene<'a> {
         }
     }
 
-    /// Notes that the frame was ended; its images are compared later if it runs.
+    /// Notes that the frame has ended. Its images are compared later if it runs.
     pub fn ended(&mut self, tick: Tick, SlotIndex(slot): SlotIndex, runs: Runs) {
         let scene = &self.scene;
         self.views.iter_mut().for_each(|view| view.state.submitted(tick, scene, None));
@@ -309,7 +309,8 @@ impl<'a> ComparedScene<'a> {
         self.views.iter().map(|view| &view.state)
     }
 
-    /// Takes the fewest draws of a frame of any view that drew: one that never ran is not known to.
+    /// Takes the smallest number of draws in a frame of any view. Frames that never ran do not
+    /// count.
     pub fn fewest_draws(&mut self) -> Option<u64> {
         let completed = self.device.completed().unwrap();
         let drawn = self.views.iter_mut().flat_map(|view| {
@@ -332,7 +333,7 @@ impl<'a> ComparedScene<'a> {
     }
 }
 
-/// The target of a host, its colour and depth, its render passes, and the resolved colour.
+/// The target of a host with its colour, depth, render passes, and resolved colour.
 type HostTarget = (Target, OwnImage, OwnImage, Option<OwnPasses>, Option<OwnImage>);
 
 /// Creates images, and the target over them.

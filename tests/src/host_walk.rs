@@ -1,9 +1,9 @@
-//! A walk of hosts past boxes: most are hidden, and the eye jumps so that some show at once.
+//! A walk of hosts past boxes. Most boxes are hidden, and jumps of the eye reveal some at once.
 
 use cull::{Aabb, Camera, Projection};
 use glam::{Vec3, vec3};
 
-/// Returns a wall, and a thousand boxes behind it of which those at its edge show.
+/// Returns a wall and a thousand boxes behind it. The boxes at the edge of the wall show.
 pub fn boxes() -> Vec<Aabb> {
     let wall = Aabb::new(vec3(-4.0, -3.0, -6.0), vec3(4.0, 3.0, -5.5));
     let small = (0..1_000).map(|number| {
@@ -14,7 +14,7 @@ pub fn boxes() -> Vec<Aabb> {
     std::iter::once(wall).chain(small).collect()
 }
 
-/// Returns the camera of a frame: it moves, and jumps to another side of the wall at times.
+/// Returns the camera of a frame, which moves and sometimes jumps to another side of the wall.
 pub fn camera(frame: u64) -> Camera {
     let side = (frame / 6 % 3) as f32 - 1.0;
     let eye = vec3(side * 9.0 + frame as f32 * 0.08, 0.0, 3.0);

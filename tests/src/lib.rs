@@ -1,6 +1,6 @@
 //! The harness of the GPU tests: a device per test, and a failure on any validation message.
 //!
-//! A missing driver or layer fails a test: a test that passes because nothing ran proves nothing.
+//! A missing driver or layer fails a test, since a test that passes without running proves nothing.
 // A harness fails by panicking.
 #![allow(clippy::panic, clippy::expect_used, clippy::unwrap_used)]
 #![allow(unsafe_code, reason = "a host calls Vulkan itself")]
@@ -47,9 +47,9 @@ use gpu::{Device, DeviceOptions, Instance, InstanceOptions, Message, Validation}
 /// A software driver that every machine can have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Driver {
-    /// Mesa's, with conditional rendering.
+    /// Mesa's driver, with conditional rendering.
     Lavapipe,
-    /// Google's, with less: no conditional rendering, no draw counts.
+    /// Google's driver, without conditional rendering and draw counts.
     SwiftShader,
 }
 
@@ -57,8 +57,8 @@ impl Driver {
     /// Both drivers, in the order in which tests run on them.
     pub const ALL: [Driver; 2] = [Driver::Lavapipe, Driver::SwiftShader];
 
-    /// Returns a part of its device's name; that of a GPU for lavapipe, if the environment variable
-    /// `ANTUMBRA_TEST_DEVICE` names one.
+    /// Returns a part of the name of the driver's device. If the environment variable
+    /// `ANTUMBRA_TEST_DEVICE` names a GPU, the GPU replaces lavapipe.
     pub fn device_name(self) -> &'static str {
         static NAMED: OnceLock<Option<String>> = OnceLock::new();
         let named = NAMED.get_or_init(|| std::env::var("ANTUMBRA_TEST_DEVICE").ok());
@@ -76,7 +76,7 @@ pub fn open(driver: Driver) -> (Instance, Device) {
     let adapter = instance.pick_adapter(Some(driver.device_name())).unwrap_or_else(|error| {
         panic!("{error}\nRun `ci/setup --tests` and `. ci/env` first: these tests need {driver:?}.")
     });
-    // Short, so that a test that fails while it holds the GPU back ends soon.
+    // Short, so that a test ends soon if it fails while it holds the GPU back.
     let options = DeviceOptions { wait_bound: Duration::from_secs(60), ..Default::default() };
     let device = Device::new(&instance, &adapter, &options);
     (instance, device.expect("a device"))
@@ -85,9 +85,9 @@ pub fn open(driver: Driver) -> (Instance, Device) {
 /// Waits until no other test of this process has an instance, and blocks them until the calling
 /// thread, and with it the test, ends.
 ///
-/// Devices that share nothing harm each other all the same: the validation layer of Debian 12 looks
-/// devices up in a table that other threads change, the loader does so in a list (Vulkan-Loader,
-/// issue 2018).
+/// Devices that share nothing still interfere with each other. The validation layer of Debian 12
+/// looks devices up in a table that other threads change; the loader does the same with a list
+/// (Vulkan-Loader, issue 2018).
 pub fn take_turn() {
     static TURN: Mutex<()> = Mutex::new(());
     thread_local! {
@@ -101,7 +101,7 @@ pub fn instance() -> Instance {
     instance_with(gpu::load_entry().unwrap_or_else(|error| panic!("{error}")))
 }
 
-/// Returns an instance with synchronization validation through an entry of the test's own.
+/// Returns an instance with synchronization validation, through an entry of the test.
 pub fn instance_with(entry: gpu::Entry) -> Instance {
     instance_for(entry, None)
 }
@@ -119,7 +119,7 @@ pub fn instance_for(entry: gpu::Entry, windows: Option<gpu::WindowSystem>) -> In
     })
 }
 
-/// Runs `test` on `driver` and returns the layers' messages until everything was destroyed.
+/// Runs `test` on `driver`. Returns all messages of the layers, including the destruction.
 pub fn messages_of(driver: Driver, test: impl FnOnce(&Device)) -> Vec<Message> {
     let (instance, device) = open(driver);
     test(&device);
@@ -130,7 +130,7 @@ pub fn messages_of(driver: Driver, test: impl FnOnce(&Device)) -> Vec<Message> {
     log.drain()
 }
 
-/// Runs `test` on `driver`; any validation message fails it.
+/// Runs `test` on `driver`, and fails on any validation message.
 pub fn run(driver: Driver, test: impl FnOnce(&Device)) {
     let messages = messages_of(driver, test);
     assert!(messages.is_empty(), "the validation layer said on {driver:?}: {messages:#?}");

@@ -1,4 +1,4 @@
-//! Boxes drawn by a pipeline that is not the renderer's, each in a colour of its own.
+//! Boxes drawn by a pipeline outside the renderer, each in its own colour.
 
 use cull::{Aabb, CullView, Hierarchy};
 use gpu::{
@@ -10,7 +10,7 @@ use occlusion::{
     ShaderSet,
 };
 
-/// The indices of a box as `box.glsl` makes it up: three faces of two triangles.
+/// The indices of a box as `box.glsl` generates it: three faces of two triangles.
 pub const BOX_INDICES: u32 = 18;
 
 /// Colours a box by its number, so that no two look the same.
@@ -47,7 +47,7 @@ pub struct NumberedBoxes {
     pipeline: GraphicsPipeline,
     boxes: BufferSlice,
     indices: Buffer,
-    /// The constants of the views, where several are drawn at once.
+    /// The constants of the views, if several are drawn at once.
     eyes: Option<Buffer>,
 }
 
@@ -74,9 +74,10 @@ impl NumberedBoxes {
         self.boxes = boxes;
     }
 
-    /// Takes the views that are drawn at once from the next frame on, for a pipeline of so many.
+    /// Sets the views that are drawn at once from the next frame on. The pipeline has this number
+    /// of views.
     pub fn take_views(&mut self, device: &Device, views: &[CullView]) {
-        // As `eye.glsl` has it; the shader reads no more.
+        // As in `eye.glsl`; the shader reads only this.
         let eye = |view: &CullView| {
             let mut eye = [0.0_f32; 28];
             eye[..16].copy_from_slice(&view.view_proj.to_cols_array());
@@ -94,7 +95,7 @@ impl NumberedBoxes {
             Some(eyes) => commands.bind(&self.pipeline, &[self.boxes, self.boxes, eyes.whole()]),
             None => commands.bind(&self.pipeline, &[self.boxes]),
         }
-        // The shader makes up its vertices: any vertex buffer does.
+        // The shader generates its vertices, so any vertex buffer will do.
         commands.bind_geometry(self.indices.whole(), Some(self.indices.whole()));
         if self.eyes.is_some() {
             return;

@@ -1,4 +1,4 @@
-//! Matrices of a host: those of cameras, with everything that a host may do to them.
+//! Matrices of a host: the matrices of cameras with all changes that a host may make.
 
 use cull::{Camera, ClipY, CullView, DepthConvention, ViewProjection};
 use glam::{Mat4, Vec2, Vec4};
@@ -14,7 +14,7 @@ pub struct Lens {
     pub far: Option<f32>,
     /// The middle of the image, in halves of the image.
     pub off_centre: Vec2,
-    /// The jitter (pixels), another one in each frame.
+    /// The jitter (pixels), which differs between frames.
     pub jitter_pixels: f32,
 }
 
@@ -53,7 +53,7 @@ impl Lens {
         ViewProjection { matrix: changed * plain.view_proj, depth: self.depth, y: self.y }
     }
 
-    /// Returns the view of a frame of `camera` on a device that snaps so finely.
+    /// Returns the view of a frame of `camera` on a device with this sub-pixel precision.
     pub fn view(&self, camera: &Camera, frame: u64, size: [u32; 2], bits: u32) -> CullView {
         CullView::from_matrix(&self.projection(camera, frame, size), size, bits)
             .expect("a projection")

@@ -1,5 +1,5 @@
-//! The formulas of glTF 2.0 (appendix B), KHR_lights_punctual and Khronos PBR Neutral, as written
-//! there, in double precision: the reference for the shaders.
+//! The reference for the shaders: the formulas of glTF 2.0 (appendix B), KHR_lights_punctual and
+//! Khronos PBR Neutral as in their specifications, in double precision.
 
 use glam::{DVec3, dvec3};
 use std::f64::consts::PI;
@@ -26,35 +26,35 @@ pub struct ReferencePoint {
 /// A light, with its properties of KHR_lights_punctual.
 #[derive(Debug, Clone, Copy)]
 pub enum ReferenceLight {
-    /// Light from everywhere along a direction.
+    /// A light of parallel rays.
     Directional {
-        /// Unit vector to it.
+        /// Unit vector to the light.
         towards: DVec3,
         /// The illuminance of each colour, in lux.
         lux: DVec3,
     },
-    /// Light from a place in all directions.
+    /// A light that shines from a point in all directions.
     Point {
         /// The position in the world, in metres.
         position: DVec3,
         /// The intensity of each colour, in candela.
         candela: DVec3,
-        /// Its range, in metres.
+        /// The range, in metres.
         range: Option<f64>,
     },
-    /// Light from a place into a cone.
+    /// A light that shines from a point into a cone.
     Spot {
         /// The position in the world, in metres.
         position: DVec3,
         /// The intensity of each colour, in candela.
         candela: DVec3,
-        /// Its range, in metres.
+        /// The range, in metres.
         range: Option<f64>,
-        /// Unit vector along which it shines.
+        /// Unit vector in the direction of the light.
         along: DVec3,
-        /// Half the angle of its full strength, in radians.
+        /// Half the angle of the cone of full strength, in radians.
         inner: f64,
-        /// Half the angle beyond which it is dark, in radians.
+        /// Half the angle of the whole cone, in radians; darkness lies beyond.
         outer: f64,
     },
 }
@@ -100,7 +100,7 @@ fn brdf(point: &ReferencePoint, v: DVec3, l: DVec3) -> DVec3 {
     lerp(dielectric, metal, point.metallic)
 }
 
-/// Returns the light at a place, and the direction to it.
+/// Returns the light that arrives at a place, and the direction to the light.
 fn arriving(light: &ReferenceLight, place: DVec3) -> (DVec3, DVec3) {
     let falloff = |position: DVec3, range: Option<f64>| {
         let distance = (position - place).length();
@@ -148,7 +148,7 @@ pub fn radiance(
     sum + (diffuse * hemisphere(point.normal.y) + specular * hemisphere(up)) * point.occlusion
 }
 
-/// Returns the colour after Khronos PBR Neutral.
+/// Returns the colour after the tone mapping of Khronos PBR Neutral.
 pub fn tone_mapped(light: DVec3) -> DVec3 {
     const F90: f64 = 0.04;
     const K_S: f64 = 0.8 - F90;

@@ -9,14 +9,15 @@ use scene::{pack_unorm, unpack_normal};
 use crate::shapes::{coloured_cubes, cube};
 use crate::window_fixture::Random;
 
-/// A scene of a public report.
+/// A scene from a public report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reported {
     /// Two walls with a narrow gap, and what shows through it (Godot 53288).
     Gap,
-    /// A wall with an opening at the image's edge, a large block behind it (Godot 94210).
+    /// A wall with an opening at the edge of the image, and a large block behind it (Godot 94210).
     Opening,
-    /// A large box almost off screen behind another that covers nearly all of it (Godot 70516).
+    /// A large box, almost off screen, behind another box that covers nearly all of it (Godot
+    /// 70516).
     Edge,
     /// Touching tiles of a floor, seen in parallel (Godot 113329).
     Tiles,
@@ -32,11 +33,11 @@ pub struct Provocation {
     pub scene: Scene,
     /// The index of the object that other engines leave out.
     pub subject: usize,
-    /// A slow walk: the subject hides and shows, but for a sky, which always shows.
+    /// A slow walk: the subject becomes hidden and visible, except for a sky, which always shows.
     pub walk: Vec<Camera>,
-    /// 64 eyes without any order: the camera jumps.
+    /// 64 unordered eyes: the camera jumps.
     pub jumps: Vec<Camera>,
-    /// The number of the walk's camera that shows what the report is about.
+    /// The index of the walk's camera that shows the subject of the report.
     pub portrait: usize,
 }
 
@@ -51,7 +52,7 @@ impl Reported {
         Reported::Sky,
     ];
 
-    /// Returns its name in file names.
+    /// Returns the name of the report in file names.
     pub fn name(self) -> &'static str {
         match self {
             Reported::Gap => "gap",
@@ -77,8 +78,8 @@ impl Reported {
 }
 
 impl Provocation {
-    /// Returns the same scene for a reference that depends on no culling: each mesh has a triangle
-    /// without area whose corners are so far away that its objects are in every frustum.
+    /// Returns the scene for a reference without any culling. Each mesh gets a triangle without
+    /// area whose corners are so far away that its objects are in every frustum.
     pub fn drawn_whole(&self) -> Scene {
         let mut scene = self.scene.clone();
         for mesh in &mut scene.meshes {
@@ -136,7 +137,8 @@ impl Blocks {
         self.place(BALL, centre - radius, centre + radius, colour)
     }
 
-    /// Places balls and blocks in a lattice between two corners: groups, to be tested as such.
+    /// Places balls and blocks in a lattice between two corners, as groups that are tested
+    /// together.
     fn crowd(&mut self, low: Vec3, high: Vec3, counts: [u32; 3]) {
         let [columns, rows, layers] = counts;
         let step = (high - low) / vec3(columns as f32, rows as f32, layers as f32);
@@ -194,7 +196,7 @@ fn ball(colour: u32) -> Mesh {
     }
 }
 
-/// Returns one mesh of several meshes, each placed so that its unit cube fills a box.
+/// Combines several meshes into one. Each is placed so that its unit cube fills a box.
 fn joined(name: &str, parts: &[(&Mesh, Vec3, Vec3)]) -> Mesh {
     let mut vertices = Vec::new();
     let mut indices = Vec::new();
@@ -210,7 +212,7 @@ fn joined(name: &str, parts: &[(&Mesh, Vec3, Vec3)]) -> Mesh {
     Mesh { name: name.to_owned(), vertices, indices, bounds, has_backs: false }
 }
 
-/// Returns a camera as games have: 75 degrees, the near plane at 5 cm.
+/// Returns a typical camera of games: 75 degrees, the near plane at 5 cm.
 fn camera(eye: Vec3, forward: Vec3) -> Camera {
     Camera { eye, forward, up: Vec3::Y, projection: Projection::perspective(1.309), near: 0.05 }
 }
@@ -222,7 +224,7 @@ fn turned(left_deg: f32, up_deg: f32) -> Vec3 {
     vec3(-left.sin() * up.cos(), up.sin(), -left.cos() * up.cos())
 }
 
-/// Returns 64 eyes between two corners that look about towards `target`, a little rolled.
+/// Returns 64 slightly rolled eyes between two corners, which look roughly towards `target`.
 fn jumps(seed: u64, low: Vec3, high: Vec3, target: Vec3) -> Vec<Camera> {
     let mut random = Random::new(seed);
     let mut part = || random.below(1 << 20) as f32 / (1 << 20) as f32;
@@ -236,7 +238,7 @@ fn jumps(seed: u64, low: Vec3, high: Vec3, target: Vec3) -> Vec<Camera> {
     (0..64).map(|_| eye()).collect()
 }
 
-/// Returns `count` cameras along numbers from 0 to 1.
+/// Returns `count` cameras for evenly spaced parameters from 0 to 1.
 fn steps(count: usize, at: impl Fn(f32) -> Camera) -> Vec<Camera> {
     (0..count).map(|step| at(step as f32 / (count - 1) as f32)).collect()
 }

@@ -1,4 +1,4 @@
-//! Rays against the triangles of a scene, as it stands.
+//! Rays against the triangles of a scene in its current state.
 
 use cull::{Aabb, Camera};
 use glam::{DAffine3, DVec3, Vec3};
@@ -17,16 +17,16 @@ struct Placed {
     to_mesh: DAffine3,
 }
 
-/// The place where a ray meets a triangle.
+/// The intersection of a ray and a triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct Met {
     /// The place in the world.
     pub place: DVec3,
-    /// The unit normal of the triangle, towards where the ray comes from.
+    /// The unit normal of the triangle, towards the origin of the ray.
     pub normal: DVec3,
 }
 
-/// The triangles that a ray meets.
+/// The triangles that a ray can meet.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Sides {
     Fronts,
@@ -34,7 +34,7 @@ enum Sides {
 }
 
 impl SceneRays {
-    /// Takes the triangles of all objects that are not transparent.
+    /// Collects the triangles of all objects that are not transparent.
     pub fn new(scene: &Scene) -> Self {
         let meshes = scene.meshes.iter().map(|mesh| {
             let place =
@@ -60,7 +60,8 @@ impl SceneRays {
         Self { meshes: meshes.collect(), objects: objects.collect() }
     }
 
-    /// Returns what a place in an image of `size` pixels shows to a camera of an angle of 1 radian.
+    /// Returns the point that a place in an image of `size` pixels shows. The camera has an angle
+    /// of 1 radian.
     pub fn shown_at(&self, camera: &Camera, size: [u32; 2], place: [f64; 2]) -> Option<Met> {
         let [x, y] = place;
         let [width, height] = size.map(f64::from);
@@ -88,7 +89,7 @@ impl SceneRays {
             if !enters(&placed.bounds, from, along).is_some_and(|at| at < before) {
                 continue;
             }
-            // A transform changes no distance in lengths of the ray.
+            // A transform does not change distances in lengths of the ray.
             let start = placed.to_mesh.transform_point3(from);
             let way = placed.to_mesh.transform_vector3(along);
             let is_mirrored = placed.to_world.matrix3.determinant() < 0.0;
@@ -107,7 +108,7 @@ impl SceneRays {
     }
 }
 
-/// Returns where a ray enters a box, in lengths of `along`.
+/// Returns the distance at which a ray enters a box, in lengths of `along`.
 fn enters(bounds: &Aabb, from: DVec3, along: DVec3) -> Option<f64> {
     let low = (bounds.min.as_dvec3() - from) / along;
     let high = (bounds.max.as_dvec3() - from) / along;
@@ -116,7 +117,8 @@ fn enters(bounds: &Aabb, from: DVec3, along: DVec3) -> Option<f64> {
     (near <= far && far > 0.0).then_some(near.max(0.0))
 }
 
-/// Returns where a ray meets a triangle, in lengths of `along`, and true for its front.
+/// Returns the distance at which a ray meets a triangle, in lengths of `along`, and true for its
+/// front.
 fn hit(corners: &[DVec3; 3], from: DVec3, along: DVec3) -> Option<(f64, bool)> {
     let [a, b, c] = corners;
     let ab = b - a;

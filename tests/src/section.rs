@@ -32,7 +32,7 @@ impl Solid {
         solid
     }
 
-    /// Returns a cube around the origin with a hole along y: a polygon of so many corners.
+    /// Returns a cube around the origin with a hole along y, a polygon with this number of corners.
     pub fn bored_cube(side_m: f32, radius_m: f32, corners: u32) -> Self {
         let half = side_m * 0.5;
         let mut solid = Self::default();
@@ -83,7 +83,7 @@ impl Solid {
     }
 }
 
-/// Returns a scene of solids in colours of their own, each at its place.
+/// Returns a scene of solids, each with its own colour and place.
 pub fn scene_of(solids: &[(Solid, [f32; 3], Vec3)]) -> Scene {
     let object = |(mesh, (.., place)): (u32, &(Solid, [f32; 3], Vec3))| Object {
         mesh: MeshId(mesh),
@@ -104,7 +104,7 @@ pub fn plane(normal: [f64; 3], offset_m: f64) -> SectionPlane {
     SectionPlane::new(DVec3::from(normal), offset_m).expect("a plane")
 }
 
-/// Returns planes of which all must keep a point.
+/// Returns section planes that keep the points on the inner side of every plane.
 pub fn planes(planes: &[SectionPlane]) -> SectionPlanes {
     SectionPlanes::new(planes, SectionMode::Intersection).expect("planes")
 }

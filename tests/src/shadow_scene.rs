@@ -72,7 +72,7 @@ pub fn scene(boxes: &[Aabb], lights: &[PunctualLight]) -> Scene {
     }
 }
 
-/// Returns the transform of the unit cube to a box.
+/// Returns the transform from the unit cube to a box.
 pub fn transform_of(bounds: &Aabb) -> Affine3A {
     let size = bounds.max - bounds.min;
     Affine3A::from_scale_rotation_translation(size, Quat::IDENTITY, bounds.min)

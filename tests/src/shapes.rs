@@ -1,4 +1,4 @@
-//! The simplest things to draw: boxes, as occluders, as tests, and as whole scenes.
+//! The simplest shapes: boxes as occluders, as tests, and as whole scenes.
 
 use bytemuck::{Pod, Zeroable};
 use cull::{Aabb, Camera, CullView, Projection};
@@ -61,7 +61,7 @@ pub fn proxy_pass(device: &Device) -> ProxyPass {
     ProxyPass::new(device, &shaders, Attachments::default()).expect("a pipeline")
 }
 
-/// Returns a camera at the origin that looks along -z and sees a right angle.
+/// Returns a camera at the origin that looks along -z, with a field of view of 90 degrees.
 pub fn square_camera() -> Camera {
     Camera {
         eye: Vec3::ZERO,
@@ -103,8 +103,8 @@ pub fn box_scene(boxes: &[Aabb]) -> Scene {
     }
 }
 
-/// Returns unit cubes in so many colours, one mesh each, as `objects` place them. Their surfaces
-/// have these colours in any light.
+/// Returns unit cubes in several colours, with a mesh per colour, placed by `objects`. Their
+/// surfaces have these colours in any light.
 pub fn coloured_cubes(colours: u32, objects: Vec<Object>) -> Scene {
     let channel =
         |number: u32, by: u32| 0.1 + 0.9 * (number * by % colours) as f32 / colours as f32;
@@ -142,12 +142,11 @@ pub fn surface_of(mesh: &Mesh, material: MaterialId) -> SurfaceMesh {
     SurfaceMesh { vertices: mesh.vertices.iter().map(vertex).collect(), material }
 }
 
-/// Quads along a side of a face: an odd number, so that no vertex of a face meets its middle.
+/// Quads along a side of a face: an odd number, so that no vertex is in the middle of a face.
 const QUADS: u32 = 7;
 
-/// Returns the unit cube, counter-clockwise from outside. Its faces are cut into quads: every
-/// vertex along an edge is snapped to the sub-pixel grid by itself, which a proxy's long edge is
-/// not.
+/// Returns the unit cube, counter-clockwise from outside, with faces cut into quads. Each vertex
+/// along an edge is snapped to the sub-pixel grid individually, unlike the long edge of a proxy.
 pub fn cube(colour: u32, quads: u32) -> Mesh {
     let mut vertices = Vec::new();
     let mut indices = Vec::new();

@@ -1,4 +1,4 @@
-//! Single frames, drawn and waited for.
+//! Single frames: drawn, then awaited.
 
 use cull::{Camera, Strategy};
 use gpu::{Device, Readback};
@@ -19,7 +19,7 @@ pub fn image(
     image.rgba8().expect("an image").to_vec()
 }
 
-/// Draws the first frame of a new renderer, with all that is in view.
+/// Draws the first frame of a new renderer, with everything in view.
 pub fn first_image(
     device: &Device,
     scene: &Scene,

@@ -1,4 +1,4 @@
-//! A studio: draws a scene with surfaces, pass by pass, with nothing culled.
+//! A studio that draws a scene with surfaces, pass by pass and without culling.
 
 use bytemuck::{Pod, Zeroable};
 use cull::{Camera, CullView, Hierarchy};
@@ -118,8 +118,7 @@ pub fn image(
     readback.rgba8().expect("an image").to_vec()
 }
 
-/// Returns a scene of these meshes, one object of each at its place, without light other than its
-/// own.
+/// Returns a scene with one object per mesh, at its place, and without lights.
 pub fn scene(
     meshes: Vec<(Mesh, SurfaceMesh)>,
     transforms: &[Affine3A],
@@ -163,10 +162,10 @@ pub fn mesh(
     )
 }
 
-/// Returns a square of the image that [`square_camera`](crate::shapes::square_camera) takes,
-/// `side` pixels large: from one corner of pixels to another, `distance_m` away, facing the camera.
-/// Coordinates of textures go from the upper left (`uv[0]`) to the lower right (`uv[1]`), in both
-/// sets; `change` may change the vertices.
+/// Returns a rectangle between two corners of pixels, `distance_m` away and facing the camera. The
+/// image is taken by [`square_camera`](crate::shapes::square_camera) and has a side of `side`
+/// pixels. Texture coordinates go from the upper left (`uv[0]`) to the lower right (`uv[1]`), in
+/// both sets; `change` may change the vertices.
 pub fn quad(
     side: u32,
     from: [u32; 2],

@@ -35,7 +35,7 @@ impl SceneKind {
 /// Shows a motion at `frame`.
 ///
 /// # Errors
-/// As [`Renderer::update`]; then the scene and `cast` are as they were.
+/// As [`Renderer::update`]. After an error, the scene and `cast` are unchanged.
 pub fn show_motion(
     renderer: &mut Renderer,
     motion: &Motion,
@@ -54,16 +54,16 @@ pub struct Found {
     pub frames: u32,
     /// Pixels that differed, over all frames.
     pub pixels_wrong: usize,
-    /// Waits other than for slots, in the frame loops.
+    /// Waits in the frame loops, except waits for slots.
     pub blocking_waits: u64,
-    /// The oldest answer that was read back, in frames.
+    /// The age of the oldest answer that was read back, in frames.
     pub oldest_answer_frames: u64,
-    /// Objects drawn by plain frustum culling and by the strategy, over all frames.
+    /// The number of objects drawn by frustum culling and by the strategy, over all frames.
     pub draws: [u64; 2],
 }
 
-/// Walks `frames` frames of `path` with `antumbra` in one go, as a user's loop would, and compares
-/// each image with plain frustum culling.
+/// Walks `frames` frames of `path` with `antumbra` without a wait in between, as a user's loop
+/// would, and compares each image with plain frustum culling.
 pub fn walk(
     device: &Device,
     scene: &GeneratedScene,
@@ -88,7 +88,7 @@ pub fn walk_with(
     walk_cameras_with(device, scene, &cameras, options, strategy)
 }
 
-/// Walks over any cameras or matrices with `antumbra`.
+/// Walks along any cameras or matrices with `antumbra`.
 pub fn walk_cameras(
     device: &Device,
     scene: &Scene,
@@ -98,7 +98,7 @@ pub fn walk_cameras(
     walk_cameras_with(device, scene, cameras, options, Strategy::ANTUMBRA)
 }
 
-/// Walks over any cameras or matrices with any strategy.
+/// Walks along any cameras or matrices with any strategy.
 pub fn walk_cameras_with(
     device: &Device,
     scene: &Scene,
@@ -133,11 +133,11 @@ pub struct Loop {
     pub reports: Vec<FrameReport>,
     /// The outcome of every frame.
     pub outcomes: Vec<FrameStats>,
-    /// Waits other than for slots.
+    /// Waits, except waits for slots.
     pub blocking_waits: u64,
 }
 
-/// Renders `cameras` one after the other without looking back, then drains.
+/// Renders `cameras` one after the other without reading results, then drains.
 pub fn frame_loop(
     renderer: &mut Renderer,
     view: &mut RenderView,

@@ -1,4 +1,4 @@
-//! A window on Wayland, shown or never shown, by the test that owns it.
+//! A window on Wayland. The test that owns it shows it, or never does.
 
 use std::ffi::c_void;
 use std::ptr::NonNull;
@@ -35,7 +35,7 @@ impl WaylandWindow {
         Self::with_role(compositor, true)
     }
 
-    /// Returns a window that is never shown: the compositor never asks it for another image.
+    /// Returns a window that is never shown, so that the compositor never requests another image.
     pub fn open_hidden(compositor: &Weston) -> Arc<Self> {
         Self::with_role(compositor, false)
     }
@@ -69,8 +69,8 @@ impl WaylandWindow {
         let mut queue = self.queue.lock().unwrap();
         let (queue, events) = &mut *queue;
         queue.flush().unwrap();
-        // If the driver waits for the compositor in another thread, reading waits for that
-        // thread unless there is something to read.
+        // If another thread of the driver waits for the compositor, a read without data would wait
+        // for that thread.
         if let Some(guard) = queue.prepare_read() {
             let mut sockets = [PollFd::from_borrowed_fd(guard.connection_fd(), PollFlags::IN)];
             let at_once = rustix::event::Timespec { tv_sec: 0, tv_nsec: 0 };
@@ -86,7 +86,7 @@ impl HasWindowHandle for WaylandWindow {
     fn window_handle(&self) -> Result<WindowHandle<'_>, HandleError> {
         let surface = NonNull::new(self.surface.id().as_ptr().cast::<c_void>()).unwrap();
         let raw = RawWindowHandle::Wayland(WaylandWindowHandle::new(surface));
-        // SAFETY: the surface is there as long as this is.
+        // SAFETY: the surface lives as long as this window.
         Ok(unsafe { WindowHandle::borrow_raw(raw) })
     }
 }
@@ -95,7 +95,7 @@ impl HasDisplayHandle for WaylandWindow {
     fn display_handle(&self) -> Result<DisplayHandle<'_>, HandleError> {
         let display = NonNull::new(self.connection.backend().display_ptr().cast::<c_void>());
         let raw = RawDisplayHandle::Wayland(WaylandDisplayHandle::new(display.unwrap()));
-        // SAFETY: the connection is there as long as this is.
+        // SAFETY: the connection lives as long as this window.
         Ok(unsafe { DisplayHandle::borrow_raw(raw) })
     }
 }

@@ -1,4 +1,4 @@
-//! A Wayland compositor without a screen, one for each test that needs one.
+//! A Wayland compositor without a screen. Each test that needs a compositor starts its own.
 
 use std::os::unix::net::UnixStream;
 use std::path::PathBuf;
@@ -6,7 +6,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
-/// A running weston, ended when dropped.
+/// A running weston, which is ended on drop.
 pub struct Weston {
     compositor: Child,
     folder: PathBuf,
@@ -22,7 +22,7 @@ impl Weston {
         let name = format!("antumbra-weston-{}-{number}", std::process::id());
         let folder = std::env::temp_dir().join(name);
         std::fs::create_dir_all(&folder).expect("a folder for the compositor's socket");
-        // Only its owner may look into it, or weston refuses it.
+        // Weston refuses a folder that other users can read.
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;
@@ -45,7 +45,7 @@ impl Weston {
         weston
     }
 
-    /// Returns a connection of its own to the compositor.
+    /// Returns a separate connection to the compositor.
     pub fn connect(&self) -> UnixStream {
         let began = Instant::now();
         loop {
@@ -59,7 +59,7 @@ impl Weston {
         }
     }
 
-    /// Makes `command` open its windows here.
+    /// Makes `command` open its windows on this compositor.
     pub fn environment(&self, command: &mut Command) {
         command.env("XDG_RUNTIME_DIR", &self.folder).env("WAYLAND_DISPLAY", SOCKET);
         command.env_remove("DISPLAY").env_remove("WAYLAND_SOCKET");

@@ -1,5 +1,4 @@
-//! The parts of every test of a window: a device that can show images there, and images to
-//! show.
+//! The parts of every test of a window: a device that can present to it, and images to show.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -10,7 +9,7 @@ use gpu::{
     SwapchainOptions, Target, Window, WindowSystem,
 };
 
-/// A window's device. Drop what was made from it before [`WindowStage::end`].
+/// A window's device. Drop all objects of the device before [`WindowStage::end`].
 pub struct WindowStage {
     /// The instance, with validation.
     pub instance: Instance,
@@ -39,7 +38,7 @@ impl WindowStage {
         Self { instance, surface, device }
     }
 
-    /// Makes a swapchain of the window.
+    /// Creates a swapchain of the window.
     pub fn swapchain(&self, options: &SwapchainOptions) -> Swapchain {
         Swapchain::new(&self.device, &self.surface, options).unwrap()
     }
@@ -54,7 +53,7 @@ impl WindowStage {
     }
 }
 
-/// A source of images: tiles, each of another colour.
+/// A source of images of tiles in different colours.
 pub struct Painter {
     device: Device,
     ring: FrameRing,
@@ -65,14 +64,14 @@ pub struct Painter {
 const TILES: u32 = 12;
 
 impl Painter {
-    /// Makes a painter of images of `size` pixels.
+    /// Creates a painter of images of `size` pixels.
     pub fn new(device: &Device, size: [u32; 2]) -> Self {
         let ring = FrameRing::new(device, 2).unwrap();
         let target = Target::new(device, size, "image").unwrap();
         Self { device: device.clone(), ring, target }
     }
 
-    /// Paints an image of its own for every seed, and copies it, if there is a readback.
+    /// Paints a different image for every seed, and copies it if there is a readback.
     pub fn paint(&mut self, seed: u32, copy: Option<&Readback>) {
         let frame = self.ring.begin().unwrap();
         let commands = frame.commands();
@@ -107,7 +106,7 @@ impl Painter {
     }
 }
 
-/// Shows the image until it is presented; the window's changes must be over.
+/// Shows the image until it is presented. The window must not change meanwhile.
 pub fn show_surely(swapchain: &mut Swapchain, target: &Target, size: [u32; 2]) -> gpu::Presented {
     let mut others = Vec::new();
     for _ in 0..20 {
@@ -119,7 +118,7 @@ pub fn show_surely(swapchain: &mut Swapchain, target: &Target, size: [u32; 2]) -
     panic!("not shown: {others:?}")
 }
 
-/// Waits until `look` returns the expected pixels; there is no bound on when presents end.
+/// Waits until `look` returns the expected pixels, since presents may end at any time.
 pub fn await_image(expected: &[[u8; 3]], look: impl Fn() -> Vec<[u8; 3]>) {
     let began = Instant::now();
     loop {
@@ -142,7 +141,7 @@ pub fn await_image(expected: &[[u8; 3]], look: impl Fn() -> Vec<[u8; 3]>) {
 pub struct Random(u64);
 
 impl Random {
-    /// Starts the sequence of that seed.
+    /// Starts the sequence of a seed.
     pub fn new(seed: u64) -> Self {
         Self(seed)
     }

@@ -5,7 +5,7 @@ use gpu::PresentMode;
 
 use crate::x11_window::Library;
 
-/// Each driver with each window library that it supports.
+/// Pairs of a driver and a window library that it supports.
 pub const WAYS: [(Driver, Library); 4] = [
     (Driver::Lavapipe, Library::Xcb),
     (Driver::Lavapipe, Library::Xlib),
@@ -13,9 +13,10 @@ pub const WAYS: [(Driver, Library); 4] = [
     (Driver::SwiftShader, Library::Xlib),
 ];
 
-/// The ways that can have thousands of swapchains. Before its process ends, SwiftShader never frees
-/// the shared memory of a replaced swapchain, and crashes if there is no more: a machine has 4,096
-/// pieces. So tests that make a thousand swapchains with it are in programs of their own.
+/// The pairs that can create thousands of swapchains. SwiftShader frees the shared memory of
+/// replaced swapchains only when its process ends, and crashes if none is left: a machine has 4,096
+/// pieces. Tests that create a thousand swapchains with SwiftShader are therefore separate
+/// programs.
 pub const LASTING_WAYS: &[(Driver, Library)] = WAYS.split_at(3).0;
 
 /// Returns the present modes that a driver has under Xvfb.

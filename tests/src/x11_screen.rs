@@ -1,4 +1,5 @@
-//! Looks at a program's window on X11, strikes its keys, resizes, hides and closes it.
+//! The view of a user of a program's window on X11: reads its pixels, presses keys, and resizes,
+//! hides and closes it.
 
 use std::time::{Duration, Instant};
 
@@ -17,7 +18,7 @@ use x11rb::rust_connection::RustConnection;
 use x11rb::wrapper::ConnectionExt as _;
 use x11rb::{CURRENT_TIME, NONE};
 
-/// The one window of a server.
+/// The only window of a server.
 pub struct Seen {
     connection: RustConnection,
     root: u32,
@@ -49,8 +50,8 @@ impl Seen {
         self.connection.get_input_focus().unwrap().reply().unwrap();
     }
 
-    /// Returns the pixels of the window now: red, green, blue; rows from the top. `None` while it
-    /// is not all on the screen.
+    /// Returns the pixels of the window now: red, green, blue; rows from the top. `None` while a
+    /// part of the window is off the screen.
     pub fn pixels(&self) -> Option<Vec<[u8; 3]>> {
         let geometry = self.connection.get_geometry(self.window).unwrap().reply().ok()?;
         let width = geometry.width;
@@ -75,7 +76,7 @@ impl Seen {
         }
     }
 
-    /// Strikes a key, by the symbol that it has in the server's layout.
+    /// Presses a key, by its symbol in the server's layout.
     pub fn strike(&self, symbol: u32) {
         self.press(symbol, Duration::from_millis(20));
     }
@@ -97,9 +98,9 @@ impl Seen {
         least + u8::try_from(place.expect("a key with that symbol")).unwrap()
     }
 
-    /// Holds the key of a code for a while.
+    /// Holds the key with a code for a while.
     pub fn press_code(&self, code: u8, time: Duration) {
-        // Nobody gives the window the focus where no window manager is.
+        // Without a window manager, the window does not get the focus on its own.
         self.focus();
         for event in [KEY_PRESS_EVENT, KEY_RELEASE_EVENT] {
             self.fake(event, code, [0, 0]);
@@ -107,7 +108,7 @@ impl Seen {
         }
     }
 
-    /// Strikes a key while another is held.
+    /// Presses a key while another key is held.
     pub fn press_with(&self, held: u32, symbol: u32) {
         let held = self.code_of(held);
         self.focus();
@@ -130,7 +131,7 @@ impl Seen {
         self.settle();
     }
 
-    /// Presses a button of the mouse, or releases it.
+    /// Presses or releases a button of the mouse.
     pub fn button(&self, number: u8, event: u8) {
         self.fake(event, number, [0, 0]);
         std::thread::sleep(Duration::from_millis(20));
@@ -142,7 +143,7 @@ impl Seen {
         self.button(number, BUTTON_RELEASE_EVENT);
     }
 
-    /// Moves the mouse to a place of the screen.
+    /// Moves the mouse to a place on the screen.
     pub fn point_at(&self, place: [i16; 2]) {
         self.fake(MOTION_NOTIFY_EVENT, 0, place);
         std::thread::sleep(Duration::from_millis(20));
@@ -204,7 +205,7 @@ impl Seen {
         self.settle();
     }
 
-    /// Waits until the window asks for the full screen (true), or for its size again (false).
+    /// Waits until the window requests the full screen (true), or its old size (false).
     pub fn await_full_screen(&self) -> bool {
         let atom = |name: &[u8]| self.connection.intern_atom(false, name).unwrap();
         let state = atom(b"_NET_WM_STATE").reply().unwrap().atom;
@@ -225,26 +226,26 @@ impl Seen {
         }
     }
 
-    /// Changes its size, in pixels.
+    /// Changes the window's size (pixels).
     pub fn resize(&self, size: [u32; 2]) {
         let aux = ConfigureWindowAux::new().width(size[0]).height(size[1]);
         self.connection.configure_window(self.window, &aux).unwrap();
         self.settle();
     }
 
-    /// Hides it.
+    /// Hides the window.
     pub fn hide(&self) {
         self.connection.unmap_window(self.window).unwrap();
         self.settle();
     }
 
-    /// Shows it again.
+    /// Shows the window again.
     pub fn show(&self) {
         self.connection.map_window(self.window).unwrap();
         self.settle();
     }
 
-    /// Destroys it, as no window system would.
+    /// Destroys the window, which a window system would never do.
     pub fn destroy(&self) {
         self.connection.destroy_window(self.window).unwrap();
         self.settle();
@@ -254,7 +255,7 @@ impl Seen {
         self.connection.intern_atom(false, name).unwrap().reply().unwrap().atom
     }
 
-    /// Owns a selection from now on; returns the window that does.
+    /// Takes the ownership of a selection, and returns the window that owns it.
     fn own(&self, selection: &[u8]) -> u32 {
         let connection = &self.connection;
         let source = connection.generate_id().unwrap();
@@ -266,7 +267,7 @@ impl Seen {
         source
     }
 
-    /// Hands the selection over when it is requested as `kind`; other requests do not come.
+    /// Hands over the selection when it is requested as `kind`. No other requests arrive.
     fn hand_over(&self, kind: &[u8], bytes: &[u8]) {
         let connection = &self.connection;
         let kind = self.atom(kind);
@@ -304,14 +305,14 @@ impl Seen {
         }
     }
 
-    /// Strikes Ctrl+V where `text` was copied in another window.
+    /// Presses Ctrl+V after `text` was copied in another window.
     pub fn paste(&self, control: u32, text: &str) {
         self.own(b"CLIPBOARD");
         self.press_with(control, 'v'.into());
         self.hand_over(b"UTF8_STRING", text.as_bytes());
     }
 
-    /// Drops a file into the window, as file managers do: a source's side of the protocol XDND.
+    /// Drops a file into the window as file managers do, by the source's side of the XDND protocol.
     pub fn drop_file(&self, path: &std::path::Path) {
         let source = self.own(b"XdndSelection");
         let send = |name: &[u8], rest: [u32; 4]| {
@@ -329,7 +330,7 @@ impl Seen {
         send(b"XdndDrop", [0, CURRENT_TIME, 0, 0]);
     }
 
-    /// Closes the window as its frame's button does.
+    /// Closes the window as the button of its frame does.
     pub fn close(&self) {
         let atom =
             |name: &[u8]| self.connection.intern_atom(false, name).unwrap().reply().unwrap().atom;

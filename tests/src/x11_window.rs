@@ -1,4 +1,4 @@
-//! A window on X11, moved and looked at by the test that owns it.
+//! A window on X11. The test that owns it moves it and reads its pixels.
 
 use std::ffi::CString;
 use std::num::NonZeroU32;
@@ -28,7 +28,7 @@ pub enum Library {
     Xlib,
 }
 
-/// A window, with a connection of its own for the test.
+/// A window, with a separate connection for the test.
 pub struct X11Window {
     connection: XCBConnection,
     xlib: Option<(Xlib, NonNull<Display>)>,
@@ -36,12 +36,12 @@ pub struct X11Window {
     pub id: u32,
 }
 
-// SAFETY: the display is opened for threads, and used by Vulkan alone.
+// SAFETY: the display is opened for threads, and only Vulkan uses it.
 unsafe impl Send for X11Window {}
 // SAFETY: as above.
 unsafe impl Sync for X11Window {}
 
-/// Ignores errors of a window that is gone: Xlib's own function would end the program.
+/// Ignores errors about a destroyed window: Xlib's default handler would end the program.
 unsafe extern "C" fn ignore_error(_display: *mut Display, _error: *mut XErrorEvent) -> i32 {
     0
 }
@@ -147,8 +147,8 @@ impl HasWindowHandle for X11Window {
             Some(_) => RawWindowHandle::Xlib(XlibWindowHandle::new(self.id.into())),
             None => RawWindowHandle::Xcb(XcbWindowHandle::new(NonZeroU32::new(self.id).unwrap())),
         };
-        // SAFETY: the id is the window's as long as this lives; a window that is destroyed before
-        // is an error of the server's, and what tests are about.
+        // SAFETY: the id belongs to the window as long as this lives. If the window is destroyed
+        // before, the server reports an error, which tests expect.
         Ok(unsafe { WindowHandle::borrow_raw(raw) })
     }
 }

@@ -1,22 +1,22 @@
-//! An X server without a screen, one for each test that needs one.
+//! An X server without a screen. Each test that needs a server starts its own.
 
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 
 use x11rb::rust_connection::RustConnection;
 
-/// A running Xvfb, ended when dropped.
+/// A running Xvfb, which is ended on drop.
 pub struct Xvfb {
     server: Child,
     display: String,
-    // The server ends with its last client: it outlives no test, not even one that crashes.
+    // The server ends with its last client, so it does not outlive a test, even after a crash.
     _client: RustConnection,
 }
 
 impl Xvfb {
     /// Starts a server with one screen of 1280x1024 pixels of 24 bits, on a display that is free.
     pub fn start() -> Self {
-        // The server picks a free display and says which when it is ready.
+        // The server picks a free display, and reports its number when it is ready.
         let server = Command::new("Xvfb")
             .args(["-displayfd", "1", "-terminate", "-nolisten", "tcp"])
             .args(["-screen", "0", "1280x1024x24"])
@@ -38,7 +38,7 @@ impl Xvfb {
         Self { server, display, _client: client }
     }
 
-    /// Returns its display, as in the variable `DISPLAY`.
+    /// Returns the server's display, as in the variable `DISPLAY`.
     pub fn display(&self) -> &str {
         &self.display
     }

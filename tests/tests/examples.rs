@@ -1,7 +1,7 @@
-//! Runs the examples of the engine's crates as users do, those that draw under the validation
-//! layer, and checks what they print.
+//! Runs the examples of the engine's crates as users do, and checks their output. Examples that
+//! draw run under the validation layer.
 //!
-//! Cargo builds examples with all tests (`cargo test --workspace`), not with one alone.
+//! Cargo builds examples with all tests (`cargo test --workspace`), but not with a single test.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The examples that are no part of the tests: one writes the shaders' SPIR-V into the repository,
+/// The examples that these tests do not run: one writes the shaders' SPIR-V into the repository,
 /// three measure.
 const NOT_RUN: [&str; 4] = ["bucket_costs", "compile_shaders", "load", "share_queries"];
 
@@ -23,8 +23,8 @@ fn scratch(name: &str) -> String {
     format!("{}/{name}", env!("CARGO_TARGET_TMPDIR"))
 }
 
-/// Runs an example with synchronization validation and returns what it prints. Any message of the
-/// layer fails the test.
+/// Runs an example with synchronization validation and returns its output. Any message of the layer
+/// fails the test.
 fn run(name: &str, arguments: &[&str]) -> String {
     let this = std::env::current_exe().expect("a program");
     let profile = this.ancestors().nth(2).expect("a target folder");
@@ -45,7 +45,7 @@ fn run(name: &str, arguments: &[&str]) -> String {
     printed
 }
 
-/// Returns the last line that begins so.
+/// Returns the last line with this beginning.
 fn line<'a>(printed: &'a str, start: &str) -> &'a str {
     let found = printed.lines().rfind(|line| line.starts_with(start));
     found.unwrap_or_else(|| panic!("no line begins with \"{start}\":\n{printed}"))
@@ -213,11 +213,11 @@ fn every_example_is_run_and_named_in_its_page() {
     for folder in crates {
         let page = fs::read_to_string(folder.join("README.md")).expect("a page");
         if folder.ends_with("capi") {
-            // They are programs in C and C++, which `ci/capi` builds and runs.
+            // These examples are programs in C and C++, which `ci/capi` builds and runs.
             continue;
         }
         let names = if folder.ends_with("methods") {
-            // They run in a renderer, which only a crate above theirs knows.
+            // These examples run in a renderer, which only a higher crate knows.
             vec!["compare_methods".to_owned()]
         } else {
             example_names(&folder)

@@ -1,5 +1,6 @@
-//! A renderer without enough memory is refused with an error, and the process goes on: one test in
-//! a process, whose allocator has a limit. Allocations of drivers are not counted.
+//! The creation of a renderer without enough memory returns an error, and the process goes on. The
+//! process has a single test, and an allocator with a limit. Allocations of drivers are not
+//! counted.
 #![forbid(unsafe_code)]
 #![allow(
     clippy::unwrap_used,
@@ -43,7 +44,7 @@ fn a_scene_that_there_is_no_memory_for_is_refused() {
     run(Driver::Lavapipe, |device| {
         let options =
             RendererOptions { size: [64, 64], cost_model: CostModel::Off, ..Default::default() };
-        // 20 bytes a vertex, 4 an index, and 40 for what a vertex looks like.
+        // 20 bytes per vertex, 4 per index, and 40 for the surface of a vertex.
         let cases = [
             (scene(1_000_000), 40, "the vertices of all meshes"),
             (with_surfaces(scene(1_000_000)), 90, "what the vertices of all meshes look like"),
@@ -55,7 +56,7 @@ fn a_scene_that_there_is_no_memory_for_is_refused() {
             assert_eq!(*what, expected);
             Renderer::new(device, &scene, &options).unwrap();
         }
-        // 288 bytes an object while the hierarchy is built, and 20 a node for each view.
+        // 288 bytes per object while the hierarchy is built, and 20 per node for each view.
         let many = with_objects(scene(1), 200_000);
         let refused = with_free_mib(30, || Renderer::new(device, &many, &options));
         assert_no_memory_to_cull(refused.map(drop), 55);
@@ -65,7 +66,7 @@ fn a_scene_that_there_is_no_memory_for_is_refused() {
     });
 }
 
-/// Returns what `make` returns with so much memory left.
+/// Returns the result of `make` with a limit of free memory.
 fn with_free_mib<T>(free_mib: usize, make: impl FnOnce() -> T) -> T {
     ALLOCATOR.set_limit(ALLOCATOR.allocated() + free_mib * MIB).unwrap();
     let made = make();

@@ -1,6 +1,7 @@
-//! Every error of a driver about a window has a name, and the loop goes on while there is a window.
-// A program of its own: SwiftShader keeps shared memory of every swapchain until its program ends,
-// and the system has 4096 pieces.
+//! Every error of a driver about a window is named, and the loop goes on as long as the window
+//! exists.
+// A separate program, since SwiftShader keeps shared memory of every swapchain until its program
+// ends, and the system has 4096 pieces.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -27,7 +28,7 @@ const SIZE: [u32; 2] = [96, 64];
 const ACQUIRE: &CStr = c"vkAcquireNextImageKHR";
 const PRESENT: &CStr = c"vkQueuePresentKHR";
 
-/// A window on a machine that lies, after a few frames without lies.
+/// A window on a lying machine, after a few frames without lies.
 struct Liar {
     stage: WindowStage,
     window: std::sync::Arc<X11Window>,
@@ -87,7 +88,7 @@ fn what_happens_to_a_window_has_a_name_and_is_got_over() {
     let outdated = Code::ERROR_OUT_OF_DATE_KHR;
     for driver in Driver::ALL {
         for (call, times, code, expected) in [
-            // Recreated and tried again at once.
+            // The swapchain is recreated, and the frame tried again immediately.
             (ACQUIRE, 1, outdated, None),
             (ACQUIRE, 2, outdated, Some(PresentSkipped::OutOfDate)),
             (ACQUIRE, 1, Code::TIMEOUT, Some(PresentSkipped::Hidden)),
@@ -167,7 +168,7 @@ fn a_lost_device_has_a_name_wherever_it_is_found_out() {
             let mut liar = Liar::new(&server, driver, FaultInjection::default());
             let faults = failing(call, 0..usize::MAX, Code::ERROR_DEVICE_LOST);
             faults.install();
-            // So that the window's state is asked for.
+            // Makes the swapchain query the state of the window.
             liar.swapchain.set_mode(gpu::PresentMode::Mailbox);
             assert_eq!(
                 liar.show(),
@@ -239,7 +240,7 @@ fn without_present_fences_old_swapchains_end_all_the_same() {
         let mut most = 0;
         for step in 0..200 {
             let size = [SIZE[0] + step % 50, SIZE[1]];
-            // Now and then a few frames of one size, and then many sizes at once.
+            // Sometimes a few frames of one size, then many sizes in a row.
             if step % 40 > 20 {
                 liar.window.resize(size);
             }
@@ -306,7 +307,7 @@ impl HasDisplayHandle for NoDisplay {
 fn no_display_and_no_windows_say_so() {
     let error = WindowSystem::of(&NoDisplay).unwrap_err().to_string();
     assert!(error.contains("no display") && error.contains("draw without a window"), "{error}");
-    // An instance without windows is what it was before there were any.
+    // An instance without windows is not affected.
     let server = Xvfb::start();
     let window = X11Window::open(&server, Library::Xcb, SIZE);
     let instance = instance();

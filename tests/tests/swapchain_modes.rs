@@ -1,4 +1,4 @@
-//! A window whose present mode and frames in flight change a thousand times.
+//! A window with a thousand changes of its present mode and frames in flight.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -27,7 +27,7 @@ fn modes_and_frames_in_flight_change_a_thousand_times() {
             show.swapchain.set_mode(mode);
             show.swapchain.set_frames_in_flight(random.below(5) as usize).unwrap();
             if random.below(8) == 0 {
-                // An image that is acquired and not shown is no loss.
+                // An image that is acquired and not shown is not lost.
                 drop(show.swapchain.acquire(size).unwrap());
             }
             show.frame(step, size);

@@ -1,5 +1,5 @@
-//! The engine starts no thread: a process of its own counts them around a host's frames, which the
-//! drivers of the host have theirs for.
+//! The engine starts no threads. A separate process compares its threads before and after frames of
+//! a host; threads of the drivers do not count.
 #![forbid(unsafe_code)]
 #![cfg(feature = "shader-compiler")]
 #![allow(
@@ -33,7 +33,7 @@ fn a_host_that_draws_has_the_threads_that_it_had_before() {
     for driver in Driver::ALL {
         let host = Host::new(driver, Purpose::Executor);
         let lock = std::sync::Mutex::new(());
-        // What a driver starts with its first submit.
+        // Starts the threads that a driver starts with its first submit.
         host.run_once(&lock, |_| {});
         let before = threads();
         let device = host.adopt(None);

@@ -1,25 +1,28 @@
 /* Antumbra: exact occlusion culling that never waits for the GPU. The C interface.
  *
  * Rules of all functions:
- * - The result is ANTUMBRA_RESULT_OK or an error. After an error nothing was written to the outputs,
- *   unless the function says so, but the AntumbraError, which says what to do. It may be null.
- * - A struct that has a struct_size begins as ANTUMBRA_INIT(its type): its struct_size is its sizeof,
- *   and all else is 0. So do an AntumbraError and structs for output. Then set what you need: 0 is
- *   the default of every field, whatever value it stands for, unless the field is required. What
- *   means none where the default does not has a name, such as ANTUMBRA_NO_QUERIES.
- * - Structs without a struct_size are plain values: a box, a vertex, an answer. Set all of them.
+ * - The result is ANTUMBRA_RESULT_OK or an error. An error leaves the outputs unchanged, unless the
+ *   function says otherwise; the message in the AntumbraError says what to do. The pointer to the
+ *   AntumbraError may be null.
+ * - Begin every struct that has a struct_size with ANTUMBRA_INIT(its type), also an AntumbraError and
+ *   structs for output: struct_size becomes the sizeof, and all other fields become 0. Then set the
+ *   fields that you need. Every field that the program does not set must be 0. A field of 0 has its
+ *   default, which its comment names. A required field has no default. Where the default does not
+ *   mean "none", a constant does, such as ANTUMBRA_NO_QUERIES.
+ * - Structs without a struct_size are plain values: a box, a vertex, an answer. Set all their fields.
  * - A reserved field must be 0 in input, and is 0 in output.
  * - A pointer and a count describe an array; null is allowed if the count is 0. Input and output
  *   arrays do not overlap.
- * - Objects belong to a context. A handle that is 0, was destroyed, or belongs to another context or
- *   kind of object is an error.
- * - Any function may be called on any thread. A function that changes an object needs it alone, one
- *   that reads shares it with others that read; otherwise the result is ANTUMBRA_RESULT_BUSY, and
- *   nothing waits. antumbra_context_destroy comes after all other calls have returned.
- * - A panic inside becomes ANTUMBRA_RESULT_PANIC. The object that was being changed then answers
- *   ANTUMBRA_RESULT_POISONED to everything but its destruction.
- * - Callbacks return: no exception and no longjmp leaves them.
- * - There is no global state: two contexts know nothing of each other.
+ * - Every object belongs to a context. A handle that is 0, was destroyed, or belongs to another
+ *   context or kind of object is an error.
+ * - Any function may be called on any thread. A call that changes an object excludes all other calls
+ *   with the object; calls that only read it may overlap. The result of a conflict is
+ *   ANTUMBRA_RESULT_BUSY, and no call waits. Call antumbra_context_destroy after all other calls have
+ *   returned.
+ * - A panic in the library becomes ANTUMBRA_RESULT_PANIC. Later calls with the object that was being
+ *   changed return ANTUMBRA_RESULT_POISONED, except its destruction.
+ * - Callbacks must return: no exception and no longjmp may leave them.
+ * - The interface has no global state of its own: contexts are independent of each other.
  */
 
 
@@ -30,7 +33,7 @@
 
 #include <stddef.h>
 #include <stdint.h>
-/* Executor and renderer are declared where Vulkan is: include <vulkan/vulkan.h> before, or define ANTUMBRA_VULKAN. */
+/* Executor and renderer need Vulkan: include <vulkan/vulkan.h> before this header, or define ANTUMBRA_VULKAN. */
 #if defined(VULKAN_CORE_H_) && !defined(ANTUMBRA_VULKAN)
 #define ANTUMBRA_VULKAN
 #endif
@@ -38,10 +41,10 @@
 #include <vulkan/vulkan_core.h>
 #endif
 
-/* A budget of no occlusion queries (AntumbraPlanDesc, AntumbraViewFrame): what no other tester tests is drawn. */
+/* A budget of no occlusion queries: objects that no other tester tests are drawn. */
 #define ANTUMBRA_NO_QUERIES SIZE_MAX
 
-/* A struct whose struct_size is its sizeof, and all else 0: AntumbraPlanDesc desc = ANTUMBRA_INIT(AntumbraPlanDesc); */
+/* A struct with its struct_size, and with 0 in all other fields: AntumbraPlanDesc desc = ANTUMBRA_INIT(AntumbraPlanDesc); */
 #ifdef __cplusplus
 extern "C++" {
 namespace antumbra {
@@ -69,27 +72,27 @@ template <typename T> constexpr T init() {
 #define ANTUMBRA_DEPTH_STANDARD 1
 
 /**
- * The y of clip space points down, as Vulkan's.
+ * The y axis of clip space points down, as in Vulkan.
  */
 #define ANTUMBRA_CLIP_Y_DOWN 0
 
 /**
- * The y of clip space points up: the host turns images over by a viewport of negative height.
+ * The y axis of clip space points up: the host flips images by a viewport of negative height.
  */
 #define ANTUMBRA_CLIP_Y_UP 1
 
 /**
- * Tests by flags that fragments set: they take no queries.
+ * The host can test by flags that fragments set. These tests take no queries.
  */
 #define ANTUMBRA_HAS_FLAGS 1
 
 /**
- * Tests by a compute shader that reads the depth buffer.
+ * The host can test by a compute shader that reads the depth buffer.
  */
 #define ANTUMBRA_HAS_COMPUTE 2
 
 /**
- * Late answers, made exact by tests in the same frame.
+ * Answers of earlier frames decide what is drawn first; tests in the same frame make it exact.
  */
 #define ANTUMBRA_STRATEGY_ANTUMBRA 0
 
@@ -101,7 +104,7 @@ template <typename T> constexpr T init() {
 
 
 /**
- * The object of a leaf that has none.
+ * The object number of a leaf without an object.
  */
 #define ANTUMBRA_NO_OBJECT UINT32_MAX
 
@@ -141,13 +144,13 @@ template <typename T> constexpr T init() {
 #define ANTUMBRA_TESTER_COMPUTE 2
 
 /**
- * The number of a draw's query if it has none.
+ * The value of `AntumbraDraw::query` for a draw without a query.
  */
 #define ANTUMBRA_NO_QUERY UINT32_MAX
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * The most extensions that the library asks for.
+ * The largest number of extensions that the library requests.
  */
 #define ANTUMBRA_EXTENSIONS_MAX 8
 #endif
@@ -161,14 +164,14 @@ template <typename T> constexpr T init() {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * The host draws from lists, before and behind the tests that the executor records.
+ * The host draws from lists, before and after the tests that the executor records.
  */
 #define ANTUMBRA_DRAWS_BY_LISTS 1
 #endif
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Occlusion queries tell what shows from what is hidden, and count exactly.
+ * Occlusion queries distinguish visible from hidden geometry, and count exactly.
  */
 #define ANTUMBRA_ASSUMPTION_QUERY_COUNTS (1 << 0)
 #endif
@@ -189,7 +192,7 @@ template <typename T> constexpr T init() {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * No fragment of a proxy is farther than that of its object at the same sample.
+ * A fragment of a proxy is never farther away than the object's fragment at the same sample.
  */
 #define ANTUMBRA_ASSUMPTION_PROXY_DEPTH (1 << 3)
 #endif
@@ -203,7 +206,7 @@ template <typename T> constexpr T init() {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * The writes of fragment shaders are there for later commands.
+ * Later commands see the writes of fragment shaders.
  */
 #define ANTUMBRA_ASSUMPTION_FLAG_WRITES (1 << 5)
 #endif
@@ -224,14 +227,14 @@ template <typename T> constexpr T init() {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Draw counts out of a buffer are heeded.
+ * Draws obey draw counts in a buffer.
  */
 #define ANTUMBRA_ASSUMPTION_DRAW_COUNTS (1 << 8)
 #endif
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Instance counts that a compute shader wrote are heeded.
+ * Draws obey instance counts that a compute shader wrote.
  */
 #define ANTUMBRA_ASSUMPTION_INSTANCE_COUNTS (1 << 9)
 #endif
@@ -259,28 +262,28 @@ template <typename T> constexpr T init() {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * A walk with occlusion queries has the images of frustum culling.
+ * A walk with occlusion queries draws the same images as frustum culling.
  */
 #define ANTUMBRA_ASSUMPTION_QUERIED_WALK (1 << 13)
 #endif
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * A walk with flags has the images of frustum culling.
+ * A walk with flags draws the same images as frustum culling.
  */
 #define ANTUMBRA_ASSUMPTION_FLAGGED_WALK (1 << 14)
 #endif
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * A walk with the compute tester has the images of frustum culling.
+ * A walk with the compute tester draws the same images as frustum culling.
  */
 #define ANTUMBRA_ASSUMPTION_COMPUTED_WALK (1 << 15)
 #endif
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Hidden draws are skipped by the best way that the device has: with costs the cheapest.
+ * Hidden draws are skipped in the device's best way, or in the cheapest way if costs are given.
  */
 #define ANTUMBRA_PREDICATION_BEST 0
 #endif
@@ -308,21 +311,21 @@ template <typename T> constexpr T init() {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Hidden draws are skipped by lists of those that show, one per bucket and round, with counts.
+ * Compacted lists hold only draws that show: one list per bucket and round, with a draw count.
  */
 #define ANTUMBRA_PREDICATION_COMPACTED 4
 #endif
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * A host may submit a frame again before it is safe: each run resets its queries by commands.
+ * The host may submit a frame again before it is safe: commands reset its queries in each run.
  */
 #define ANTUMBRA_RESUBMISSION_ALLOWED 0
 #endif
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * A host submits each frame once at most. Its queries are reset by the CPU where the device's
+ * The host submits each frame at most once. The CPU resets its queries if the device's
  * `hostQueryReset` is on, since some drivers wait once per query that a command resets.
  */
 #define ANTUMBRA_RESUBMISSION_NEVER 1
@@ -346,7 +349,7 @@ template <typename T> constexpr T init() {
 #define ANTUMBRA_LOG_ERROR 1
 
 /**
- * A warning: it works, but not as well as it could.
+ * A warning: something works, but not as well as it could.
  */
 #define ANTUMBRA_LOG_WARN 2
 
@@ -356,16 +359,16 @@ template <typename T> constexpr T init() {
 #define ANTUMBRA_LOG_INFO 3
 
 /**
- * Details for those who look for a defect.
+ * Details for debugging.
  */
 #define ANTUMBRA_LOG_DEBUG 4
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Tests that cost more than they are expected to save are left out, by a built-in table of costs
- * that the times of frames correct.
+ * Tests that cost more than they are expected to save are left out. The costs are measured when
+ * the renderer is created.
  */
-#define ANTUMBRA_COST_MODEL_BUILT_IN 0
+#define ANTUMBRA_COST_MODEL_MEASURED 0
 #endif
 
 #if defined(ANTUMBRA_VULKAN)
@@ -373,14 +376,6 @@ template <typename T> constexpr T init() {
  * Everything that may be hidden is tested.
  */
 #define ANTUMBRA_COST_MODEL_OFF 1
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Tests that cost more than they are expected to save are left out, by costs that are measured
- * when the renderer is made; they also choose the predication mode.
- */
-#define ANTUMBRA_COST_MODEL_MEASURED 2
 #endif
 
 #if defined(ANTUMBRA_VULKAN)
@@ -399,7 +394,7 @@ template <typename T> constexpr T init() {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Stencil shadow volumes: hard edges, right to the pixel. They need one sample per pixel, and the
+ * Stencil shadow volumes: hard edges, exact to the pixel. They need one sample per pixel, and the
  * features `depthClamp` and `fragmentStoresAndAtomics` of the device.
  */
 #define ANTUMBRA_SHADOWS_VOLUMES 2
@@ -428,7 +423,7 @@ template <typename T> constexpr T init() {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * A width that follows from the distance to what blocks: 8 samples find it, 12 filter.
+ * PCSS, whose width depends on the distance to the blocker: 8 samples find it, 12 filter.
  */
 #define ANTUMBRA_SHADOW_FILTER_PCSS12 3
 #endif
@@ -485,7 +480,7 @@ template <typename T> constexpr T init() {
 #if defined(ANTUMBRA_VULKAN)
 /**
  * Casters whose shadow cannot fall on something visible are left out. Needs one sample per pixel;
- * else all are drawn.
+ * otherwise all casters are drawn.
  */
 #define ANTUMBRA_CASTER_CULLING_CULLED 0
 #endif
@@ -498,9 +493,9 @@ template <typename T> constexpr T init() {
 #endif
 
 /**
- * The version of the interface: its declarations and their meaning. It grows by one with a change
- * that breaks programs compiled before. New functions, and new fields at the end of structs with a
- * `struct_size`, do not.
+ * The version of the interface: its declarations and their meaning. It grows by one with each
+ * change that breaks compiled programs. New functions, and new fields at the end of structs with a
+ * `struct_size`, do not change it.
  */
 #define ANTUMBRA_ABI_VERSION 1
 
@@ -513,20 +508,20 @@ enum AntumbraResult
 #endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
  {
     /**
-     * It did what it says.
+     * The call succeeded.
      */
     ANTUMBRA_RESULT_OK = 0,
     /**
-     * A pointer is null that must not be, or is not aligned.
+     * A required pointer is null, or a pointer is not aligned.
      */
     ANTUMBRA_RESULT_BAD_POINTER = -1,
     /**
-     * A `struct_size` is the size of no version of the struct, or a field that this version of
-     * the library does not know is not 0.
+     * A `struct_size` does not belong to any version of the struct, or a field that this version
+     * of the library does not know is not 0.
      */
     ANTUMBRA_RESULT_BAD_STRUCT_SIZE = -2,
     /**
-     * A value is outside of its range, or does not fit the others.
+     * A value is outside its range, or does not fit other values.
      */
     ANTUMBRA_RESULT_BAD_ARGUMENT = -3,
     /**
@@ -558,7 +553,7 @@ enum AntumbraResult
      */
     ANTUMBRA_RESULT_UNSUPPORTED = -10,
     /**
-     * The Vulkan device is lost: destroy it and all that was made on it.
+     * The Vulkan device is lost: destroy it and everything that was created on it.
      */
     ANTUMBRA_RESULT_DEVICE_LOST = -11,
     /**
@@ -575,14 +570,14 @@ typedef int32_t AntumbraResult;
 #endif // __cplusplus
 
 /**
- * All objects of one user of the library. Several can live at the same time.
+ * The owner of all objects of one user of the library. Several contexts can exist at once.
  */
 typedef struct AntumbraContext AntumbraContext;
 
 /**
  * Takes a message of a level (`ANTUMBRA_LOG_..`). `message` is UTF-8 with a 0 at the end, valid
- * during the call. It is called on the thread that called the library, during that call, and must
- * not call the library.
+ * during the call. The callback runs on the thread that called the library, during that call, and
+ * must not call the library.
  */
 typedef void (*AntumbraLogCallback)(void *user,
                                     uint32_t level,
@@ -597,7 +592,7 @@ typedef struct AntumbraContextDesc {
      */
     uint32_t struct_size;
     /**
-     * Required: `ANTUMBRA_ABI_VERSION`, as the caller was compiled.
+     * Required: the `ANTUMBRA_ABI_VERSION` that the caller was compiled with.
      */
     uint32_t abi_version;
     /**
@@ -609,8 +604,8 @@ typedef struct AntumbraContextDesc {
      */
     void *log_user;
     /**
-     * The last level that is passed on, `ANTUMBRA_LOG_ERROR` to `ANTUMBRA_LOG_DEBUG`; for no
-     * messages at all, leave `log` null. Default: `ANTUMBRA_LOG_WARN`.
+     * The least severe level that is passed on, `ANTUMBRA_LOG_ERROR` to `ANTUMBRA_LOG_DEBUG`. For
+     * no messages at all, leave `log` null. Default: `ANTUMBRA_LOG_WARN`.
      */
     uint32_t log_level;
     /**
@@ -624,8 +619,8 @@ typedef struct AntumbraContextDesc {
  */
 typedef struct AntumbraError {
     /**
-     * Size of this struct in bytes, set by the caller. A caller who wants less text may have a
-     * smaller struct.
+     * Size of this struct in bytes, set by the caller. A caller may use a smaller struct to get
+     * less text.
      */
     uint32_t struct_size;
     /**
@@ -647,13 +642,13 @@ typedef struct AntumbraCullerDesc {
      */
     uint32_t struct_size;
     /**
-     * The ways to test boxes that the host has besides occlusion queries: a set of
-     * `ANTUMBRA_HAS_..`. Default: 0, none.
+     * The testers that the host has besides occlusion queries: a set of `ANTUMBRA_HAS_..`.
+     * Default: 0, none.
      */
     uint32_t testers;
     /**
-     * The most samples with which a box or an object counts as hidden. Above 0 the image is not
-     * exact, and all tests are queries that count. Any number. Default: 0.
+     * A box or an object counts as hidden if at most this number of samples pass. Above 0 the
+     * image is not exact, and all tests are precise occlusion queries. Any number. Default: 0.
      */
     uint32_t sample_threshold;
     /**
@@ -668,7 +663,7 @@ typedef struct AntumbraCullerDesc {
 } AntumbraCullerDesc;
 
 /**
- * The culler of one view of one hierarchy, with what it knows from earlier frames.
+ * The culler of one view of one hierarchy, with its history of earlier frames.
  */
 typedef struct AntumbraCuller {
     /**
@@ -688,11 +683,11 @@ typedef struct AntumbraHierarchy {
 } AntumbraHierarchy;
 
 /**
- * The identity of a query, to be given back with its answer as it is.
+ * The identity of a query. The host returns it unchanged with the answer.
  */
 typedef struct AntumbraQueryTag {
     /**
-     * The frame of the query, as the culler counts.
+     * The number of the frame, as the culler counts.
      */
     uint64_t frame;
     /**
@@ -708,13 +703,13 @@ typedef struct AntumbraQueryTag {
      */
     uint32_t kind;
     /**
-     * The most samples that count as none.
+     * The box or object counts as hidden if at most this number of samples pass.
      */
     uint32_t sample_threshold;
 } AntumbraQueryTag;
 
 /**
- * The result of a query. It may come late, never, twice, and in any order.
+ * The result of a query. Results may come late, twice, in any order, or never.
  */
 typedef struct AntumbraAnswer {
     /**
@@ -722,7 +717,8 @@ typedef struct AntumbraAnswer {
      */
     struct AntumbraQueryTag tag;
     /**
-     * Samples that passed; where queries are not precise, any number but 0 for "some".
+     * The number of samples that passed. If queries are not precise, any number above 0 means
+     * "some".
      */
     uint32_t samples;
     /**
@@ -740,17 +736,18 @@ typedef struct AntumbraCamera {
      */
     uint32_t struct_size;
     /**
-     * The steps per pixel, as a power of two, that the rasteriser moves vertices by:
-     * `subPixelPrecisionBits` of `VkPhysicalDeviceLimits`. A rasteriser that moves none to a grid
-     * takes the bits behind the point that its positions have for sure: with 32-bit floats 22 less
-     * those of the image's larger side, so 12 for up to 1,024 pixels and 11 for up to 2,048; with
-     * 64-bit floats 24. Fewer are always right, since boxes are tested a little larger; too many
-     * may lose a sample. Up to 24, and more count as 24. Default: 4, the fewest of Vulkan.
+     * The number of fractional bits in the rasteriser's vertex positions (pixels):
+     * `subPixelPrecisionBits` of `VkPhysicalDeviceLimits`. A rasteriser that does not snap
+     * vertices to a grid takes the number of fractional bits that its positions always have. With
+     * 32-bit floats this is 22 minus the bits of the image's larger side: 12 for up to 1,024
+     * pixels, 11 for up to 2,048. With 64-bit floats it is 24. A smaller number is always safe,
+     * since boxes are then tested a little larger; a number that is too large may lose a sample.
+     * Values above 24 count as 24. Default: 4, the minimum of Vulkan.
      */
     uint32_t sub_pixel_bits;
     /**
-     * Required: world to clip space as shaders multiply it with positions, column by column;
-     * depth from 0 to 1.
+     * Required: the matrix from world to clip space, column by column, by which shaders multiply
+     * positions. Depth is from 0 to 1.
      */
     float clip_from_world[16];
     /**
@@ -789,8 +786,8 @@ typedef struct AntumbraPlanDesc {
      */
     const struct AntumbraCamera *camera;
     /**
-     * The most occlusion queries of the plan, any number, or `ANTUMBRA_NO_QUERIES`; leaves for
-     * which none is left are drawn. Default: 4096.
+     * The most occlusion queries of the plan, any number, or `ANTUMBRA_NO_QUERIES`. Leaves for
+     * which no query is left are drawn. Default: 4096.
      */
     size_t query_budget;
 } AntumbraPlanDesc;
@@ -808,7 +805,7 @@ typedef struct AntumbraDraw {
      */
     uint32_t object;
     /**
-     * The number of its query in `queries`: draw it within one. `ANTUMBRA_NO_QUERY` for none.
+     * The index in `queries` of the occlusion query around the draw; `ANTUMBRA_NO_QUERY` for none.
      */
     uint32_t query;
 } AntumbraDraw;
@@ -837,7 +834,7 @@ typedef struct AntumbraTest {
      */
     struct AntumbraQueryTag tag;
     /**
-     * The box, enlarged by what rounding may lose.
+     * The box, enlarged to make up for rounding errors.
      */
     struct AntumbraAabb bounds;
     /**
@@ -849,7 +846,7 @@ typedef struct AntumbraTest {
      */
     uint32_t leaf_count;
     /**
-     * An `ANTUMBRA_TESTER_..`: the mechanism that the plan counts with. All give the same result.
+     * An `ANTUMBRA_TESTER_..`: the mechanism that the plan assumes. All give the same result.
      */
     uint32_t tester;
     /**
@@ -859,7 +856,7 @@ typedef struct AntumbraTest {
 } AntumbraTest;
 
 /**
- * A range of tests that are made before the draws that they reveal.
+ * A range of tests that can run together, before the draws that they reveal.
  */
 typedef struct AntumbraRound {
     /**
@@ -875,10 +872,11 @@ typedef struct AntumbraRound {
 /**
  * The draws and tests of a frame.
  *
- * In this order: clear the depth; draw `draws`, those with a query within an occlusion query; then
- * for each of `rounds`: test its boxes against the depth so far, front faces only, without writing
- * depth; a box shows if more samples than its `sample_threshold` pass; draw the leaves of the
- * boxes that show. Every object whose box meets the frustum is in exactly one place.
+ * The host clears the depth and draws `draws`, those with a query inside an occlusion query. Then,
+ * for each of `rounds`, it tests the boxes of the round against the depth so far, and draws the
+ * leaves of the boxes that show. A test renders front faces only and does not write depth. A box
+ * shows if more samples than its `sample_threshold` pass. Every object whose box meets the frustum
+ * appears once, in `draws` or as a leaf of a test.
  *
  * The arrays belong to the culler and are valid until the next call with it.
  */
@@ -888,7 +886,7 @@ typedef struct AntumbraFramePlan {
      */
     uint32_t struct_size;
     /**
-     * Nodes that the plan looked at: its work.
+     * The number of nodes that planning visited, a measure of its work.
      */
     uint32_t nodes_visited;
     /**
@@ -896,7 +894,7 @@ typedef struct AntumbraFramePlan {
      */
     uint64_t frame;
     /**
-     * The leaves to draw at once, front to back.
+     * The leaves to draw without a test, front to back.
      */
     const struct AntumbraDraw *draws;
     /**
@@ -920,7 +918,7 @@ typedef struct AntumbraFramePlan {
      */
     size_t test_count;
     /**
-     * Ranges of `tests`, one after the other.
+     * Consecutive ranges of `tests`.
      */
     const struct AntumbraRound *rounds;
     /**
@@ -947,7 +945,7 @@ typedef struct AntumbraAdapterDesc {
      */
     uint32_t struct_size;
     /**
-     * The version of Vulkan that the instance was made for, at least that. Default:
+     * The version of Vulkan in the `VkApplicationInfo` of the instance, at least 1.3. Default:
      * `VK_API_VERSION_1_3`.
      */
     uint32_t api_version;
@@ -984,15 +982,15 @@ typedef struct AntumbraFeatures {
      */
     VkPhysicalDeviceFeatures *core;
     /**
-     * Those of Vulkan 1.2, with their `sType`. Default: null.
+     * The features of Vulkan 1.2, with their `sType`. Default: null.
      */
     VkPhysicalDeviceVulkan12Features *vulkan_12;
     /**
-     * Those of Vulkan 1.3, with their `sType`. Default: null.
+     * The features of Vulkan 1.3, with their `sType`. Default: null.
      */
     VkPhysicalDeviceVulkan13Features *vulkan_13;
     /**
-     * That of `VK_EXT_conditional_rendering`, with its `sType`. Default: null.
+     * The features of `VK_EXT_conditional_rendering`, with their `sType`. Default: null.
      */
     VkPhysicalDeviceConditionalRenderingFeaturesEXT *conditional_rendering;
 } AntumbraFeatures;
@@ -1000,7 +998,7 @@ typedef struct AntumbraFeatures {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * The needs of the library on a physical device, besides features.
+ * The requirements of the library on a physical device, besides features.
  */
 typedef struct AntumbraRequirements {
     /**
@@ -1008,7 +1006,7 @@ typedef struct AntumbraRequirements {
      */
     uint32_t struct_size;
     /**
-     * The least version of Vulkan for instance and device.
+     * The lowest version of Vulkan for instance and device.
      */
     uint32_t api_version;
     /**
@@ -1029,7 +1027,7 @@ typedef struct AntumbraRequirements {
      */
     uint32_t reserved;
     /**
-     * Their names, valid as long as the library is loaded.
+     * The names of the extensions, valid as long as the library is loaded.
      */
     const char *extensions[ANTUMBRA_EXTENSIONS_MAX];
 } AntumbraRequirements;
@@ -1037,7 +1035,7 @@ typedef struct AntumbraRequirements {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Takes or gives back the host's lock around a queue. It is called on the thread that renders, and
+ * Takes or releases the host's lock of a queue. The callback runs on the thread that renders, and
  * must not call the library.
  */
 typedef void (*AntumbraQueueLockCallback)(void *user);
@@ -1061,12 +1059,12 @@ typedef struct AntumbraQueueDesc {
      */
     VkQueue queue;
     /**
-     * Returns when nobody else uses the queue; called before each submit. Default: null, where the
-     * host uses it on the thread that renders alone.
+     * Called before each submit; returns when no other thread uses the queue. Default: null, if
+     * the host uses the queue only on the thread that renders.
      */
     AntumbraQueueLockCallback lock;
     /**
-     * Lets others use the queue again; called after each submit. Default: null, as `lock`.
+     * Called after each submit; lets other threads use the queue again. Default: null, as `lock`.
      */
     AntumbraQueueLockCallback unlock;
     /**
@@ -1078,7 +1076,7 @@ typedef struct AntumbraQueueDesc {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * A device that a host made and goes on to own.
+ * A device that a host created and still owns.
  */
 typedef struct AntumbraDeviceDesc {
     /**
@@ -1103,9 +1101,9 @@ typedef struct AntumbraDeviceDesc {
      */
     const struct AntumbraFeatures *features;
     /**
-     * The names of the extensions that are on, and of the instance's `VK_EXT_debug_utils`, with
-     * which everything has a name for debuggers. Names that the library does not know are ignored.
-     * Default: null, with an `extension_count` of 0.
+     * The names of the extensions that are on, and `VK_EXT_debug_utils` if the instance has it:
+     * then all Vulkan objects get names for debuggers. Names that the library does not know are
+     * ignored. Default: null, with an `extension_count` of 0.
      */
     const char *const *extensions;
     /**
@@ -1113,12 +1111,12 @@ typedef struct AntumbraDeviceDesc {
      */
     size_t extension_count;
     /**
-     * The callbacks for the memory of the CPU that Vulkan objects take, called on any thread until
-     * the device and all that was made on it are destroyed. Default: null, for none.
+     * The callbacks for the host memory of Vulkan objects, called on any thread until the device
+     * and everything that was created on it are destroyed. Default: null, for none.
      */
     const VkAllocationCallbacks *allocation_callbacks;
     /**
-     * A cache for pipelines. Default: `VK_NULL_HANDLE`, for one of the library's own.
+     * The pipeline cache. Default: `VK_NULL_HANDLE`, for a cache of the library.
      */
     VkPipelineCache pipeline_cache;
     /**
@@ -1131,7 +1129,7 @@ typedef struct AntumbraDeviceDesc {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * The device of a host, adopted.
+ * An adopted device of a host.
  */
 typedef struct AntumbraDevice {
     /**
@@ -1143,7 +1141,7 @@ typedef struct AntumbraDevice {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * The image that costs are measured on.
+ * The device and the image for which costs are measured.
  */
 typedef struct AntumbraDeviceCostsDesc {
     /**
@@ -1212,15 +1210,15 @@ typedef struct AntumbraHierarchyDesc {
      */
     size_t box_count;
     /**
-     * The number of objects for which there is room before more must be made, up to 2^30; less
-     * than `box_count` counts as `box_count`. Default: 0.
+     * The number of objects that fit before the hierarchy must grow, up to 2^30. A value below
+     * `box_count` counts as `box_count`. Default: 0.
      */
     size_t capacity;
 } AntumbraHierarchyDesc;
 
 /**
- * The leaves of a hierarchy in the order of plans: objects near each other in space are so here,
- * and what one test decides about is one range of leaves.
+ * The leaves of a hierarchy, in the order that plans refer to. Objects near each other in space
+ * are near each other in this order, and a test decides about one range of leaves.
  */
 typedef struct AntumbraLeaves {
     /**
@@ -1232,8 +1230,8 @@ typedef struct AntumbraLeaves {
      */
     uint32_t reserved;
     /**
-     * The object of each leaf; `ANTUMBRA_NO_OBJECT` where there is none. Valid until objects are
-     * added or removed, or the hierarchy is updated or built again: a move changes nothing here.
+     * The object of each leaf; `ANTUMBRA_NO_OBJECT` for a leaf without one. Valid until objects
+     * are added or removed, or the hierarchy is updated or rebuilt. Moves change nothing.
      */
     const uint32_t *objects;
     /**
@@ -1241,14 +1239,14 @@ typedef struct AntumbraLeaves {
      */
     size_t count;
     /**
-     * A number that changes with any entry of `objects`.
+     * A number that changes whenever an entry of `objects` changes.
      */
     uint64_t revision;
 } AntumbraLeaves;
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * The outcome of a self-test: sets of `ANTUMBRA_ASSUMPTION_..`. What is in none of them holds.
+ * The outcome of a self-test: sets of `ANTUMBRA_ASSUMPTION_..`. Assumptions in neither set hold.
  */
 typedef struct AntumbraSelfTest {
     /**
@@ -1256,17 +1254,18 @@ typedef struct AntumbraSelfTest {
      */
     uint32_t struct_size;
     /**
-     * Those that do not hold, for `AntumbraRendererDesc::disabled` and
+     * The assumptions that do not hold, for `AntumbraRendererDesc::disabled` and
      * `AntumbraSceneDesc::disabled`.
      */
     uint32_t broken;
     /**
-     * Those that could not be tested, since the device lacks what rests on them.
+     * The assumptions that could not be tested, since the device lacks the features that rely on
+     * them.
      */
     uint32_t not_tested;
     /**
-     * 1 if a tester and a way to skip draws are left; 0 if only `ANTUMBRA_STRATEGY_FRUSTUM` is
-     * right, which renderers then draw by.
+     * 1 if a tester and a way to skip draws are left. 0 if only `ANTUMBRA_STRATEGY_FRUSTUM` draws
+     * correct images, which renderers then use.
      */
     uint32_t can_cull;
 } AntumbraSelfTest;
@@ -1294,7 +1293,7 @@ typedef struct AntumbraVertex {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * A mesh, which any number of objects may have. It is copied.
+ * A mesh that any number of objects may use. The library copies it.
  */
 typedef struct AntumbraMeshDesc {
     /**
@@ -1330,7 +1329,7 @@ typedef struct AntumbraMeshDesc {
  */
 typedef struct AntumbraTransform {
     /**
-     * The images of the x, y and z axis, then the place of the origin (metres).
+     * The images of the x, y and z axis, then the position of the origin (metres).
      */
     float columns[12];
 } AntumbraTransform;
@@ -1338,21 +1337,21 @@ typedef struct AntumbraTransform {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * A mesh somewhere in the world.
+ * An object: a mesh with a transform.
  */
 typedef struct AntumbraMeshObject {
     /**
-     * The mesh: its place among those of the `AntumbraRendererDesc`, or the id that
+     * The mesh: its index in `AntumbraRendererDesc::meshes`, or the id that
      * `antumbra_renderer_add_meshes` wrote.
      */
     uint32_t mesh;
     /**
-     * Linear red, green and blue of 8 bits each, red in the lowest byte: a factor of the colour of
-     * vertices, by their share.
+     * Linear red, green and blue of 8 bits each, red in the lowest byte. Multiplies the colours of
+     * vertices, according to the share of each vertex.
      */
     uint32_t tint;
     /**
-     * The place.
+     * The transform.
      */
     struct AntumbraTransform transform;
 } AntumbraMeshObject;
@@ -1420,22 +1419,22 @@ typedef struct AntumbraShadowDesc {
      */
     uint32_t culling;
     /**
-     * Maps of the sun, 1 to 8, each of which reaches three times as far as the one before.
-     * Default: 4.
+     * The number of maps of the sun, 1 to 8. Each map reaches three times as far as the previous
+     * one. Default: 4.
      */
     uint32_t cascades;
     /**
-     * The side of such a map in texels, a power of two from 16 on. Default: 2048.
+     * The side of a map of the sun in texels, a power of two of at least 16. Default: 2048.
      */
     uint32_t map_side;
     /**
-     * The most layers of maps, each as large as one of 512 texels a side at least, and with
-     * volumes of the masks of lights. Default: 8.
+     * The most layers of maps, each with a side of `map_side`, but at least 512 texels. With
+     * volumes, the most layers of the mask of lights, each as large as the image. Default: 8.
      */
     uint32_t layers_max;
     /**
-     * The distance from the eye to which the sun has shadows (metres), below 1e6. Default: 0, by
-     * the scene: 200, and farther where its objects are larger than houses.
+     * The distance from the eye to which the sun has shadows (metres), below 1e6. Default: 0, for
+     * a distance that suits the scene: 200, and more if its objects are larger than houses.
      */
     float distance;
     /**
@@ -1443,8 +1442,8 @@ typedef struct AntumbraShadowDesc {
      */
     float penumbra;
     /**
-     * The share of half the side of a cascade in which it blends into the next, up to 0.5.
-     * Default: 0, none.
+     * The width of the band in which a cascade blends into the next one, as a share of half its
+     * side, up to 0.5. Default: 0, none.
      */
     float cascade_blend;
 } AntumbraShadowDesc;
@@ -1484,8 +1483,8 @@ typedef struct AntumbraRendererDesc {
      */
     size_t mesh_count;
     /**
-     * The objects, neighbours near each other. Their ids are their places. Default: null, with an
-     * `object_count` of 0.
+     * The objects. Their ids are their indices. Neighbours in the array should be near each other.
+     * Default: null, with an `object_count` of 0.
      */
     const struct AntumbraMeshObject *objects;
     /**
@@ -1497,12 +1496,12 @@ typedef struct AntumbraRendererDesc {
      */
     const struct AntumbraSunlight *light;
     /**
-     * The most occlusion queries of a frame, any number, or `ANTUMBRA_NO_QUERIES`; objects for
-     * which none is left are drawn. Default: 8192.
+     * The most occlusion queries of a frame, any number, or `ANTUMBRA_NO_QUERIES`. Objects for
+     * which no query is left are drawn. Default: 8192.
      */
     size_t query_budget;
     /**
-     * An `ANTUMBRA_COST_MODEL_..`. Default: `ANTUMBRA_COST_MODEL_BUILT_IN`.
+     * An `ANTUMBRA_COST_MODEL_..`. Default: `ANTUMBRA_COST_MODEL_MEASURED`.
      */
     uint32_t cost_model;
     /**
@@ -1514,11 +1513,11 @@ typedef struct AntumbraRendererDesc {
      */
     uint32_t spare_meshes;
     /**
-     * Room for their vertices. Default: 0.
+     * Room for the vertices of meshes that are added later. Default: 0.
      */
     uint32_t spare_vertices;
     /**
-     * Room for their indices. Default: 0.
+     * Room for the indices of meshes that are added later. Default: 0.
      */
     uint32_t spare_indices;
     /**
@@ -1526,8 +1525,8 @@ typedef struct AntumbraRendererDesc {
      */
     uint32_t upload_bytes_per_frame;
     /**
-     * Samples per pixel, 1 or 4. With 4, edges are smooth. A device that takes the depth of a
-     * sample from another place than its coverage then has `ANTUMBRA_STRATEGY_FRUSTUM` alone.
+     * Samples per pixel, 1 or 4. With 4, edges are smooth. A device that evaluates depth and
+     * coverage of a sample at different positions then supports only `ANTUMBRA_STRATEGY_FRUSTUM`.
      * Default: 1.
      */
     uint32_t samples;
@@ -1536,8 +1535,8 @@ typedef struct AntumbraRendererDesc {
      */
     uint32_t reserved;
     /**
-     * The shadows of the sun. With `ANTUMBRA_SHADOWS_OFF` there can be some later:
-     * `antumbra_renderer_set_shadows`. Default: null, for a renderer that never has any.
+     * The shadows of the sun. With `ANTUMBRA_SHADOWS_OFF` they can be turned on later:
+     * `antumbra_renderer_set_shadows`. Default: null, for a renderer that never has shadows.
      */
     const struct AntumbraShadowDesc *shadows;
     /**
@@ -1574,12 +1573,12 @@ typedef struct AntumbraRenderDesc {
      */
     uint32_t struct_size;
     /**
-     * An `ANTUMBRA_STRATEGY_..`, which may be another one in each frame: frustum culling alone
-     * draws the same image. Default: `ANTUMBRA_STRATEGY_ANTUMBRA`.
+     * An `ANTUMBRA_STRATEGY_..`, which may change in each frame: all strategies draw the same
+     * image. Default: `ANTUMBRA_STRATEGY_ANTUMBRA`.
      */
     uint32_t strategy;
     /**
-     * Required: the camera, with reversed depth. Its `sub_pixel_bits` have no meaning here.
+     * Required: the camera, with reversed depth. Its `sub_pixel_bits` are ignored.
      */
     const struct AntumbraCamera *camera;
 } AntumbraRenderDesc;
@@ -1587,12 +1586,12 @@ typedef struct AntumbraRenderDesc {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * The state of an image between its user and the executor.
+ * The state of an image where its use changes between another user and the executor.
  */
 typedef struct AntumbraImageState {
     /**
-     * The layout, which is not checked. `VK_IMAGE_LAYOUT_UNDEFINED` on entry drops the contents;
-     * on exit it leaves the image as an attachment.
+     * The layout, which is not checked. `VK_IMAGE_LAYOUT_UNDEFINED` on entry discards the
+     * contents; on exit it leaves the image in its layout as an attachment.
      */
     VkImageLayout layout;
     /**
@@ -1612,11 +1611,12 @@ typedef struct AntumbraImageState {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * The image of the newest frame. It is the renderer's until that is resized or destroyed.
+ * The image of the newest frame. The renderer owns the image, until the renderer is resized or
+ * destroyed.
  *
- * Commands that are submitted to the same queue after the frame use it behind a barrier from
- * `state`. On other queues they first wait for `value` of the semaphore `timeline`. Before the
- * next frame is rendered, a barrier on the queue of the renderer brings it back to `state`.
+ * Commands that are submitted to the same queue after the frame use the image after a barrier from
+ * `state`. Commands on other queues first wait for `value` of the semaphore `timeline`. Before the
+ * next frame is rendered, a barrier on the queue of the renderer must return the image to `state`.
  */
 typedef struct AntumbraFinishedImage {
     /**
@@ -1633,7 +1633,7 @@ typedef struct AntumbraFinishedImage {
      */
     VkImage image;
     /**
-     * A view of it.
+     * A view of the image.
      */
     VkImageView view;
     /**
@@ -1645,7 +1645,7 @@ typedef struct AntumbraFinishedImage {
      */
     uint32_t height;
     /**
-     * The state that the frame leaves it in.
+     * The state in which the frame leaves the image.
      */
     struct AntumbraImageState state;
     /**
@@ -1685,7 +1685,7 @@ typedef struct AntumbraShadowStats {
      */
     uint32_t culled_maps;
     /**
-     * The casters in maps that are drawn, culled or not, or of volumes.
+     * The casters in drawn maps, culled or not, or the casters of volumes.
      */
     uint32_t casters;
     /**
@@ -1693,11 +1693,11 @@ typedef struct AntumbraShadowStats {
      */
     uint32_t tests;
     /**
-     * The volumes that are counted by z-fail, since the eye may be in them.
+     * The volumes that are counted by z-fail, since the eye may be inside them.
      */
     uint32_t z_fail_volumes;
     /**
-     * The lights without shadows, since there was no room.
+     * The lights that have no shadows for lack of room.
      */
     uint32_t unshadowed_lights;
     /**
@@ -1717,7 +1717,7 @@ typedef struct AntumbraShadowStats {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * The counts of the newest frame whose results are known, and of meshes on their way.
+ * The counts of the newest frame whose results are known, and the state of uploads.
  */
 typedef struct AntumbraRendererStats {
     /**
@@ -1725,7 +1725,7 @@ typedef struct AntumbraRendererStats {
      */
     uint32_t struct_size;
     /**
-     * 1 while some mesh is on its way to the GPU: its objects are not drawn yet. Else 0.
+     * 1 while meshes are being uploaded, whose objects are not drawn yet; else 0.
      */
     uint32_t is_uploading;
     /**
@@ -1741,7 +1741,7 @@ typedef struct AntumbraRendererStats {
      */
     uint64_t drawn;
     /**
-     * The objects among those that were drawn because a box showed.
+     * The objects among the drawn ones that a test revealed.
      */
     uint64_t revealed;
     /**
@@ -1749,7 +1749,7 @@ typedef struct AntumbraRendererStats {
      */
     uint64_t tests;
     /**
-     * An `ANTUMBRA_PREDICATION_..`: the way that hidden draws are skipped. It costs least by the
+     * An `ANTUMBRA_PREDICATION_..`: the way that hidden draws are skipped, the cheapest one by the
      * costs that were measured when the renderer was created.
      */
     uint32_t predication;
@@ -1778,8 +1778,8 @@ typedef struct AntumbraAttachments {
      */
     VkSampleCountFlagBits samples;
     /**
-     * The direction in which depths grow: an `ANTUMBRA_DEPTH_..`, the same as that of cameras.
-     * Default: `ANTUMBRA_DEPTH_REVERSED`.
+     * The direction in which depths grow: an `ANTUMBRA_DEPTH_..`, the same as in cameras. Default:
+     * `ANTUMBRA_DEPTH_REVERSED`.
      */
     uint32_t depth;
     /**
@@ -1813,7 +1813,7 @@ typedef struct AntumbraSceneDesc {
      */
     uint32_t struct_size;
     /**
-     * The most frames that are begun and not known to be over, up to 64. Default: 2.
+     * The most frames that may have begun and are not known to be over, up to 64. Default: 2.
      */
     uint32_t frames_in_flight;
     /**
@@ -1825,16 +1825,16 @@ typedef struct AntumbraSceneDesc {
      */
     const struct AntumbraAttachments *attachments;
     /**
-     * The number of buckets, up to 65536: pipelines in passes. They are drawn in the order of
-     * their numbers. Default: 1.
+     * The number of buckets, up to 65536. A bucket is a pipeline in a pass, in which draws of
+     * objects are drawn together. Buckets are drawn in the order of their numbers. Default: 1.
      */
     uint32_t bucket_count;
     /**
-     * The number of objects for which there is room before more must be made. Default: 0.
+     * The number of objects that fit before the scene must grow. Default: 0.
      */
     uint32_t object_capacity;
     /**
-     * The number of draws for which there is room before they are uploaded again. Default: 0.
+     * The number of draws that fit before they are uploaded again to larger buffers. Default: 0.
      */
     uint32_t draw_capacity;
     /**
@@ -1859,9 +1859,9 @@ typedef struct AntumbraSceneDesc {
      */
     uint32_t reserved;
     /**
-     * The measured costs of the same physical device: the way to skip hidden draws that costs
-     * least for `object_capacity` objects is taken, and tests that cost more than they are
-     * expected to save are left out. Default: 0, none: all that may be hidden is tested.
+     * The measured costs of the same physical device. With them, the scene skips hidden draws in
+     * the cheapest way for `object_capacity` objects, and leaves out tests that cost more than
+     * they are expected to save. Default: 0, none: everything that may be hidden is tested.
      */
     struct AntumbraDeviceCosts costs;
 } AntumbraSceneDesc;
@@ -1885,11 +1885,11 @@ typedef struct AntumbraScene {
  */
 typedef struct AntumbraObject {
     /**
-     * The box around all that it draws.
+     * The box around everything that the object draws.
      */
     struct AntumbraAabb bounds;
     /**
-     * The first of its draws in the array of draws.
+     * The index of its first draw in the array of draws.
      */
     uint32_t first_draw;
     /**
@@ -1909,23 +1909,23 @@ typedef struct AntumbraObjectDraw {
      */
     uint32_t bucket;
     /**
-     * As of `VkDrawIndexedIndirectCommand`.
+     * As in `VkDrawIndexedIndirectCommand`.
      */
     uint32_t index_count;
     /**
-     * As of `VkDrawIndexedIndirectCommand`; any number.
+     * As in `VkDrawIndexedIndirectCommand`; any number.
      */
     uint32_t instance_count;
     /**
-     * As of `VkDrawIndexedIndirectCommand`.
+     * As in `VkDrawIndexedIndirectCommand`.
      */
     uint32_t first_index;
     /**
-     * As of `VkDrawIndexedIndirectCommand`.
+     * As in `VkDrawIndexedIndirectCommand`.
      */
     int32_t vertex_offset;
     /**
-     * As of `VkDrawIndexedIndirectCommand`.
+     * As in `VkDrawIndexedIndirectCommand`.
      */
     uint32_t first_instance;
 } AntumbraObjectDraw;
@@ -1933,7 +1933,7 @@ typedef struct AntumbraObjectDraw {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * A view of a scene, with what it knows from earlier frames.
+ * A view of a scene, with its history of earlier frames.
  */
 typedef struct AntumbraView {
     /**
@@ -1965,7 +1965,7 @@ typedef struct AntumbraViewStats {
      */
     uint64_t objects;
     /**
-     * The objects among them that were drawn because a box showed.
+     * The objects among them that a test revealed.
      */
     uint64_t revealed;
     /**
@@ -1973,7 +1973,7 @@ typedef struct AntumbraViewStats {
      */
     uint64_t queries;
     /**
-     * The boxes that are tested in that plan.
+     * The boxes that the newest plan tests.
      */
     uint64_t tests;
     /**
@@ -1999,7 +1999,7 @@ typedef struct AntumbraDrawList {
      */
     uint32_t bucket;
     /**
-     * The most commands that there may be, above 0: `VkDrawIndexedIndirectCommand`s without gaps.
+     * The largest number of commands, above 0: `VkDrawIndexedIndirectCommand`s without gaps.
      */
     uint32_t most;
     /**
@@ -2011,8 +2011,8 @@ typedef struct AntumbraDrawList {
      */
     uint64_t commands_offset;
     /**
-     * The buffer of the number of commands, 32 bits. Null where the device counts no draws: some
-     * of all commands are empty then.
+     * The buffer of the number of commands, 32 bits. Null if the device does not support draw
+     * counts: then all `most` commands are drawn, and some of them are empty.
      */
     VkBuffer count;
     /**
@@ -2027,7 +2027,7 @@ typedef struct AntumbraDrawList {
  * The draws of a view in the newest frame, a list per bucket, in the order of their buckets.
  *
  * The order on the queue is: the visible draws, in renderings of the host that clear; the command
- * buffer of the frame; the revealed draws, in renderings that keep what is there. The buffers live
+ * buffer of the frame; the revealed draws, in renderings that keep the contents. The buffers live
  * until the frame is over.
  */
 typedef struct AntumbraDrawLists {
@@ -2040,7 +2040,7 @@ typedef struct AntumbraDrawLists {
      */
     uint32_t reserved;
     /**
-     * The draws that are taken as visible; as long as the view is not recorded again.
+     * The draws that are assumed to be visible. Valid until the view is recorded again.
      */
     const struct AntumbraDrawList *visible;
     /**
@@ -2048,7 +2048,7 @@ typedef struct AntumbraDrawLists {
      */
     size_t visible_count;
     /**
-     * The draws that the tests of the frame reveal; as long as the view is not recorded again.
+     * The draws that the tests of the frame reveal. Valid until the view is recorded again.
      */
     const struct AntumbraDrawList *revealed;
     /**
@@ -2068,7 +2068,7 @@ typedef struct AntumbraImage {
      */
     VkImage image;
     /**
-     * A 2D view of it with all aspects of the format.
+     * A 2D view of the image with all aspects of the format.
      */
     VkImageView view;
     /**
@@ -2076,8 +2076,8 @@ typedef struct AntumbraImage {
      */
     VkFormat format;
     /**
-     * The usage that it was created with. `VK_IMAGE_USAGE_TRANSFER_SRC_BIT` of a depth image
-     * allows tests by compute shaders.
+     * The usage that the image was created with. `VK_IMAGE_USAGE_TRANSFER_SRC_BIT` of a depth
+     * image allows tests by compute shaders.
      */
     VkImageUsageFlags usage;
     /**
@@ -2085,7 +2085,7 @@ typedef struct AntumbraImage {
      */
     struct AntumbraImageState entry;
     /**
-     * The state after its last one.
+     * The state after the last command of the executor.
      */
     struct AntumbraImageState exit;
 } AntumbraImage;
@@ -2101,8 +2101,8 @@ typedef struct AntumbraTargetDesc {
      */
     uint32_t struct_size;
     /**
-     * The number of colour images: those of the scene's attachments, or none if the host begins
-     * its renderings itself. Default: 0.
+     * The number of colour images: the number of the scene's colour attachments, or 0 if the host
+     * begins its renderings itself. Default: 0.
      */
     uint32_t colour_count;
     /**
@@ -2114,7 +2114,8 @@ typedef struct AntumbraTargetDesc {
      */
     const struct AntumbraImage *colours;
     /**
-     * Required: width of all images (pixels). That the images are no smaller cannot be checked.
+     * Required: width of all images (pixels). The library cannot check that the images are that
+     * large.
      */
     uint32_t width;
     /**
@@ -2150,8 +2151,8 @@ typedef struct AntumbraViewFrame {
      */
     const struct AntumbraTargetDesc *target;
     /**
-     * The most occlusion queries, any number, or `ANTUMBRA_NO_QUERIES`; leaves for which none is
-     * left are drawn. Default: 4096.
+     * The most occlusion queries, any number, or `ANTUMBRA_NO_QUERIES`. Leaves for which no query
+     * is left are drawn. Default: 4096.
      */
     size_t query_budget;
 } AntumbraViewFrame;
@@ -2183,9 +2184,10 @@ typedef struct AntumbraBinding {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Binds pipeline, descriptors, vertex and index buffers for the indexed indirect draws of a
- * bucket that follow. Viewport and scissor cover the target, with y down: a host whose y points
- * up, or who draws to a part, sets its own here. No query and no condition may be left open.
+ * Binds the pipeline, descriptor sets, vertex and index buffers for the indexed indirect draws of
+ * a bucket that follow. Viewport and scissor cover the target, with y down. A host whose y axis
+ * points up, or that draws to a part of the target, sets its own viewport and scissor here. The
+ * callback must not leave a query or a conditional rendering open.
  */
 typedef void (*AntumbraBindCallback)(void *user,
                                      const struct AntumbraBinding *binding);
@@ -2246,16 +2248,16 @@ typedef struct AntumbraFrameDesc {
      */
     VkCommandBuffer commands;
     /**
-     * Required: the number of this frame, above that of all frames before on the device.
+     * Required: the number of this frame, above the numbers of all earlier frames on the device.
      */
     uint64_t current;
     /**
-     * The newest frame that is over on the GPU with all before it, or will never be submitted.
-     * Default: 0, none.
+     * The number of a frame: it and all earlier frames are over on the GPU, or will never be
+     * submitted. The newest such frame is best. Default: 0, none.
      */
     uint64_t safe;
     /**
-     * Binds what draws need. Default: null, for a host that draws from lists: others must give it.
+     * Binds the state that draws need. Default: null, only for a host that draws from lists.
      */
     AntumbraBindCallback bind;
     /**
@@ -2271,8 +2273,9 @@ typedef struct AntumbraFrameDesc {
      */
     AntumbraRenderingCallback end_rendering;
     /**
-     * The most occlusion queries of all views together, any number, or `ANTUMBRA_NO_QUERIES`: what
-     * a view leaves goes to those with more to test. Default: 0, for the budgets of each.
+     * The most occlusion queries of all views together, any number, or `ANTUMBRA_NO_QUERIES`.
+     * Views with more to test get the queries that other views leave. Default: 0, for a budget per
+     * view.
      */
     size_t query_budget;
 } AntumbraFrameDesc;
@@ -2292,14 +2295,14 @@ uint32_t antumbra_abi_version(void);
  *
  * # Safety
  * The rules of the interface; `desc.log` may be called on each thread that uses the context, until
- * it is destroyed.
+ * the context is destroyed.
  */
 AntumbraResult antumbra_context_create(const struct AntumbraContextDesc *desc,
                                        struct AntumbraContext **context,
                                        struct AntumbraError *error);
 
 /**
- * Destroys a context and all that is left in it. Null is no error.
+ * Destroys a context and all objects in it. Null is not an error.
  *
  * # Safety
  * The rules of the interface; no other call uses the context, now or later.
@@ -2308,7 +2311,7 @@ AntumbraResult antumbra_context_destroy(struct AntumbraContext *context,
                                         struct AntumbraError *error);
 
 /**
- * Creates a culler that knows nothing yet.
+ * Creates a culler without a history.
  *
  * # Safety
  * The rules of the interface.
@@ -2319,7 +2322,7 @@ AntumbraResult antumbra_culler_create(const struct AntumbraContext *context,
                                       struct AntumbraError *error);
 
 /**
- * Destroys a culler. A handle of 0 is no error.
+ * Destroys a culler. A handle of 0 is not an error.
  *
  * # Safety
  * The rules of the interface.
@@ -2329,7 +2332,7 @@ AntumbraResult antumbra_culler_destroy(const struct AntumbraContext *context,
                                        struct AntumbraError *error);
 
 /**
- * Forgets all that is known, after a change that makes it worthless.
+ * Clears the history of a culler, after a change that makes the history worthless.
  *
  * # Safety
  * The rules of the interface.
@@ -2339,8 +2342,8 @@ AntumbraResult antumbra_culler_reset(const struct AntumbraContext *context,
                                      struct AntumbraError *error);
 
 /**
- * Takes answers to queries of earlier plans: in any order, late, twice, or never. Those that fit
- * nothing any more are ignored. If one is none at all, nothing is taken.
+ * Takes answers to queries of earlier plans. Answers may come in any order, late, twice, or never;
+ * outdated answers are ignored. If an answer is invalid, no answer is taken.
  *
  * # Safety
  * The rules of the interface.
@@ -2367,9 +2370,10 @@ AntumbraResult antumbra_culler_plan(const struct AntumbraContext *context,
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Writes the needs of the executor on a physical device: turns the features on in `features` that
- * it needs or can use, and leaves all others as they are. To be called before the device is
- * created, with the structs that it is created with. `UNSUPPORTED` names what is missing.
+ * Writes the requirements of the executor on a physical device. Turns on the features in
+ * `features` that the executor needs or can use, and leaves all others as they are. Call it before
+ * the device is created, with the structs that the device is created with. If the result is
+ * `UNSUPPORTED`, the message names what is missing.
  *
  * # Safety
  * The rules of the interface; the handles are valid.
@@ -2383,13 +2387,15 @@ AntumbraResult antumbra_requirements(const struct AntumbraContext *context,
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Adopts the device of a host: nothing of the host is ever destroyed. With a queue it is for
- * renderers, which submit to it. Without one it is for scenes: nothing is submitted, and the
- * host's frame numbers are its clock. `UNSUPPORTED` names what is not on.
+ * Adopts the device of a host. The library never destroys objects of the host. A device with a
+ * queue is for renderers, which submit to the queue. A device without a queue is for scenes:
+ * nothing is submitted, and the host's frame numbers say which frames are over. If the result is
+ * `UNSUPPORTED`, the message names what is not on.
  *
  * # Safety
- * The rules of the interface. The handles belong together, and live until this device and all that
- * is made on it are destroyed. Nothing is named that is not on.
+ * The rules of the interface. The handles belong together, and live until this device and
+ * everything that is created on it are destroyed. All features and extensions that `desc` names
+ * are on.
  */
 AntumbraResult antumbra_device_adopt(const struct AntumbraContext *context,
                                      const struct AntumbraDeviceDesc *desc,
@@ -2399,13 +2405,13 @@ AntumbraResult antumbra_device_adopt(const struct AntumbraContext *context,
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Says that all frames are over on the GPU, or will never be submitted: what they used can be
- * freed. To be called before the device is destroyed; otherwise all that the last frames may still
- * use is kept for good, and the log says so. A device with a queue knows by itself:
- * `BAD_ARGUMENT`.
+ * Declares that all frames are over on the GPU, or will never be submitted, so that their
+ * resources can be freed. Call it before the device is destroyed; otherwise resources that the
+ * last frames may still use are never freed, and the log says so. A device with a queue tracks its
+ * frames itself: the result is `BAD_ARGUMENT`.
  *
  * # Safety
- * The rules of the interface, and it is so.
+ * The rules of the interface. All frames are over, or will never be submitted.
  */
 AntumbraResult antumbra_device_finished(const struct AntumbraContext *context,
                                         struct AntumbraDevice device,
@@ -2414,9 +2420,9 @@ AntumbraResult antumbra_device_finished(const struct AntumbraContext *context,
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Gives the device back: the host goes on to own it. Scenes and renderers on it live on until they
- * are destroyed. With a queue, the last of them and this wait until what was submitted is over;
- * the wait is bounded. A handle of 0 is no error.
+ * Ends the adoption of a device, which the host still owns. Scenes and renderers on it live on
+ * until they are destroyed. With a queue, this call or the destruction of the last renderer waits
+ * until all submitted frames are over; the wait is bounded. A handle of 0 is not an error.
  *
  * # Safety
  * The rules of the interface.
@@ -2428,13 +2434,13 @@ AntumbraResult antumbra_device_destroy(const struct AntumbraContext *context,
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Measures the costs of tests and draws on a device that was adopted with a queue, and of the
- * ways to skip hidden draws, for scenes on the same device (`AntumbraSceneDesc::costs`), which
- * may be adopted again without a queue. Takes half a second on a driver without a GPU, and waits
- * for the device again and again: for before the first frame.
+ * Measures the costs of tests, of draws, and of the ways to skip hidden draws, on a device that
+ * was adopted with a queue. Scenes use the costs (`AntumbraSceneDesc::costs`) on the same device,
+ * which may be adopted again without a queue. Takes half a second on a software driver, and waits
+ * for the device repeatedly. Call it before the first frame.
  *
  * # Safety
- * The rules of the interface. The callbacks of the queue do what they say.
+ * The rules of the interface. The callbacks of the queue do what `AntumbraQueueDesc` says.
  */
 AntumbraResult antumbra_device_costs_measure(const struct AntumbraContext *context,
                                              const struct AntumbraDeviceCostsDesc *desc,
@@ -2444,7 +2450,8 @@ AntumbraResult antumbra_device_costs_measure(const struct AntumbraContext *conte
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Destroys costs; scenes that were created by them stay. A handle of 0 is no error.
+ * Destroys costs. Scenes that were created with them stay as they are. A handle of 0 is not an
+ * error.
  *
  * # Safety
  * The rules of the interface.
@@ -2466,7 +2473,7 @@ AntumbraResult antumbra_hierarchy_create(const struct AntumbraContext *context,
                                          struct AntumbraError *error);
 
 /**
- * Destroys a hierarchy. A handle of 0 is no error.
+ * Destroys a hierarchy. A handle of 0 is not an error.
  *
  * # Safety
  * The rules of the interface.
@@ -2476,8 +2483,8 @@ AntumbraResult antumbra_hierarchy_destroy(const struct AntumbraContext *context,
                                           struct AntumbraError *error);
 
 /**
- * Moves objects: object `objects[i]` has the box `boxes[i]` from now on. After an error those
- * before the one that the message names have moved. Leaves stay as they are.
+ * Moves objects: object `objects[i]` has the box `boxes[i]` from now on. After an error the
+ * objects before the one in the message have moved. The order of leaves does not change.
  *
  * # Safety
  * The rules of the interface.
@@ -2493,10 +2500,10 @@ AntumbraResult antumbra_hierarchy_move(const struct AntumbraContext *context,
  * Adds objects and writes their ids, which may be those of objects that were removed. Ids and
  * histories of other objects stay. After an error nothing was added.
  *
- * The time depends on the number of added objects. Where there is no room for them
- * (`AntumbraHierarchyDesc::capacity`), room for a sixteenth of all objects is made besides: two
- * tenths of a second for 10,000,000. Where they are as many as the objects that are there,
- * everything is built again: about a second per 1,000,000.
+ * The time depends on the number of added objects. If they do not fit
+ * (`AntumbraHierarchyDesc::capacity`), the hierarchy grows to hold them and a further sixteenth of
+ * all objects: 0.2 seconds for 10,000,000 objects. If their number reaches the number of existing
+ * objects, everything is rebuilt: about a second per 1,000,000 objects.
  *
  * # Safety
  * The rules of the interface.
@@ -2509,8 +2516,8 @@ AntumbraResult antumbra_hierarchy_insert(const struct AntumbraContext *context,
                                          struct AntumbraError *error);
 
 /**
- * Removes objects. Their ids are given to objects that are added later. After an error those
- * before the one that the message names were removed.
+ * Removes objects. Objects that are added later reuse their ids. After an error the objects before
+ * the one in the message have been removed.
  *
  * # Safety
  * The rules of the interface.
@@ -2522,8 +2529,8 @@ AntumbraResult antumbra_hierarchy_remove(const struct AntumbraContext *context,
                                          struct AntumbraError *error);
 
 /**
- * Rebuilds parts that moving has worn, a bounded number of leaves. To be called once per frame,
- * after the frame's other changes, if objects move.
+ * Rebuilds subtrees that moving objects have degraded, up to a bounded number of leaves. If
+ * objects move, call it once per frame, after the other changes of the frame.
  *
  * # Safety
  * The rules of the interface.
@@ -2533,9 +2540,9 @@ AntumbraResult antumbra_hierarchy_update(const struct AntumbraContext *context,
                                          struct AntumbraError *error);
 
 /**
- * Builds everything again, for boxes that lie otherwise than when they were last built: after many
- * insertions or long moves plans get longer, though they stay right. Ids and histories stay. Takes
- * about a second per 1,000,000 objects: for a pause of the program.
+ * Rebuilds the whole hierarchy for the current boxes. After many insertions or long moves plans
+ * become longer, though they stay correct; a rebuild makes them short again. Ids and histories
+ * stay. Takes about a second per 1,000,000 objects, so it is meant for a pause of the program.
  *
  * # Safety
  * The rules of the interface.
@@ -2545,8 +2552,8 @@ AntumbraResult antumbra_hierarchy_rebuild(const struct AntumbraContext *context,
                                           struct AntumbraError *error);
 
 /**
- * Writes the objects of all leaves, in the order that plans refer to. To be called again after
- * `antumbra_hierarchy_insert`, `_remove`, `_update` and `_rebuild`; a move changes none.
+ * Writes the objects of all leaves, in the order that plans refer to. Call it again after
+ * `antumbra_hierarchy_insert`, `_remove`, `_update` and `_rebuild`. Moves change nothing.
  *
  * # Safety
  * The rules of the interface.
@@ -2558,7 +2565,8 @@ AntumbraResult antumbra_hierarchy_leaves(const struct AntumbraContext *context,
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Writes what `antumbra_requirements` does, for devices that are adopted with a queue.
+ * Writes the requirements of the renderer, as `antumbra_requirements` does for the executor. For a
+ * device that will be adopted with a queue.
  *
  * # Safety
  * The rules of the interface; the handles are valid.
@@ -2572,12 +2580,12 @@ AntumbraResult antumbra_renderer_requirements(const struct AntumbraContext *cont
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Tests the driver of a device that was adopted with a queue: each assumption that exactness rests
- * on, by small frames of its own. Takes about a second, and waits for the device again and again:
- * for before the first frame.
+ * Tests the driver of a device that was adopted with a queue: small frames check each assumption
+ * that exactness rests on. Takes about a second, and waits for the device repeatedly. Call it
+ * before the first frame.
  *
  * # Safety
- * The rules of the interface. The callbacks of the queue do what they say.
+ * The rules of the interface. The callbacks of the queue do what `AntumbraQueueDesc` says.
  */
 AntumbraResult antumbra_self_test(const struct AntumbraContext *context,
                                   struct AntumbraDevice device,
@@ -2587,9 +2595,9 @@ AntumbraResult antumbra_self_test(const struct AntumbraContext *context,
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Creates a renderer of a scene, and uploads the scene. What games need besides is in Rust alone:
- * textures, materials, lights beside the sun, transparent, skinned and animated meshes, levels of
- * detail, several views, glTF files.
+ * Creates a renderer of a scene, and uploads the scene. Only the Rust interface has textures,
+ * materials, lights besides the sun, transparent, skinned and animated meshes, levels of detail,
+ * several views, and glTF files.
  *
  * # Safety
  * The rules of the interface.
@@ -2602,8 +2610,8 @@ AntumbraResult antumbra_renderer_create(const struct AntumbraContext *context,
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Destroys a renderer. What frames in flight use is freed when they are over: nothing waits. Its
- * image is used no longer. A handle of 0 is no error.
+ * Destroys a renderer without a wait: resources of frames in flight are freed when these frames
+ * are over. The host must not use the renderer's image any more. A handle of 0 is not an error.
  *
  * # Safety
  * The rules of the interface.
@@ -2619,8 +2627,9 @@ AntumbraResult antumbra_renderer_destroy(const struct AntumbraContext *context,
  * frames ago, and for nothing else.
  *
  * # Safety
- * The rules of the interface. The image of the frame before is in its state again, and its other
- * users are over when the frame executes. The callbacks of the queue do what they say.
+ * The rules of the interface. When the frame executes, the image of the previous frame is in its
+ * `state` again, and its other users are over. The callbacks of the queue do what
+ * `AntumbraQueueDesc` says.
  */
 AntumbraResult antumbra_renderer_render(const struct AntumbraContext *context,
                                         struct AntumbraRenderer renderer,
@@ -2630,7 +2639,7 @@ AntumbraResult antumbra_renderer_render(const struct AntumbraContext *context,
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Writes the image of the newest frame. `BAD_ARGUMENT` before the first one.
+ * Writes the image of the newest frame. Before the first frame the result is `BAD_ARGUMENT`.
  *
  * # Safety
  * The rules of the interface.
@@ -2643,11 +2652,11 @@ AntumbraResult antumbra_renderer_image(const struct AntumbraContext *context,
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Draws images of another size from now on, with what is known of earlier frames. Nothing waits.
- * The image of earlier frames is used no longer.
+ * Changes the size of the images without a wait, and keeps the history of earlier frames. The host
+ * must not use the image of an earlier frame any more.
  *
  * # Safety
- * The rules of the interface. Commands of the host that use the image are over.
+ * The rules of the interface. The host's commands that use the image are over.
  */
 AntumbraResult antumbra_renderer_resize(const struct AntumbraContext *context,
                                         struct AntumbraRenderer renderer,
@@ -2658,9 +2667,9 @@ AntumbraResult antumbra_renderer_resize(const struct AntumbraContext *context,
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Draws shadows by other options from now on; with `method` 0, none. Makes new maps
- * and pipelines: not for every frame. The renderer was created with an `AntumbraShadowDesc`. After
- * an error nothing has changed.
+ * Changes the options of shadows; a `method` of 0 turns shadows off. Creates new maps and
+ * pipelines, so it is not meant for every frame. The renderer must have been created with an
+ * `AntumbraShadowDesc`. After an error nothing has changed.
  *
  * # Safety
  * The rules of the interface.
@@ -2686,8 +2695,8 @@ AntumbraResult antumbra_renderer_shadow_stats(const struct AntumbraContext *cont
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Adds objects and writes their ids, which may be those of objects that were removed. There must
- * be room: `spare_objects`. After an error nothing was added.
+ * Adds objects and writes their ids, which may be those of objects that were removed.
+ * `spare_objects` must leave room for them. After an error nothing was added.
  *
  * # Safety
  * The rules of the interface.
@@ -2732,10 +2741,10 @@ AntumbraResult antumbra_renderer_move_objects(const struct AntumbraContext *cont
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Adds meshes and writes their ids, which may be those of meshes that were removed. There must be
- * room: `spare_meshes`, `spare_vertices` and `spare_indices`. Objects can have them at once, and
- * are drawn once they are on the GPU: frames copy them bit by bit. After an error nothing was
- * added.
+ * Adds meshes and writes their ids, which may be those of meshes that were removed.
+ * `spare_meshes`, `spare_vertices` and `spare_indices` must leave room for them. Objects can use
+ * the meshes immediately, and are drawn when the meshes are on the GPU: each frame copies a part.
+ * After an error nothing was added.
  *
  * # Safety
  * The rules of the interface.
@@ -2750,7 +2759,7 @@ AntumbraResult antumbra_renderer_add_meshes(const struct AntumbraContext *contex
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Removes meshes that no object has. After an error nothing was removed.
+ * Removes meshes that no object uses. After an error nothing was removed.
  *
  * # Safety
  * The rules of the interface.
@@ -2777,8 +2786,8 @@ AntumbraResult antumbra_renderer_stats(const struct AntumbraContext *context,
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Waits until all frames of the renderer are over. For the end and for measurements, not for a
- * loop. The wait is bounded.
+ * Waits until all frames of the renderer are over; the wait is bounded. Meant for measurements and
+ * for the end of the program, not for each frame.
  *
  * # Safety
  * The rules of the interface.
@@ -2803,8 +2812,8 @@ AntumbraResult antumbra_scene_create(const struct AntumbraContext *context,
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Destroys a scene and its views. What frames may still use is freed when they are over. A handle
- * of 0 is no error.
+ * Destroys a scene and its views. Resources that frames may still use are freed when these frames
+ * are over. A handle of 0 is not an error.
  *
  * # Safety
  * The rules of the interface.
@@ -2819,10 +2828,10 @@ AntumbraResult antumbra_scene_destroy(const struct AntumbraContext *context,
  * Adds objects and writes their ids, which may be those of objects that were removed. After an
  * error nothing was added.
  *
- * The time depends on the number of added objects. Where there is no room for them
- * (`AntumbraSceneDesc::object_capacity`), room for a sixteenth of all objects is made besides, and
- * the next frame uploads all to larger buffers. Where they are as many as the objects that are
- * there, everything is built again: some seconds per 1,000,000.
+ * The time depends on the number of added objects. If they do not fit
+ * (`AntumbraSceneDesc::object_capacity`), the scene grows to hold them and a further sixteenth of
+ * all objects, and the next frame uploads all objects to larger buffers. If their number reaches
+ * the number of existing objects, everything is rebuilt: some seconds per 1,000,000 objects.
  *
  * # Safety
  * The rules of the interface.
@@ -2839,7 +2848,7 @@ AntumbraResult antumbra_scene_add(const struct AntumbraContext *context,
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Removes objects. After an error those before the one that the message names were removed.
+ * Removes objects. After an error the objects before the one in the message have been removed.
  *
  * # Safety
  * The rules of the interface.
@@ -2853,9 +2862,8 @@ AntumbraResult antumbra_scene_remove(const struct AntumbraContext *context,
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Moves objects: object `objects[i]` has the box `boxes[i]` from now on. Where draws read its new
- * place is the concern of the host. After an error those before the one that the message names
- * have moved.
+ * Moves objects: object `objects[i]` has the box `boxes[i]` from now on. The host itself gives the
+ * new transform to its draws. After an error the objects before the one in the message have moved.
  *
  * # Safety
  * The rules of the interface.
@@ -2885,7 +2893,7 @@ AntumbraResult antumbra_scene_set_draws(const struct AntumbraContext *context,
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Creates a view of a scene, which knows nothing yet.
+ * Creates a view of a scene, without a history.
  *
  * # Safety
  * The rules of the interface.
@@ -2898,7 +2906,7 @@ AntumbraResult antumbra_view_create(const struct AntumbraContext *context,
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Destroys a view. A handle of 0 is no error.
+ * Destroys a view. A handle of 0 is not an error.
  *
  * # Safety
  * The rules of the interface.
@@ -2925,8 +2933,8 @@ AntumbraResult antumbra_view_stats(const struct AntumbraContext *context,
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Writes where the draws of a view in the newest frame are, for a scene with
- * `ANTUMBRA_DRAWS_BY_LISTS`. There are none before the first frame.
+ * Writes the draw lists of a view in the newest frame, for a scene with `ANTUMBRA_DRAWS_BY_LISTS`.
+ * Before the first frame there are no lists.
  *
  * # Safety
  * The rules of the interface.
@@ -2941,20 +2949,20 @@ AntumbraResult antumbra_view_lists(const struct AntumbraContext *context,
 #if defined(ANTUMBRA_VULKAN)
 /**
  * Records a frame of a scene into a command buffer of the host: changes of the scene, then draws
- * and tests of all views. Never waits, and never submits. Where the host draws from lists, tests
- * alone: each image is entered with the visible draws in it.
+ * and tests of all views. Never waits, and never submits. If the host draws from lists, only tests
+ * are recorded: the images must contain the visible draws when the command buffer executes.
  *
- * The host submits frames in the order of their numbers, each of them once. What else it may do:
- * never submit a frame, which changes nothing: its answers are ignored. Submit one twice, the
- * second run behind the first by a barrier or a semaphore, unless the scene has
- * `ANTUMBRA_RESUBMISSION_NEVER`: both draw right images. Submit one behind a later one, which
- * shows changed objects as the later frame left them. After an error the command buffer must not
- * be submitted, and the next frame needs a higher number.
+ * The host submits each frame once, in the order of the frame numbers. Exceptions are allowed. A
+ * frame that is never submitted has no effect: its answers are ignored. A frame may be submitted
+ * twice, unless the scene has `ANTUMBRA_RESUBMISSION_NEVER`: both runs draw correct images if a
+ * barrier or a semaphore orders them. A frame may be submitted after a later frame: it then shows
+ * changed objects as the later frame left them. After an error the command buffer must not be
+ * submitted, and the next frame needs a higher number.
  *
  * # Safety
- * The rules of the interface. The command buffer is of the scene's device, for the queue family
- * that was named; all frames up to `safe` are over. When it executes, the images are in the states
- * that were named, and nothing else uses them until it is over.
+ * The rules of the interface. The command buffer belongs to the scene's device and to the queue
+ * family of its `AntumbraDeviceDesc`. All frames up to `safe` are over. When the command buffer
+ * executes, the images are in their `entry` states, and nothing else uses them until it is over.
  */
 AntumbraResult antumbra_scene_record(const struct AntumbraContext *context,
                                      struct AntumbraScene scene,

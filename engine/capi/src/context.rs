@@ -21,10 +21,10 @@ use crate::renderer::frame::{AntumbraRenderer, HostedRenderer};
 use crate::table::Table;
 use crate::version::ANTUMBRA_ABI_VERSION;
 
-/// The first bytes of a context, to find out pointers to something else.
+/// The first bytes of a context, by which pointers to something else are detected.
 const MAGIC: u64 = 0x616e_7475_6d62_7261;
 
-/// All objects of one user of the library. Several can live at the same time.
+/// The owner of all objects of one user of the library. Several contexts can exist at once.
 pub struct AntumbraContext {
     magic: u64,
     log: Option<Dispatch>,
@@ -46,14 +46,14 @@ pub struct AntumbraContext {
 pub struct AntumbraContextDesc {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// Required: `ANTUMBRA_ABI_VERSION`, as the caller was compiled.
+    /// Required: the `ANTUMBRA_ABI_VERSION` that the caller was compiled with.
     pub abi_version: u32,
     /// The function that takes messages. Default: null, for none.
     pub log: AntumbraLogCallback,
     /// The first argument of `log`. Default: null.
     pub log_user: *mut c_void,
-    /// The last level that is passed on, `ANTUMBRA_LOG_ERROR` to `ANTUMBRA_LOG_DEBUG`; for no
-    /// messages at all, leave `log` null. Default: `ANTUMBRA_LOG_WARN`.
+    /// The least severe level that is passed on, `ANTUMBRA_LOG_ERROR` to `ANTUMBRA_LOG_DEBUG`. For
+    /// no messages at all, leave `log` null. Default: `ANTUMBRA_LOG_WARN`.
     pub log_level: u32,
     /// Must be 0.
     pub reserved: u32,
@@ -63,7 +63,7 @@ layout!(AntumbraContextDesc: struct_size, abi_version, log, log_user, log_level,
 versioned!(AntumbraContextDesc: 2, required: [], defaults: { log_level: ANTUMBRA_LOG_WARN });
 
 impl AntumbraContextDesc {
-    /// Returns the options of a caller who was compiled with this version.
+    /// Returns the default options of a caller that was compiled with this version.
     #[must_use]
     pub const fn current() -> Self {
         Self { abi_version: ANTUMBRA_ABI_VERSION, ..Self::INIT }
@@ -112,7 +112,7 @@ impl AntumbraContext {
     /// Destroys a context.
     ///
     /// # Safety
-    /// It is memory that can be read; if it is a context, nobody else uses it.
+    /// `context` points to readable memory. If that is a context, no other call uses it.
     pub(crate) unsafe fn destroy(context: *mut Self) -> Result<(), Failure> {
         // SAFETY: the caller's promises.
         unsafe {
@@ -174,7 +174,7 @@ pub(crate) unsafe fn guarded(
     result
 }
 
-/// Calls a function whose messages go to a log, on this thread and no other.
+/// Calls a function, and passes the messages of this thread to a log.
 fn logged<R>(log: Option<&Dispatch>, call: impl FnOnce() -> R) -> R {
     match log {
         Some(log) => tracing::dispatcher::with_default(log, call),
@@ -182,15 +182,15 @@ fn logged<R>(log: Option<&Dispatch>, call: impl FnOnce() -> R) -> R {
     }
 }
 
-/// Returns the context behind a pointer.
+/// Checks a pointer to a context and returns the context.
 ///
 /// # Safety
-/// `context` is null, or memory that can be read. It is a context for as long as it is used.
+/// `context` is null, or points to readable memory. If that is a context, it outlives the result.
 unsafe fn checked<'a>(context: *const AntumbraContext) -> Result<&'a AntumbraContext, Failure> {
     if context.is_null() {
         return Err(Failure::new(AntumbraResult::BadPointer, "context is null"));
     }
-    // SAFETY: the caller's promise. The magic number finds some of those who break it.
+    // SAFETY: the caller's promise. The magic number detects some broken promises.
     let is_context =
         context.is_aligned() && unsafe { (&raw const (*context).magic).read() } == MAGIC;
     if !is_context {

@@ -11,14 +11,14 @@ use crate::layout::layout;
 #[repr(i32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AntumbraResult {
-    /// It did what it says.
+    /// The call succeeded.
     Ok = 0,
-    /// A pointer is null that must not be, or is not aligned.
+    /// A required pointer is null, or a pointer is not aligned.
     BadPointer = -1,
-    /// A `struct_size` is the size of no version of the struct, or a field that this version of
-    /// the library does not know is not 0.
+    /// A `struct_size` does not belong to any version of the struct, or a field that this version
+    /// of the library does not know is not 0.
     BadStructSize = -2,
-    /// A value is outside of its range, or does not fit the others.
+    /// A value is outside its range, or does not fit other values.
     BadArgument = -3,
     /// A handle that is 0, was destroyed, or belongs to another context or kind of object.
     UnknownHandle = -4,
@@ -34,7 +34,7 @@ pub enum AntumbraResult {
     AbiVersion = -9,
     /// The device lacks something that is needed.
     Unsupported = -10,
-    /// The Vulkan device is lost: destroy it and all that was made on it.
+    /// The Vulkan device is lost: destroy it and everything that was created on it.
     DeviceLost = -11,
     /// A call of Vulkan failed; the message names it.
     Vulkan = -12,
@@ -44,8 +44,8 @@ pub enum AntumbraResult {
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct AntumbraError {
-    /// Size of this struct in bytes, set by the caller. A caller who wants less text may have a
-    /// smaller struct.
+    /// Size of this struct in bytes, set by the caller. A caller may use a smaller struct to get
+    /// less text.
     pub struct_size: u32,
     /// The result of the call, an `AntumbraResult`.
     pub result: i32,
@@ -55,13 +55,13 @@ pub struct AntumbraError {
 layout!(AntumbraError: struct_size, result, message);
 
 impl AntumbraError {
-    /// Bytes before the text.
+    /// The number of bytes before the text.
     const HEADER: usize = 8;
 
     /// Writes the outcome of a call.
     ///
     /// # Safety
-    /// `error` is null or points to a struct as [`AntumbraError::struct_size`] says.
+    /// `error` is null, or points to a struct of [`AntumbraError::struct_size`] bytes.
     pub(crate) unsafe fn write(error: *mut Self, result: AntumbraResult, message: &str) {
         if error.is_null() || !error.is_aligned() {
             return;

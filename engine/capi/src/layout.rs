@@ -1,28 +1,28 @@
-//! The layout of the structs of the interface, as values: what reads structs of older callers and
-//! what tests compare with a C compiler.
+//! The layouts of the structs of the interface, as values. Structs of older callers are read by
+//! them, and tests compare them with a C compiler.
 
 /// A field of a struct in C.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FieldLayout {
     /// The name.
     pub name: &'static str,
-    /// Bytes from the beginning of the struct.
+    /// The offset from the beginning of the struct in bytes.
     pub offset: usize,
-    /// Bytes of the field.
+    /// The size in bytes.
     pub size: usize,
-    /// True for a pointer, or a handle of Vulkan, which 0 stands for none of.
+    /// True for a pointer or a Vulkan handle, for which 0 means none.
     pub is_pointer: bool,
     /// The fields of a field that is a struct.
     pub fields: &'static [FieldLayout],
 }
 
 impl FieldLayout {
-    /// Returns true for a field that must be 0, since it means nothing yet.
+    /// Returns true if the field is reserved and must be 0.
     pub(crate) fn is_reserved(&self) -> bool {
         self.name.starts_with("reserved")
     }
 
-    /// Returns true if it is such a field, or a struct with one.
+    /// Returns true if the field is reserved, or is a struct with a reserved field.
     pub(crate) fn has_reserved(&self) -> bool {
         self.is_reserved() || self.fields.iter().any(Self::has_reserved)
     }
@@ -33,12 +33,12 @@ impl FieldLayout {
 pub struct StructLayout {
     /// The name.
     pub name: &'static str,
-    /// Bytes of it.
+    /// The size in bytes.
     pub size: usize,
     /// The fields in their order.
     pub fields: &'static [FieldLayout],
-    /// Reads the bytes of a struct as functions do that get a pointer to one, and returns those
-    /// that they see, or the reason why they refuse it.
+    /// Reads the bytes of a struct as the functions of the interface do. Returns the bytes with all
+    /// defaults, or the reason why the struct is refused.
     pub read: fn(&[u8]) -> Result<Vec<u8>, String>,
 }
 
@@ -68,7 +68,7 @@ pub unsafe trait CValue: Copy {
     const IS_POINTER: bool = false;
 }
 
-/// A struct without padding of numbers, pointers and other such structs.
+/// A struct of numbers, pointers and other such structs, without padding.
 pub trait CLayout: CValue {
     /// The name in C.
     const NAME: &'static str;
@@ -83,14 +83,14 @@ pub unsafe trait Versioned: CLayout {
     const FIRST_VERSION_FIELDS: usize;
     /// The fields that have no default: 0 is refused.
     const REQUIRED: &'static [&'static str];
-    /// A value with its size, and with 0 in all other fields: that of `ANTUMBRA_INIT` in C.
+    /// A value with its `struct_size`, and with 0 in all other fields: `ANTUMBRA_INIT` in C.
     const INIT: Self;
 
-    /// Gives fields that are 0 their default, if that is another value.
+    /// Sets fields that are 0 to their default, if the default is not 0.
     fn set_defaults(&mut self);
 }
 
-/// Implements [`CValue`] for numbers, of which 0 is one as any other.
+/// Implements [`CValue`] for numbers, among which 0 has no special meaning.
 macro_rules! numbers {
     ($($type:ty),+) => {$(
         // SAFETY: a number.
@@ -118,7 +118,7 @@ unsafe impl<T> CValue for *const T {
 unsafe impl<T> CValue for *mut T {
     const IS_POINTER: bool = true;
 }
-// SAFETY: so are its elements, which are no structs.
+// SAFETY: any bytes are valid elements.
 unsafe impl<T: CValue, const N: usize> CValue for [T; N] {
     const FIELDS: &'static [FieldLayout] = {
         assert!(T::FIELDS.is_empty(), "reserved fields of elements would not be checked");
@@ -126,7 +126,7 @@ unsafe impl<T: CValue, const N: usize> CValue for [T; N] {
     };
 }
 
-/// Returns the layout of the field that a function returns.
+/// Returns the layout of the field that `_field` returns.
 pub(crate) const fn field_layout<T, F: CValue>(
     name: &'static str,
     offset: usize,

@@ -1,29 +1,32 @@
 //! The C interface of Antumbra, declared in `include/antumbra.h`.
 //!
-//! Three levels. *Decisions alone*: boxes in, plan out, answers in; no Vulkan. *Our executor in the
-//! host's command buffer* (feature `vulkan`): the host keeps its device, queue, images, pipelines
-//! and draws. *Our renderer on the host's device* (feature `renderer`): the host gives meshes and
-//! objects, and gets images.
+//! The interface has three levels. *Decisions alone*: boxes in, plan out, answers in; no Vulkan.
+//! *Our executor in the host's command buffer* (feature `vulkan`): the host keeps its device,
+//! queue, images, pipelines and draws. *Our renderer on the host's device* (feature `renderer`):
+//! the host gives meshes and objects, and gets images.
 //!
 //! # Rules of all functions
-//! - The result is [`AntumbraResult`]. If it is not `Ok`, nothing was written to the outputs but
-//!   the [`AntumbraError`], which says what to do. It may be null.
-//! - A pointer to a struct with a `struct_size` points to a value whose `struct_size` is its size
-//!   in bytes as the caller was compiled: also the [`AntumbraError`] and structs for output.
-//! - 0 is the default of every field of such a struct, whatever value it stands for, unless the
-//!   field is required: what an older caller does not have counts as 0. Reserved fields must be 0,
-//!   also in structs that are plain values.
+//! - A function returns an [`AntumbraResult`]. An error leaves the outputs unchanged, unless the
+//!   function says otherwise; the message in the [`AntumbraError`] says what to do. The pointer to
+//!   the error may be null.
+//! - The field `struct_size` of a struct holds the size in bytes with which the caller was
+//!   compiled. The caller sets it before every call, also in the [`AntumbraError`] and in structs
+//!   for output.
+//! - In a struct with a `struct_size`, every field that the caller does not set must be 0. A field
+//!   of 0 has its default, which its documentation names. A required field has no default. Fields
+//!   that an older caller does not have count as 0. Reserved fields must be 0 in all structs.
 //! - A pointer and a count describe an array, which may be null if the count is 0. Input and output
 //!   arrays do not overlap.
-//! - Everything belongs to a context. Its handles are numbers, so a handle that is 0, was
-//!   destroyed, or belongs to another context or kind is an error. A context is a pointer: a wrong
-//!   one is found out where its memory can still be read, which is not always.
-//! - Any function may be called on any thread. A function that changes an object needs it alone,
-//!   one that reads shares it with others that read; otherwise the result is `Busy`, and nothing
-//!   waits. [`antumbra_context_destroy`] comes after all other calls have returned.
-//! - A panic inside becomes `Panic`. The object that was being changed then answers `Poisoned` to
-//!   everything but its destruction.
-//! - There is no global state of ours: two contexts know nothing of each other.
+//! - Every object belongs to a context. Handles are numbers: a handle that is 0, was destroyed, or
+//!   belongs to another context or kind of object is an error. A context is a pointer: a wrong
+//!   pointer is only detected if the memory that it points to can be read.
+//! - Any function may be called on any thread. A call that changes an object excludes all other
+//!   calls with the object; calls that only read it may overlap. The result of a conflict is
+//!   `Busy`, and no call waits. [`antumbra_context_destroy`] is called after all other calls have
+//!   returned.
+//! - A panic in the library becomes the result `Panic`. Later calls with the object that was being
+//!   changed return `Poisoned`, except its destruction.
+//! - The interface has no global state of its own: contexts are independent of each other.
 //!
 //! [`antumbra_context_destroy`]: api::context::antumbra_context_destroy
 //! [`AntumbraResult`]: error::AntumbraResult

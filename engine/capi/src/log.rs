@@ -13,22 +13,22 @@ use crate::layout::pointers;
 pub const ANTUMBRA_LOG_DEFAULT: u32 = 0;
 /// An error: something could not be done.
 pub const ANTUMBRA_LOG_ERROR: u32 = 1;
-/// A warning: it works, but not as well as it could.
+/// A warning: something works, but not as well as it could.
 pub const ANTUMBRA_LOG_WARN: u32 = 2;
 /// A decision worth knowing, such as the way a device is used.
 pub const ANTUMBRA_LOG_INFO: u32 = 3;
-/// Details for those who look for a defect.
+/// Details for debugging.
 pub const ANTUMBRA_LOG_DEBUG: u32 = 4;
 
 /// Takes a message of a level (`ANTUMBRA_LOG_..`). `message` is UTF-8 with a 0 at the end, valid
-/// during the call. It is called on the thread that called the library, during that call, and must
-/// not call the library.
+/// during the call. The callback runs on the thread that called the library, during that call, and
+/// must not call the library.
 pub type AntumbraLogCallback =
     Option<unsafe extern "C" fn(user: *mut c_void, level: u32, message: *const c_char)>;
 
 pointers!(AntumbraLogCallback);
 
-/// Passes events to a caller's function.
+/// A subscriber that passes events to a function of the caller.
 pub(crate) struct CallbackLog {
     pub callback: unsafe extern "C" fn(*mut c_void, u32, *const c_char),
     pub user: *mut c_void,
@@ -57,7 +57,7 @@ impl Subscriber for CallbackLog {
         let mut text = Text(String::new());
         event.record(&mut text);
         text.0.retain(|letter| letter != '\0');
-        // There is no 0 left in it.
+        // The text has no 0 bytes any more.
         let Ok(message) = CString::new(text.0) else { return };
         // SAFETY: the promise of the caller who gave the function.
         unsafe { (self.callback)(self.user, number(*event.metadata().level()), message.as_ptr()) };
@@ -68,7 +68,7 @@ impl Subscriber for CallbackLog {
     fn exit(&self, _: &Id) {}
 }
 
-/// Returns a level as C knows it.
+/// Returns the number of a level in C.
 fn number(level: Level) -> u32 {
     match level {
         Level::ERROR => ANTUMBRA_LOG_ERROR,

@@ -6,10 +6,10 @@ use std::mem::MaybeUninit;
 use crate::error::{AntumbraResult, Failure};
 use crate::layout::{CLayout, CValue, FieldLayout, Versioned};
 
-/// The largest size of a struct that is believed: a larger one was never set.
+/// The largest `struct_size` that is accepted: a larger value is probably uninitialised memory.
 const MAX_STRUCT_SIZE: usize = 4096;
 
-/// Checks that a pointer can be one.
+/// Checks that a pointer is not null, and is aligned.
 fn check<T>(name: &str, pointer: *const T) -> Result<(), Failure> {
     if pointer.is_null() {
         return Err(Failure::null(name));
@@ -21,11 +21,10 @@ fn check<T>(name: &str, pointer: *const T) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns an array.
+/// Returns an array of the caller.
 ///
 /// # Safety
-/// `pointer` is the beginning of `count` readable values, and nobody writes to them as long as the
-/// slice is used.
+/// `pointer` points to `count` readable values, which are not written as long as the slice is used.
 pub(crate) unsafe fn slice<'a, T: CValue>(
     name: &str,
     pointer: *const T,
@@ -49,15 +48,15 @@ pub(crate) unsafe fn slice<'a, T: CValue>(
 /// Returns a byte of a value.
 fn byte_of<T: CValue>(value: &T, at: usize) -> u8 {
     assert!(at < size_of::<T>());
-    // SAFETY: it is one of its bytes, and no struct of the interface has padding.
+    // SAFETY: the byte is in the value, and no struct of the interface has padding.
     unsafe { (&raw const *value).cast::<u8>().add(at).read() }
 }
 
 /// Returns an array to be written.
 ///
 /// # Safety
-/// `pointer` is the beginning of `count` writable values that nobody else uses as long as the slice
-/// is used.
+/// `pointer` points to `count` writable values, which have no other user as long as the slice is
+/// used.
 pub(crate) unsafe fn output_slice<'a, T: CValue>(
     name: &str,
     pointer: *mut T,
@@ -103,11 +102,11 @@ fn is_zero(field: &FieldLayout, bytes: &dyn Fn(usize) -> u8) -> bool {
     (field.offset..field.offset + field.size).all(|at| bytes(at) == 0)
 }
 
-/// Reads a struct that may come from an older or a newer caller: what it does not have or leaves at
-/// 0 has its default afterwards.
+/// Reads a struct that may come from an older or a newer caller. Fields that the caller does not
+/// have or leaves at 0 get their defaults.
 ///
 /// # Safety
-/// `pointer` is null or points to as many readable bytes as its `struct_size` says.
+/// `pointer` is null, or points to a struct with `struct_size` readable bytes.
 pub(crate) unsafe fn read<T: Versioned>(name: &str, pointer: *const T) -> Result<T, Failure> {
     // SAFETY: the caller's promise.
     let size = unsafe { struct_size(name, pointer) }?;
@@ -117,7 +116,7 @@ pub(crate) unsafe fn read<T: Versioned>(name: &str, pointer: *const T) -> Result
         let known = size.min(size_of::<T>());
         let target = (&raw mut value).cast::<u8>();
         target.copy_from_nonoverlapping(pointer.cast::<u8>(), known);
-        // What was read of a newer caller has this size here.
+        // The struct of a newer caller has the size that this version knows from here on.
         target.cast::<u32>().write(size_of::<T>() as u32);
         for at in size_of::<T>()..size {
             if pointer.cast::<u8>().add(at).read() != 0 {
@@ -167,7 +166,7 @@ fn value_of<T: CLayout>(bytes: &[u8]) -> Result<T, String> {
     if bytes.len() != size_of::<T>() {
         return Err(format!("{} has {} bytes", T::NAME, size_of::<T>()));
     }
-    // SAFETY: as many bytes as it has, and any are a value.
+    // SAFETY: the length is the size of the type, and any bytes are a valid value.
     Ok(unsafe { bytes.as_ptr().cast::<T>().read_unaligned() })
 }
 
@@ -198,7 +197,7 @@ unsafe fn struct_size<T: Versioned>(name: &str, pointer: *const T) -> Result<usi
     Err(Failure::new(AntumbraResult::BadStructSize, message))
 }
 
-/// A struct of the caller to be written, checked.
+/// A checked struct of the caller, to be written.
 pub(crate) struct Output<T> {
     pointer: *mut T,
     size: usize,
@@ -208,15 +207,16 @@ impl<T: Versioned> Output<T> {
     /// Checks a struct for output.
     ///
     /// # Safety
-    /// `pointer` is null or points to as many writable bytes as its `struct_size` says, as long as
-    /// the value is used.
+    /// `pointer` is null, or points to a struct with `struct_size` writable bytes, as long as the
+    /// result is used.
     pub unsafe fn new(name: &str, pointer: *mut T) -> Result<Self, Failure> {
         // SAFETY: the caller's promise.
         let size = unsafe { struct_size(name, pointer.cast_const()) }?;
         Ok(Self { pointer, size })
     }
 
-    /// Writes the fields that the caller has but `struct_size`, and zeros where he has more.
+    /// Writes all fields that the caller's struct has, except `struct_size`. Fields that only the
+    /// caller knows become 0.
     pub fn write(self, value: &T) {
         let Self { pointer, size } = self;
         const SKIPPED: usize = size_of::<u32>();
@@ -231,7 +231,7 @@ impl<T: Versioned> Output<T> {
     }
 }
 
-/// Checks the place of a single value to be written.
+/// Checks a pointer to a single value that will be written.
 pub(crate) fn check_output<T>(name: &str, pointer: *mut T) -> Result<(), Failure> {
     check(name, pointer.cast_const())
 }

@@ -1,5 +1,5 @@
-//! The objects of one kind in a context: handles are numbers that a destroyed object gives back for
-//! good.
+//! The objects of one kind in a context. Their handles are numbers, and the number of a destroyed
+//! object is not used again.
 
 use std::marker::PhantomData;
 use std::sync::{Arc, Mutex, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard, TryLockError};
@@ -16,7 +16,7 @@ pub(crate) trait Handle: Copy {
     fn id(self) -> u64;
 }
 
-/// An object that calls of several threads may ask for.
+/// An object that calls on several threads may use.
 pub(crate) struct Shared<T>(Arc<RwLock<T>>);
 
 impl<T> Shared<T> {
@@ -45,7 +45,7 @@ fn unavailable<T>(error: &TryLockError<T>) -> Failure {
     }
 }
 
-/// A place for an object, and the number that is its handle's upper half while it is there.
+/// A place for an object, and the generation that is the upper half of the object's handle.
 struct Slot<T> {
     generation: u32,
     object: Option<Arc<RwLock<T>>>,
@@ -54,18 +54,17 @@ struct Slot<T> {
 /// All objects of one kind.
 pub(crate) struct Table<T, H> {
     slots: Mutex<Vec<Slot<T>>>,
-    /// The generation that slots begin with: another in each table, so that handles of other
-    /// contexts and kinds are found out.
+    /// The generation that slots begin with. It differs between tables, so that handles of other
+    /// contexts and kinds are detected.
     first_generation: u32,
     handle: PhantomData<H>,
 }
 
 impl<T, H: Handle> Table<T, H> {
-    /// Creates a table; `salt` is another number for each context or scene that lives at the same
-    /// time.
+    /// Creates a table. `salt` differs between all contexts and scenes that exist at the same time.
     pub fn new(salt: u64) -> Self {
         let kind = H::KIND.bytes().fold(0_u64, |sum, byte| sum * 31 + u64::from(byte));
-        // The finalizer of SplitMix64: near salts become far generations.
+        // The finalizer of SplitMix64: similar salts give very different generations.
         let mut mixed = salt.wrapping_add(kind).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -122,7 +121,7 @@ impl<T, H: Handle> Table<T, H> {
     }
 }
 
-/// Returns the place of a handle's object, if it is still that object's.
+/// Returns the slot of a handle, if the slot still belongs to the handle.
 fn index_of<T, H: Handle>(slots: &[Slot<T>], handle: H) -> Option<usize> {
     let index = (handle.id() as u32).checked_sub(1)? as usize;
     let generation = (handle.id() >> 32) as u32;

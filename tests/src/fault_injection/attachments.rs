@@ -1,6 +1,6 @@
-//! The loads and stores of attachments, as Vulkan is told of them: what a GPU that draws tile by
-//! tile would move, and what of it is undefined or for nobody. Follows the commands of one thread
-//! in their order.
+//! The loads and stores of attachments that commands declare, as a tile-based GPU would execute
+//! them. Finds loads of undefined contents and stores that nothing reads. Follows the commands of
+//! one thread in their order.
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, HashMap};
@@ -31,13 +31,13 @@ pub enum AttachmentKind {
 pub struct AttachmentTraffic {
     /// The number of renderings.
     pub renderings: usize,
-    /// Attachments that are read from memory where a rendering begins, by their kind.
+    /// Attachments that are read from memory at the beginning of a rendering, by their kind.
     pub loads: BTreeMap<AttachmentKind, usize>,
-    /// Attachments that are written to memory where a rendering ends, by their kind.
+    /// Attachments that are written to memory at the end of a rendering, by their kind.
     pub stores: BTreeMap<AttachmentKind, usize>,
-    /// Contents that nobody has read yet since they were written to memory.
+    /// Contents in memory that have not been read since they were written.
     pub unread: Vec<AttachmentKind>,
-    /// The faults: undefined contents that are read, written ones that are written over.
+    /// The faults: reads of undefined contents, and stores over contents that were never read.
     pub faults: Vec<String>,
 }
 
@@ -74,8 +74,8 @@ thread_local! {
     static RECORDER: RefCell<Recorder> = RefCell::default();
 }
 
-/// Returns the traffic of the commands that this thread recorded since the last call. What is not
-/// read until then counts as unread, and as read afterwards.
+/// Returns the traffic of the commands that this thread recorded since the last call. Contents that
+/// are still unread count as unread, and afterwards as read.
 pub fn attachment_traffic() -> AttachmentTraffic {
     RECORDER.with_borrow_mut(|recorder| {
         let mut traffic = take(&mut recorder.traffic);
@@ -154,7 +154,7 @@ impl Recorder {
     }
 }
 
-/// Calls `note` with the recorder, on a machine that records: others allocate nothing for it.
+/// Calls `note` with the recorder if the machine records. Other machines allocate nothing.
 fn record(note: impl FnOnce(&mut Recorder)) {
     if injected(|injected| injected.records_attachments) {
         RECORDER.with_borrow_mut(note);
@@ -162,7 +162,7 @@ fn record(note: impl FnOnce(&mut Recorder)) {
 }
 
 pub(super) fn calls_that_attach() -> Vec<(&'static CStr, Function)> {
-    // SAFETY: function pointers all; who asks for one knows its type by its name.
+    // SAFETY: all are function pointers, and the caller knows the type by the name.
     unsafe {
         vec![
             (BEGIN, transmute::<vk::PFN_vkCmdBeginRendering, Function>(begin_rendering)),
@@ -176,8 +176,8 @@ unsafe extern "system" fn begin_rendering(
     commands: vk::CommandBuffer,
     info: *const vk::RenderingInfo<'_>,
 ) {
-    // SAFETY: here and below: the type is the function's, and the caller passes what it would pass
-    // to it, so that what is pointed to is there.
+    // SAFETY: here and below: the type belongs to the function, and the caller passes valid
+    // arguments for it, so all pointers are valid.
     unsafe {
         let subpass = &*info;
         let colours = match subpass.color_attachment_count {
@@ -227,7 +227,7 @@ unsafe extern "system" fn create_view(
         let code = real::<vk::PFN_vkCreateImageView>(VIEW)(device, info, callbacks, made);
         if code == vk::Result::SUCCESS {
             record(|recorder| {
-                // Handles are used again.
+                // Handles may be reused.
                 let image = (*info).image;
                 let first = (*info).subresource_range.base_array_layer;
                 recorder.contents.remove(&(image, first));

@@ -1,4 +1,4 @@
-//! The calls that draw by a count, which are counted.
+//! Counts the calls that draw with a count buffer.
 
 use std::ffi::CStr;
 use std::mem::transmute;
@@ -8,12 +8,12 @@ use ash::vk;
 use super::lies::DRAW;
 use super::{Function, Lie, due, injected, real};
 
-/// The call that draws as many indirect commands as a buffer says.
+/// The call that reads the number of its indirect commands from a buffer.
 pub const CALL_THAT_COUNTS_DRAWS: &CStr = c"vkCmdDrawIndexedIndirectCount";
 
 pub(super) fn calls_that_draw() -> Vec<(&'static CStr, Function)> {
     type Call = vk::PFN_vkCmdDrawIndexedIndirectCount;
-    // SAFETY: a function pointer; who asks for it knows its type by its name.
+    // SAFETY: a function pointer, and the caller knows the type by the name.
     vec![(CALL_THAT_COUNTS_DRAWS, unsafe { transmute::<Call, Function>(draw_counted) })]
 }
 
@@ -27,8 +27,8 @@ unsafe extern "system" fn draw_counted(
     stride: u32,
 ) {
     due(CALL_THAT_COUNTS_DRAWS);
-    // SAFETY: the types are those of the functions; the caller passes what it would to the counted
-    // one, and the plain one takes the same commands.
+    // SAFETY: the types belong to the functions. The caller passes valid arguments for the counted
+    // function, and the plain one takes the same commands.
     unsafe {
         if injected(|injected| injected.lie == Some(Lie::NoCounts)) {
             let plain = real::<vk::PFN_vkCmdDrawIndexedIndirect>(DRAW);

@@ -1,5 +1,5 @@
-//! A device that says that it has memory which transient attachments take lazily, as tilers do: the
-//! real one gives plain memory.
+//! A device that claims to have lazily allocated memory for transient attachments, as tile-based
+//! GPUs do. The real device provides plain memory.
 
 use std::cell::RefCell;
 use std::collections::HashSet;
@@ -18,7 +18,7 @@ const IMAGE: &CStr = c"vkCreateImage";
 const REQUIREMENTS: &CStr = c"vkGetImageMemoryRequirements";
 const ALLOCATE: &CStr = c"vkAllocateMemory";
 
-/// The number of the type, behind those of all drivers.
+/// The number of the memory type, after the types of all drivers.
 const LAZY_TYPE: u32 = 20;
 
 thread_local! {
@@ -26,7 +26,7 @@ thread_local! {
 }
 
 pub(super) fn that_are_lazy() -> Vec<(&'static CStr, Function)> {
-    // SAFETY: function pointers all; who asks for one knows its type by its name.
+    // SAFETY: all are function pointers, and the caller knows the type by the name.
     unsafe {
         vec![
             (
@@ -47,8 +47,8 @@ unsafe extern "system" fn properties(
     physical: vk::PhysicalDevice,
     found: *mut vk::PhysicalDeviceMemoryProperties,
 ) {
-    // SAFETY: here and below: the type is the function's, and the caller passes what it would pass
-    // to it, so that what is pointed to is there.
+    // SAFETY: here and below: the type belongs to the function, and the caller passes valid
+    // arguments for it, so all pointers are valid.
     unsafe {
         real::<vk::PFN_vkGetPhysicalDeviceMemoryProperties>(PROPERTIES)(physical, found);
         if injected(|injected| injected.is_lazy) {
@@ -114,7 +114,7 @@ unsafe extern "system" fn allocate(
         let mut info = *info;
         if info.memory_type_index == LAZY_TYPE {
             due(LAZY_ALLOCATIONS);
-            // Both drivers have one type, for everything.
+            // Both drivers have a single memory type for everything.
             info.memory_type_index = 0;
         }
         real::<vk::PFN_vkAllocateMemory>(ALLOCATE)(device, &info, callbacks, made)

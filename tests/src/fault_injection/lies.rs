@@ -1,4 +1,4 @@
-//! The commands of a driver that does something else than it was told.
+//! The commands of a driver that does not do what the commands say.
 
 use std::ffi::CStr;
 use std::mem::transmute;
@@ -16,9 +16,9 @@ const END: &CStr = c"vkCmdEndConditionalRenderingEXT";
 pub(super) const DRAW: &CStr = c"vkCmdDrawIndexedIndirect";
 const DISPATCH: &CStr = c"vkCmdDispatch";
 
-/// Returns all of them.
+/// Returns all these commands.
 pub(super) fn lies() -> Vec<(&'static CStr, Function)> {
-    // SAFETY: function pointers all; who asks for one knows its type by its name.
+    // SAFETY: all are function pointers, and the caller knows the type by the name.
     unsafe {
         vec![
             (COPY, transmute::<vk::PFN_vkCmdCopyQueryPoolResults, Function>(copy_results)),
@@ -44,8 +44,8 @@ unsafe extern "system" fn copy_results(
     stride: vk::DeviceSize,
     flags: vk::QueryResultFlags,
 ) {
-    // SAFETY: here and in all functions below: the type is the function's, and the caller passes
-    // what it would pass to it.
+    // SAFETY: here and in all functions below: the type belongs to the function, and the caller
+    // passes valid arguments for it.
     unsafe {
         let real = real::<vk::PFN_vkCmdCopyQueryPoolResults>(COPY);
         if !is(Lie::FirstResultForAll) {

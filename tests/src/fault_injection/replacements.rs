@@ -13,7 +13,7 @@ use super::lies::lies;
 use super::representative::that_pretend;
 use super::{Function, device_proc_addr, due, injected, real};
 
-/// Writes functions that count, fail when they are to fail, and otherwise call the real ones.
+/// Defines functions that count their calls, fail if they must, and otherwise call the real ones.
 macro_rules! counted {
     ($list:ident $functions:ident {
         $($ours:ident $pfn:ident $name:literal ($($argument:ident: $kind:ty),+);)+
@@ -22,7 +22,7 @@ macro_rules! counted {
             unsafe extern "system" fn $ours($($argument: $kind),+) -> vk::Result {
                 match due($name) {
                     Some(code) => code,
-                    // SAFETY: the type is the function's; the caller passes what it would to it.
+                    // SAFETY: the type belongs to the function; the caller passes valid arguments.
                     None => unsafe { real::<vk::$pfn>($name)($($argument),+) },
                 }
             }
@@ -32,7 +32,7 @@ macro_rules! counted {
         pub const $list: &[&CStr] = &[$($name),+];
 
         fn $functions() -> Vec<(&'static CStr, Function)> {
-            // SAFETY: function pointers all; who asks for one knows its type by its name.
+            // SAFETY: all are function pointers, and the caller knows the type by the name.
             unsafe { vec![$(($name, transmute::<vk::$pfn, Function>($ours))),+] }
         }
     };
@@ -150,12 +150,12 @@ counted! { CALLS_THAT_START calls_that_start {
         callbacks: Callbacks<'_>, made: *mut vk::DebugUtilsMessengerEXT);
 }}
 
-/// The calls that reset queries, which are counted: on the CPU, and by commands.
+/// The calls that reset queries on the CPU and by commands. They are counted.
 pub const CALLS_THAT_RESET: [&CStr; 2] = [c"vkResetQueryPool", c"vkCmdResetQueryPool"];
 
-/// Returns all of them.
+/// Returns all replacements.
 pub(super) fn replacements() -> Vec<(&'static CStr, Function)> {
-    // SAFETY: function pointers all; who asks for one knows its type by its name.
+    // SAFETY: all are function pointers, and the caller knows the type by the name.
     let that_lie = unsafe {
         [
             (
@@ -228,8 +228,8 @@ fn lacks(what: RequiredFeature) -> bool {
 }
 
 unsafe extern "system" fn instance_version(version: *mut u32) -> vk::Result {
-    // SAFETY: here and in all functions below: the type is the function's, and the caller passes
-    // what it would pass to it, so that what is pointed to is there.
+    // SAFETY: here and in all functions below: the type belongs to the function, and the caller
+    // passes valid arguments for it, so all pointers are valid.
     unsafe {
         let code =
             real::<vk::PFN_vkEnumerateInstanceVersion>(c"vkEnumerateInstanceVersion")(version);
@@ -284,7 +284,7 @@ unsafe extern "system" fn features(
     physical: vk::PhysicalDevice,
     features: *mut vk::PhysicalDeviceFeatures2<'_>,
 ) {
-    // SAFETY: as above; a structure of the chain is what its first member says.
+    // SAFETY: as above; the first member of a structure in the chain names its type.
     unsafe {
         let name = c"vkGetPhysicalDeviceFeatures2";
         real::<vk::PFN_vkGetPhysicalDeviceFeatures2>(name)(physical, features);

@@ -1,4 +1,5 @@
-//! A device that says that it has representative fragments: the real one never hears of them.
+//! A device that claims to support representative fragments. The real device never sees requests
+//! for them.
 
 use std::ffi::{CStr, c_char};
 use std::mem::transmute;
@@ -19,7 +20,7 @@ const DEVICE: &CStr = c"vkCreateDevice";
 const PIPELINES: &CStr = c"vkCreateGraphicsPipelines";
 
 pub(super) fn that_pretend() -> Vec<(&'static CStr, Function)> {
-    // SAFETY: function pointers all; who asks for one knows its type by its name.
+    // SAFETY: all are function pointers, and the caller knows the type by the name.
     unsafe {
         vec![
             (
@@ -38,8 +39,8 @@ unsafe extern "system" fn extensions(
     count: *mut u32,
     found: *mut vk::ExtensionProperties,
 ) -> vk::Result {
-    // SAFETY: here and below: the type is the function's, and the caller passes what it would pass
-    // to it, so that what is pointed to is there.
+    // SAFETY: here and below: the type belongs to the function, and the caller passes valid
+    // arguments for it, so all pointers are valid.
     unsafe {
         let real = real::<vk::PFN_vkEnumerateDeviceExtensionProperties>(EXTENSIONS);
         let room = *count as usize;
@@ -121,7 +122,7 @@ unsafe extern "system" fn create_pipelines(
     }
 }
 
-/// Calls a function while a structure is out of its chain.
+/// Calls a function while a structure is removed from its chain.
 ///
 /// # Safety
 /// `head` begins a chain of structures that may be written.
@@ -141,7 +142,7 @@ unsafe fn without(
     }
 }
 
-/// Returns the structure before one in a chain.
+/// Returns the predecessor of a structure in a chain.
 ///
 /// # Safety
 /// As [`without`].

@@ -1,5 +1,5 @@
-//! The loads and stores of attachments of every strategy: no undefined contents are read, none are
-//! written to memory for nobody, and a frame moves as little as its renderings allow.
+//! The loads and stores of attachments of every strategy: undefined contents are not read, contents
+//! that nothing reads are not stored, and a frame moves as little memory as its renderings allow.
 
 use cull::{CullConfig, ObjectId, Strategy};
 use gpu::{Device, DeviceOptions, OptionalFeature, Readback, SampleCount};
@@ -50,7 +50,7 @@ fn supported(renderer: &Renderer) -> Vec<Strategy> {
         .collect()
 }
 
-/// Renders frames of a walk, and hands out the traffic of each. Nobody reads the image.
+/// Renders frames of a walk, and passes on the traffic of each. Nothing reads the image.
 fn walk(
     renderer: &mut Renderer,
     strategy: Strategy,
@@ -63,7 +63,7 @@ fn walk(
         let area = Rect::whole(renderer.size());
         let needs_set = strategy.needs_still_scene();
         let visible = needs_set.then(|| renderer.visible_set(&mut finding, camera, area).unwrap());
-        // Sets are found by frames whose images nobody wants.
+        // The frames that find visible sets have images that nothing reads.
         attachment_traffic();
         let request = FrameRequest::new(strategy, *camera);
         renderer.render(&mut view, FrameRequest { visible: visible.as_ref(), ..request }).unwrap();
@@ -84,7 +84,8 @@ fn cameras(scene: &scenes::GeneratedScene) -> Vec<cull::Camera> {
 fn depth_is_stored_for_later_rounds_alone() {
     with_recorder(|device| {
         let generated = SceneKind::City.build(800);
-        // The first, one per round, and one for leaves below nodes that showed in the last.
+        // The first rendering, one per round, and one for leaves below nodes that showed in the
+        // last round.
         let most = CullConfig::default().rounds_cut as usize + 2;
         let mut renderer = Renderer::new(device, &generated.scene, &options()).unwrap();
         for strategy in supported(&renderer) {
@@ -94,7 +95,7 @@ fn depth_is_stored_for_later_rounds_alone() {
                 assert_eq!(traffic.stores(Colour), renderings, "{what}");
                 assert_eq!(traffic.loads(Colour), renderings - 1, "{what}");
                 assert_eq!(traffic.loads(Depth), renderings - 1, "{what}");
-                // Methods that wait do not know which rendering is their last.
+                // Methods that wait do not know in advance which rendering is the last one.
                 let last = usize::from(strategy.is_blocking());
                 assert_eq!(traffic.stores(Depth), renderings - 1 + last, "{what}");
                 let unread = &[Colour, Depth][..1 + last];
@@ -127,7 +128,8 @@ fn surfaces_load_no_colour_and_store_it_once() {
                     let what = format!("{strategy}, {method:?}, frame {frame}: {traffic:?}");
                     assert_eq!((traffic.loads(Colour), traffic.stores(Colour)), (0, 1), "{what}");
                     assert_eq!(traffic.unread, [Colour], "{what}");
-                    // The last round goes on with the colours, or stores its depth for them.
+                    // The last rendering draws the colours too, or stores its depth for the
+                    // rendering that does.
                     if method == ShadowMethod::Off {
                         assert_eq!(traffic.stores(Depth), traffic.renderings - 1, "{what}");
                     }
@@ -240,13 +242,13 @@ fn samples_stay_averaged_where_objects_are_watched() {
 #[test]
 fn maps_that_are_drawn_afresh_load_nothing() {
     with_recorder(|device| {
-        // A spot has one map.
+        // A spot light has one map.
         let scene = shadow_scene::scene(&shadow_scene::boxes(), &shadow_scene::lights()[1..2]);
         let culling = CasterCulling::Unculled;
         let method = ShadowMethod::Maps;
         let shadows = ShadowOptions { method, culling, ..ShadowOptions::default() };
         let traffic = first_frame(device, &scene, &RendererOptions { shadows, ..options() });
-        // One of the map, which the last rendering of the view reads.
+        // One store of the map, which the last rendering of the view reads.
         assert_eq!((traffic.loads(Depth), traffic.stores(Depth)), (0, 1), "{traffic:?}");
         assert_eq!((traffic.loads(Colour), traffic.stores(Colour)), (0, 1), "{traffic:?}");
     });

@@ -64,8 +64,8 @@ impl Host {
         }
     }
 
-    /// Draws a frame by the method of plans, as a renderer does; its results and image come back
-    /// when it is over.
+    /// Draws a frame by a plan, as a renderer does. The frame's results and image are read when it
+    /// is over.
     fn draw(&mut self, strategy: Strategy, camera: &Camera) {
         let Self { device, frames, scene, objects, state, images } = self;
         let view = CullView::new(camera, SIZE, device.adapter().limits.sub_pixel_precision_bits);
@@ -82,7 +82,7 @@ impl Host {
     }
 }
 
-/// Returns a wall, and a thousand boxes behind it of which those at its edge show.
+/// Returns a wall and a thousand boxes behind it. The boxes at the edge of the wall show.
 fn boxes() -> Vec<Aabb> {
     let wall = Aabb::new(vec3(-4.0, -3.0, -6.0), vec3(4.0, 3.0, -5.5));
     let small = (0..1_000).map(|number| {
@@ -98,8 +98,8 @@ fn an_owner_of_bare_boxes_gets_the_same_image_and_draws_less() {
     run(Driver::Lavapipe, |device| {
         let boxes = boxes();
         let [mut plain, mut culled] = [(); 2].map(|()| Host::new(device, &boxes));
-        // Nothing waits between the frames, so that results are late; the eye jumps to another side
-        // of the wall, so that hidden boxes show at once.
+        // No wait between the frames, so that results are late. The eye jumps to another side of
+        // the wall, so that hidden boxes show at once.
         for frame in 0..FRAMES {
             let side = (frame / 6 % 3) as f32 - 1.0;
             let eye = vec3(side * 9.0 + frame as f32 * 0.08, 0.0, 3.0);

@@ -1,5 +1,5 @@
-//! Textures with an image each: they look as on pages, stay as large as they are, and come while
-//! frames are in flight. Of the software drivers SwiftShader has descriptor indexing.
+//! Textures with an image each: they look the same as textures on pages, keep their size, and
+//! arrive while frames are in flight. SwiftShader is the software driver with descriptor indexing.
 
 mod arriving;
 mod cancelled;
@@ -21,7 +21,7 @@ use tests::{Driver, instance_with, run, run_on_all};
 
 const SIZE: [u32; 2] = [160, 100];
 const MATERIALS: u32 = 6;
-/// The first texture of numbers.
+/// The index of the first texture that holds numbers.
 const NUMBERS: u32 = 2;
 
 fn options(textures: Option<TextureStorage>) -> RendererOptions {
@@ -81,7 +81,7 @@ fn object(mesh: u32, low: Vec3, size: Vec3) -> Object {
     Object { mesh: MeshId(mesh), transform, tint: u32::MAX }
 }
 
-/// Returns walls with holes one behind the other, things between them, glass, and lamps that
+/// Returns walls with holes, one behind the other, objects between them, glass, and lamps that
 /// project a picture.
 fn scene() -> Scene {
     let mut objects = Vec::new();
@@ -189,7 +189,7 @@ fn images_look_as_pages_do_in_all_passes() {
             assert_eq!(pixels_that_differ(&pages, &images), 0, "{method:?}");
             shown.push(images);
         }
-        // The textures are there: without them all looks different.
+        // The textures are visible: without them everything looks different.
         let mut bare = scene.clone();
         let surfaces = bare.surfaces.as_mut().unwrap();
         surfaces.materials.iter_mut().for_each(|material| material.base_colour_texture = None);
@@ -225,7 +225,7 @@ fn one_image_serves_all_textures_that_are_sampled_alike() {
     run(Driver::SwiftShader, |device| {
         let mut scene = scene();
         let before = drawn(device, &scene, &options(Some(TextureStorage::Bindless)));
-        // The same textures once more, under other numbers; nothing uses some of them.
+        // The same textures under other numbers, with some that nothing uses.
         let surfaces = scene.surfaces.as_mut().unwrap();
         let copies = surfaces.textures.clone();
         surfaces.textures.extend(copies);

@@ -7,7 +7,7 @@ use occlusion::{ProxyBox, ProxyIo};
 use tests::run_on_all;
 use tests::shapes::{DepthBoxes, box_at, proxy_pass, square_view};
 
-/// Returns a wall, a box before it and one behind it.
+/// Returns a wall, a box in front of it and a box behind it.
 fn boxes() -> [ProxyBox; 3] {
     [
         box_at(Vec3::new(0.0, 0.0, -10.0), Vec3::new(4.0, 4.0, 1.0)),
@@ -33,7 +33,7 @@ fn every_answer_is_home_when_its_piece_is_over() {
             let boxes = frame.uploads().push(&boxes()).unwrap();
             let shows = |query: u32| (query + round).is_multiple_of(3);
             let mut first = 0;
-            // Across the pages, in pieces of all sizes, none among them.
+            // Pieces of all sizes, including empty ones, across the pages.
             for count in [1, 100, 0, 255, 256, 1, 300, 600] {
                 let commands = frame.commands();
                 let taken = queries.take(commands, count).unwrap();

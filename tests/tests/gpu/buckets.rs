@@ -1,5 +1,6 @@
-//! Hosts with many pipelines: objects with several draws of several instances in 1, 16 and 256
-//! buckets, compared with all draws while objects come, go and move in bulk.
+//! Hosts with many pipelines. Objects have several draws of several instances in 1, 16 and 256
+//! buckets. Images are compared with images of all draws, while many objects are added, removed and
+//! moved at once.
 
 mod boxes;
 mod growth;
@@ -35,7 +36,7 @@ impl Random {
     }
 }
 
-/// Returns the parts of a thing: boxes around `middle`, some of which share a bucket.
+/// Returns the parts of an object: boxes around `middle`, some of which share a bucket.
 fn parts(random: &mut Random, middle: Vec3, buckets: u32) -> Vec<Part> {
     let count = [1, 1, 2, 5][random.below(4) as usize];
     let draw = |random: &mut Random| {
@@ -52,12 +53,12 @@ fn parts(random: &mut Random, middle: Vec3, buckets: u32) -> Vec<Part> {
     (0..count).map(|_| draw(random)).collect()
 }
 
-/// Returns a place behind the wall, where a few beside it show.
+/// Returns a place behind the wall. A few places are beside the wall and show.
 fn behind(random: &mut Random) -> Vec3 {
     vec3(random.between(-8.0, 8.0), random.between(-4.0, 4.0), random.between(-20.0, -8.0))
 }
 
-/// Returns the wall, of a draw in the first bucket and one in the last.
+/// Returns the wall, with one draw in the first bucket and one in the last.
 fn wall(buckets: u32) -> Vec<Part> {
     let half = |bucket, low: f32, high: f32| {
         let bounds = Aabb::new(vec3(low, -3.0, -6.0), vec3(high, 3.0, -5.5));
@@ -66,7 +67,7 @@ fn wall(buckets: u32) -> Vec<Part> {
     vec![half(0, -4.0, 0.0), half(buckets - 1, 0.0, 4.0)]
 }
 
-/// Changes objects in bulk, differently in each frame. The wall goes and comes as well.
+/// Changes many objects at once, differently in each frame. The wall is removed and added, too.
 fn change(host: &mut Host, random: &mut Random, frame: u32, buckets: u32) {
     let some = |host: &Host, random: &mut Random, count: usize| -> Vec<ObjectId> {
         let all: Vec<ObjectId> = host.objects().filter(|id| *id != host.wall).collect();
@@ -106,7 +107,7 @@ fn change(host: &mut Host, random: &mut Random, frame: u32, buckets: u32) {
     }
 }
 
-/// Returns a host with a wall, and things and panes behind it.
+/// Returns a host with a wall, and with objects and panes behind it.
 fn furnished(
     device: &Device,
     buckets: u32,
@@ -117,7 +118,7 @@ fn furnished(
     furnish(Host::new(device, buckets, predication, recorder), buckets, random)
 }
 
-/// Furnishes a host with them.
+/// Adds a wall, objects and panes to a host.
 fn furnish(mut host: Host, buckets: u32, random: &mut Random) -> Host {
     let things = |random: &mut Random, count: usize| -> Vec<Vec<Part>> {
         let thing = |random: &mut Random| {
@@ -188,7 +189,7 @@ fn objects_of_any_draws_in_any_buckets_look_like_all_draws_while_they_change() {
         for predication in &executors[1..] {
             compare(device, 16, *predication, Recorder::Engine, Strategy::ANTUMBRA);
         }
-        // Flags are the first choice of the plain strategy.
+        // The plain strategy already uses flags.
         for strategy in [Strategy::ANTUMBRA_QUERIES, Strategy::ANTUMBRA_COMPUTE] {
             let last = executors[executors.len() - 1];
             compare(device, 16, last, Recorder::Engine, strategy);

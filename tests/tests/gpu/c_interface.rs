@@ -1,4 +1,4 @@
-//! The C interface on a host's device: mistakes of the host, each named, and the frames after them.
+//! The C interface on a host's device: errors name each mistake of the host, and later frames work.
 #![allow(unsafe_code, reason = "a host in C calls it so")]
 
 #[cfg(feature = "shader-compiler")]
@@ -78,7 +78,7 @@ fn adapter(host: &Host) -> AntumbraAdapterDesc {
     }
 }
 
-/// Adopts the device of a host with all that it has, but for what `change` turns off.
+/// Adopts the device of a host with all its features, except those that `change` turns off.
 fn adopt(
     host: &Host,
     context: *mut AntumbraContext,
@@ -120,7 +120,7 @@ fn adopt_with(
     change(&mut desc);
     let mut device = AntumbraDevice { id: 0 };
     let mut error = no_error();
-    // SAFETY: everything is of this host, and lives as long as it.
+    // SAFETY: everything belongs to this host, and lives as long as the host.
     let result = unsafe { antumbra_device_adopt(context, &desc, &mut device, &mut error) };
     (result, device, error)
 }
@@ -253,7 +253,8 @@ impl<'a> CHost<'a> {
         AntumbraTargetDesc { depth, width, height, ..Versioned::INIT }
     }
 
-    /// Records a frame of these views, changed by `change`. It is never submitted, and so over.
+    /// Records a frame of these views, changed by `change`. The frame is never submitted, so it is
+    /// over.
     fn record(
         &mut self,
         views: &[*const AntumbraViewFrame],
@@ -297,7 +298,7 @@ impl<'a> CHost<'a> {
         assert_eq!(recorded, Ok, "after \"{words}\": {}", text(&self.error));
     }
 
-    /// Destroys all of it. Nothing was ever submitted.
+    /// Destroys the host and all objects. Nothing was ever submitted.
     fn finish(mut self) {
         // SAFETY: nothing is in flight.
         unsafe {
@@ -374,7 +375,7 @@ fn a_device_without_a_feature_is_refused_by_its_name() {
         adopt(&host, context, null(), |core| core.multi_draw_indirect = vk::FALSE);
     expect(refused, Unsupported, "multiDrawIndirect", &error);
     assert_eq!(device.id, 0);
-    // SAFETY: nobody uses it any more.
+    // SAFETY: the context is no longer used.
     unsafe { antumbra_context_destroy(context, null_mut()) };
     host.finish();
 }

@@ -9,8 +9,8 @@ use tests::{Driver, run, run_on_all};
 
 const SIZE: [u32; 2] = [160, 90];
 
-/// Walks with a renderer of these costs and compares every image with frustum culling's; returns
-/// the costs, and the number of leaves that were not tested because of their cost.
+/// Walks with a renderer of these costs, and compares every image with frustum culling. Returns the
+/// costs, and the number of leaves that were not tested because of their cost.
 fn walk(device: &Device, options: &RendererOptions) -> (Option<CostTable>, u32) {
     let GeneratedScene { scene, routes } = city(400, 5).unwrap();
     let path = CameraPath::new(PathKind::Street, &routes).unwrap();
@@ -44,7 +44,7 @@ fn measured_costs_can_be_and_images_are_right() {
         let (cost_model, _) = walk(device, &options(CostModel::Measured));
         let cost_model = cost_model.expect("a table").checked().expect("cost_model that can be");
         println!("{cost_model:?}");
-        // Any one cost may drown in the noise of a busy machine; all of them cannot.
+        // A single cost may drown in the noise of a busy machine, but not all costs.
         assert_ne!(cost_model, CostTable::default(), "nothing was measured");
         assert_ne!(cost_model, CostTable::uniform(0.0), "everything is free");
     });
@@ -78,7 +78,7 @@ fn the_executor_is_the_cheapest_that_the_device_has() {
         assert_eq!(measured.first(), Some(&PredicationMode::best(device.capabilities())));
         let ns_of = |wanted| choice.skip_ns.iter().find(|(known, _)| *known == wanted).unwrap().1;
         let chosen_ns = ns_of(choice.predication);
-        // The first stays unless another is cheaper by a quarter.
+        // The first way stays chosen unless another way is cheaper by a quarter.
         assert!(choice.skip_ns.iter().all(|(_, ns)| chosen_ns <= 1.25 * ns), "{choice:?}");
         assert_eq!(renderer.predication(), choice.predication);
         assert!(choice.reset_ns.command_ns.is_finite());

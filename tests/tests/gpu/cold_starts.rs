@@ -1,5 +1,5 @@
-//! The first frames of a view with an empty history, at standing cameras, in images of odd sizes
-//! and scenes of several seeds: every frame is compared, from the first on.
+//! The first frames of a view with an empty history, for standing cameras, odd image sizes and
+//! scenes of several seeds. Every frame is compared, including the first.
 
 use cull::{Camera, Strategy};
 use gpu::Device;
@@ -8,11 +8,12 @@ use scenes::{CameraPath, GeneratedScene, PathKind};
 use tests::walk::{frame_loop, pixels_that_differ};
 use tests::{Driver, run};
 
-/// The frames for which a camera stands: results of the first are read back before the last.
+/// The number of frames for which a camera stands. The results of the first frame are read back
+/// before the last frame.
 const FRAMES: usize = 4;
 
-/// Returns the strategies that promise the image and need nothing found beforehand, without the one
-/// with a wait per object.
+/// Returns the exact strategies that need no preparation, except the one that waits for each
+/// object.
 fn strategies() -> impl Iterator<Item = Strategy> {
     let left_out = [Strategy::FRUSTUM, methods::NAIVE, methods::IDEAL];
     methods::strategies()
@@ -20,7 +21,7 @@ fn strategies() -> impl Iterator<Item = Strategy> {
         .filter(move |strategy| strategy.is_exact() && !left_out.contains(strategy))
 }
 
-/// Checks that every strategy has no wrong pixels, each with a new view, with a standing `camera`.
+/// Checks that no strategy has wrong pixels with a standing `camera`, each with a new view.
 fn check_standing(renderer: &mut Renderer, camera: Camera, what: &str) {
     let cameras = [camera; FRAMES];
     let mut plain = renderer.new_view().unwrap();

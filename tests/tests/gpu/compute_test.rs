@@ -1,5 +1,5 @@
-//! The compute tester against the rasteriser: it never hides a box that a query on the proxy shows,
-//! and hides most of those hidden for the query.
+//! The compute tester against the rasteriser. It never hides a box that a query on the proxy shows,
+//! and hides most of the boxes that the query hides.
 
 use cull::{Aabb, Camera, CullView, Projection, ProjectionKind, Rays};
 use glam::{Vec2, Vec3};
@@ -46,7 +46,7 @@ struct World {
 const TESTS: usize = 150;
 
 impl World {
-    /// Creates a world around `origin`: small numbers round differently from large ones.
+    /// Creates a world around `origin`, since small numbers round differently from large ones.
     fn new(numbers: &mut Numbers, origin: Vec3) -> Self {
         let eye = origin + numbers.vector(-1.0, 1.0);
         let projection = if numbers.next() < 0.5 {
@@ -86,8 +86,8 @@ impl World {
         Self { camera, occluders, tested: tested.collect() }
     }
 
-    /// Returns the same boxes, each behind a smaller copy of its proxy seen from the eye. The copy
-    /// covers it but for less than a pixel, where rounding decides.
+    /// Returns the same boxes, each behind a smaller copy of its proxy as seen from the eye. The
+    /// copy covers the proxy except for less than a pixel, so rounding decides.
     fn close_calls(numbers: &mut Numbers, size: [u32; 2], bits: u32) -> Self {
         let world = Self::new(numbers, Vec3::ZERO);
         let view = CullView::new(&world.camera, size, bits);
@@ -97,7 +97,7 @@ impl World {
         for bounds in tested {
             let Some(proxy) = view.margin.proxy(&bounds) else { continue };
             let Rays { kind, origin, forward, down, .. } = view.rays;
-            // Nearer: along the rays, and smaller where they meet.
+            // Nearer along the rays, and smaller if the rays meet.
             let copy = match kind {
                 ProjectionKind::Perspective => {
                     let towards = |point: Vec3| origin + (point - origin) * 0.7;
@@ -163,7 +163,7 @@ fn compare_in(device: &Device, mut target: Target, worlds: &[World]) -> Vec<(u32
             }
         });
         tester.record_grid(commands, &mut target, Rect::of(&view), view.depth);
-        // In two parts, as two rounds would.
+        // Two parts, like two rounds.
         let half = count / 2;
         for (first, count) in [(0, half), (half, count - half)] {
             let io = ComputeTestIo { boxes, results: results.whole(), first, count };
@@ -186,8 +186,8 @@ fn compare_in(device: &Device, mut target: Target, worlds: &[World]) -> Vec<(u32
     said
 }
 
-/// Checks that no visible box was lost; returns the number of boxes that the query hid, and how
-/// many of those the compute tester showed.
+/// Checks that no visible box was lost. Returns the number of boxes that the query hid, and the
+/// number of these that the compute tester showed.
 fn judge(said: &[(u32, u32)], what: &str) -> (usize, usize) {
     assert!(said.iter().all(|(_, result)| *result <= 1), "{what}: a result is 0 or 1");
     let lost = said.iter().filter(|(samples, result)| *samples > 0 && *result == 0);
@@ -249,7 +249,7 @@ fn odd_sizes_and_far_origins_lose_nothing() {
     }
 }
 
-/// Fails if tests looked at the middles of pixels alone.
+/// Fails if tests only looked at the middles of pixels.
 #[test]
 fn close_calls_lose_nothing_with_four_samples() {
     run(Driver::Lavapipe, |device| {

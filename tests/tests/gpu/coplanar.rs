@@ -1,6 +1,6 @@
-//! Scenes full of surfaces that are equally near: side by side with shared faces, in one plane, one
-//! in the other, cutting each other. With surfaces they are drawn depth first, and no order of
-//! draws shows.
+//! Scenes full of surfaces at the same depth: boxes with shared faces, in one plane, one inside the
+//! other, cutting each other. With surfaces they are drawn depth first, and the order of draws is
+//! not visible.
 
 use cull::{Camera, ObjectId, Projection, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
@@ -33,9 +33,9 @@ fn object(number: u32, low: Vec3, high: Vec3, turn_rad: f32) -> Object {
     Object { mesh: MeshId(number % COLOURS), transform, tint: u32::MAX }
 }
 
-/// Returns rows of walls across the way, each three boxes deep in the same place, some turned a
-/// little; between them boxes with corners on a coarse grid; under all of it tiles in one plane
-/// that overlap.
+/// Returns rows of walls across the way, of three boxes each in the same place, some slightly
+/// turned. Between the walls are boxes with corners on a coarse grid, and under everything
+/// overlapping tiles in one plane.
 fn ties() -> Scene {
     let mut objects = Vec::new();
     let mut state = 12_345_u32;
@@ -122,7 +122,7 @@ fn images(renderer: &mut Renderer, strategy: Strategy, cameras: &[Camera]) -> Ve
     cameras.iter().map(draw).collect()
 }
 
-/// Returns the number of pixels of each frame that differ from frustum culling's, by strategy.
+/// Returns the number of pixels in each frame that differ from frustum culling, by strategy.
 fn wrong(
     device: &Device,
     scene: &Scene,
@@ -184,7 +184,7 @@ fn every_way_to_skip_draws_is_exact_with_ties() {
     });
 }
 
-/// Returns the same scene with holes: two of the materials have an alpha cutoff of a half, by the
+/// Returns the scene of [`ties`] with holes: two materials have an alpha cutoff of a half, by the
 /// corners of faces.
 fn with_holes() -> Scene {
     let mut scene = ties();
@@ -215,8 +215,8 @@ fn what_is_seen_through_holes_is_exact() {
     });
 }
 
-/// Returns the same scene with clouds of points and tangles of lines before, behind and in the
-/// walls: some turned, some mirrored, some flat.
+/// Adds clouds of points and tangles of lines before, behind and in the walls of a scene: some
+/// turned, some mirrored, some flat.
 pub fn with_sprites(mut scene: Scene) -> Scene {
     let mut state = 99_u32;
     let mut random = || {
@@ -318,7 +318,7 @@ fn all_else_goes_on_with_surfaces() {
         renderer.render_snapshot(&snapshot, cameras[3], Some(&image), None).unwrap();
         renderer.wait_idle(&mut left).unwrap();
         assert!(!left.visible_samples().is_empty());
-        // Something of the scene's colours: neither only sky nor only black.
+        // Some colours of the scene: neither only sky nor only black.
         let pixels = image.rgba8().unwrap();
         let mut colours: Vec<&[u8]> = pixels.chunks_exact(4).collect();
         colours.sort_unstable();
@@ -332,7 +332,7 @@ fn all_else_goes_on_with_surfaces() {
 
 #[test]
 fn without_surfaces_the_order_of_draws_shows() {
-    // Or else this scene would prove nothing.
+    // Otherwise this scene would prove nothing.
     run_on_all(|device| {
         let scene = Scene { surfaces: None, ..ties() };
         let found = wrong(device, &scene, &options(2), exact(), 8);
@@ -363,7 +363,8 @@ fn many_objects_are_left_out() {
 
 #[test]
 fn next_frame_is_right_once_its_answers_are_home() {
-    // A tied surface counts as visible on its own draw, too, or it would flicker for ever.
+    // A query around the draw of a tied surface must count it as visible, too, or it would flicker
+    // forever.
     run_on_all(|device| {
         let mut renderer = Renderer::new(device, &ties(), &options(2)).unwrap();
         let [from, .., to] = cameras(12)[..] else { panic!("cameras") };

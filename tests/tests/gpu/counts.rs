@@ -1,5 +1,5 @@
-//! Visible samples of single objects: counted exactly, read back late and never waited for, and
-//! never taken for another object's.
+//! Visible samples of single objects: counted exactly, read back late without a wait, and never
+//! assigned to another object.
 
 use cull::{Aabb, Camera, ObjectId, Strategy};
 use glam::{Affine3A, Vec3};
@@ -17,7 +17,7 @@ use tests::walk::{SceneKind, pixels_that_differ};
 const SIZE: [u32; 2] = [128, 128];
 
 fn options() -> RendererOptions {
-    // Costs that are measured differ from run to run; without any, everything is tested.
+    // Measured costs differ from run to run; without costs, everything is tested.
     RendererOptions {
         methods: methods::all(),
         size: SIZE,
@@ -50,7 +50,7 @@ fn image(renderer: &mut Renderer, camera: Camera) -> Vec<u8> {
 }
 
 /// The objects of [`half_covered`] behind the two walls: one half hidden, one hidden, a floor that
-/// reaches behind the eye, and one behind the eye.
+/// reaches behind the eye, and an object behind the eye.
 const HALF: u32 = 2;
 const HIDDEN: u32 = 3;
 const FLOOR: u32 = 4;
@@ -67,7 +67,7 @@ fn half_covered() -> Vec<Aabb> {
     ]
 }
 
-/// Returns the number of pixels that change without an object.
+/// Returns the number of pixels that change when an object is removed.
 fn pixels_of(renderer: &mut Renderer, object: u32, camera: Camera) -> u32 {
     let whole = image(renderer, camera);
     renderer.update(&[ObjectChange::Remove { object: ObjectId(object) }]).unwrap();
@@ -128,7 +128,7 @@ fn counts_are_pixels_with_every_strategy() {
     });
 }
 
-/// Checks that the samples of all objects are all pixels that are not sky.
+/// Checks that the samples of all objects together are the pixels that are not sky.
 #[test]
 fn counts_of_all_objects_add_up_to_the_image() {
     run_on_all(|device| {
@@ -223,7 +223,7 @@ fn counts_follow_objects_that_move_and_end_with_those_that_go() {
                 let at = bounds.min + by;
                 Affine3A::from_scale_rotation_translation(scale, glam::Quat::IDENTITY, at)
             };
-            // Out from behind the wall.
+            // The object moves out from behind the wall.
             let transform = place(Vec3::X * 3.5);
             renderer.update(&[ObjectChange::Move { object: ObjectId(HALF), transform }]).unwrap();
             for _ in 0..4 {
@@ -233,7 +233,7 @@ fn counts_follow_objects_that_move_and_end_with_those_that_go() {
             assert!(after.samples > before.samples * 3 / 2, "{strategy}: {before:?} {after:?}");
             assert_eq!(after.fraction(), Some(1.0));
 
-            // With questions on their way, the object goes and another one comes in its place.
+            // While queries are in flight, the object is removed and another one takes its place.
             renderer.update(&[ObjectChange::Remove { object: ObjectId(HALF) }]).unwrap();
             frame(&mut renderer, &mut view, strategy, camera);
             assert!(of(&view, HALF).is_none() && of(&view, FLOOR).is_some());
@@ -275,7 +275,7 @@ fn lists_can_change_and_nothing_is_recorded_for_an_empty_one() {
         assert_eq!(view.visible_samples().len(), 1, "what is still watched is still known");
         assert!(is_counting(&mut renderer, &mut view));
         assert_eq!(view.visible_samples().len(), 2);
-        // Nothing in sight is no question either.
+        // Without a watched object in view there is no query.
         view.watch(&[ObjectId(BEHIND), ObjectId(77)]).unwrap();
         assert!(!is_counting(&mut renderer, &mut view));
         view.watch(&[]).unwrap();
@@ -285,7 +285,7 @@ fn lists_can_change_and_nothing_is_recorded_for_an_empty_one() {
     });
 }
 
-/// Checks that an image with counting has the bits of one without.
+/// Checks that images with and without counting have the same bits.
 #[test]
 fn counting_changes_nothing() {
     run_on_all(|device| {

@@ -23,7 +23,7 @@ fn half_m(number: u32) -> f32 {
     (number + 1) as f32 / QUADS as f32 * 0.9
 }
 
-/// Returns a renderer of quads one behind the other, the smallest in front.
+/// Returns a renderer of quads, one behind the other, with the smallest in front.
 fn quads(device: &Device, samples: SampleCount) -> CutScene {
     let solids: Vec<_> = (0..QUADS)
         .map(|number| {
@@ -43,9 +43,9 @@ fn quads(device: &Device, samples: SampleCount) -> CutScene {
     CutScene::new(device, &scene_of(&solids), options)
 }
 
-/// Checks the middle row of an image of quads, of which x above `from_m` is left. With several
-/// samples per pixel, a surface counts that covers one of them, and twice at the diagonals of the
-/// quads, which the middle has.
+/// Checks the middle row of an image of quads, which are cut to x above `from_m`. With several
+/// samples per pixel, a surface counts if it covers one of them. It counts twice at the diagonal of
+/// a quad, which crosses the middle.
 fn check_row(shown: &mut CutScene, from_m: f32) {
     let outermost_sample = match shown.renderer.samples() {
         SampleCount::One => 0.0,
@@ -76,7 +76,7 @@ fn check_row(shown: &mut CutScene, from_m: f32) {
 fn so_many_quads_are_so_many_surfaces_whatever_hides_them() {
     run_on_all(|device| {
         for samples in [SampleCount::One, SampleCount::Four] {
-            // Drivers whose depths of samples are wrong do not average colours either.
+            // Drivers with wrong depths of samples do not average colours either.
             if samples == SampleCount::Four
                 && !device.capabilities().has(OptionalFeature::SampleDepths)
             {
@@ -86,7 +86,7 @@ fn so_many_quads_are_so_many_surfaces_whatever_hides_them() {
             let before = shown.pixels(front(2.0), Strategy::FRUSTUM);
             shown.renderer.set_debug_overlay(OVERLAY).unwrap();
             check_row(&mut shown, -2.0);
-            // What planes cut away does not count.
+            // Parts that planes cut away do not count.
             shown.renderer.set_section(planes(&[plane([1.0, 0.0, 0.0], -0.2)])).unwrap();
             check_row(&mut shown, 0.2);
             shown.renderer.set_section(SectionPlanes::default()).unwrap();

@@ -129,8 +129,7 @@ fn coarse_forms_have_fewer_triangles_and_go_again() {
     });
 }
 
-/// Returns the wood with the back of each triangle, of coarser levels too, as a triangle of its
-/// own.
+/// Returns the wood with the back of each triangle as a separate triangle, also in coarser levels.
 fn wood_from_both_sides() -> Scene {
     let add_backs = |indices: &mut Vec<u32>| {
         let backs: Vec<u32> =
@@ -154,7 +153,7 @@ fn a_triangle_and_its_back_are_counted_as_one() {
         let scene = wood_from_both_sides();
         assert_eq!(scene.triangles(), 12 * 200);
         let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
-        // Draws that the CPU decides are counted there, those of the pyramid on the GPU.
+        // The CPU counts the draws that it decides, and the GPU counts the draws of the pyramid.
         for (error_pixels, of_cube) in [(0.0, 12), (1e6, 6)] {
             let policy = DetailPolicy { error_pixels, hysteresis: 0.0, by_samples: None };
             renderer.choose_detail(&[camera(0)], &policy);

@@ -1,4 +1,4 @@
-//! Machines that fail: each ends with a sentence, no panic, no leak and no hang.
+//! Failing machines: every failure ends with a message, without a panic, a leak or a hang.
 
 mod draw_calls;
 mod lacking;
@@ -28,7 +28,7 @@ fn a_driver_that_does_not_give_its_pipelines_away_leaves_the_file_as_it_is() {
     drop(Device::new(&instance, &adapter, &options).unwrap());
     let stored = std::fs::read(&file).unwrap();
     for &call in CALLS_THAT_SAVE {
-        // Sometimes the size is returned and the data is not.
+        // Some calls return the size and then fail to return the data.
         for number in 0..calls(call) {
             let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
             let fault = Fault { call, fails: number..usize::MAX, code };
@@ -42,7 +42,7 @@ fn a_driver_that_does_not_give_its_pipelines_away_leaves_the_file_as_it_is() {
     assert_eq!(instance.validation_log().drain(), []);
 }
 
-/// The parts that the walks below need, made once.
+/// The parts that the walks below need, created once.
 struct Stage {
     instance: Instance,
     adapter: Adapter,
@@ -110,7 +110,7 @@ impl Stage {
         sentence
     }
 
-    /// Drops the instance, and checks that the layers report nothing, leaked objects included.
+    /// Drops the instance, and checks that the layers report nothing, including leaked objects.
     fn finish(self) {
         let log = self.instance.validation_log().clone();
         drop(self.instance);
@@ -126,7 +126,7 @@ enum Goes {
 }
 
 fn options(predication: PredicationMode) -> RendererOptions {
-    // Whatever fails in a measurement is forgiven, and how much it does depends on the clock.
+    // Failures in a measurement are ignored, and the number of its calls depends on the clock.
     let cost_model = CostModel::Table(CostTable::default());
     RendererOptions {
         methods: methods::all(),
@@ -155,11 +155,11 @@ fn out_of_memory_is_an_error_wherever_it_happens() {
     let code = vk::Result::ERROR_OUT_OF_DEVICE_MEMORY;
     let memory = [c"vkAllocateMemory", c"vkBindBufferMemory", c"vkBindImageMemory"];
     let counts = clean_calls(&stage, &options, &memory);
-    // The allocator takes large blocks, so the driver is asked less often than memory is needed.
+    // The allocator takes large blocks, so it calls the driver less often than memory is needed.
     assert!(counts[0] > 0 && counts[1] > 12 && counts[2] == 2, "{counts:?}");
     for (call, count) in memory.into_iter().zip(counts) {
         for first in 0..=count.max(12) {
-            // From then on there is none left: memory of another kind is none either.
+            // From this call on no memory is left, of any kind.
             let fault = Fault { call, fails: first..usize::MAX, code };
             let sentence = stage.walk_with(fault, &options, Goes::Home);
             assert_eq!(sentence.is_some(), first < count, "{call:?}, {first}: {sentence:?}");
@@ -180,7 +180,7 @@ fn any_call_that_makes_something_may_fail() {
     let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
     for (&call, &count) in CALLS_THAT_MAKE.iter().zip(&counts) {
         assert!(count > 0, "{call:?} is never called: it need not be in the list");
-        // The first ones, and some of the many others.
+        // The first calls, and some of the many others.
         for number in (0..count.min(3)).chain((3..count).step_by(count.div_ceil(4).max(1))) {
             let fault = Fault { call, fails: number..number + 1, code };
             let sentence = stage.walk_with(fault, &options, Goes::Home);
@@ -206,7 +206,7 @@ fn a_full_descriptor_pool_is_followed_by_another() {
         let fault = Fault { call, fails: number..number + 1, code };
         match stage.walk_with(fault, &options, Goes::Home) {
             None => followed += 1,
-            // A pool that has no room for its first set.
+            // A pool without room for its first set.
             Some(sentence) => assert!(sentence.contains("vkAllocateDescriptorSets"), "{sentence}"),
         }
     }
@@ -248,7 +248,7 @@ fn a_frame_that_is_never_over_is_an_error_and_closing_does_not_hang() {
     let options = options(PredicationMode::Conditional);
     let call = c"vkWaitSemaphores";
     let [waits] = clean_calls(&stage, &options, &[call])[..] else { unreachable!() };
-    // The last wait is that of closing the device, which cannot report an error.
+    // The last wait belongs to closing the device, which cannot report an error.
     for number in 0..waits - 1 {
         for fails in [number..number + 1, number..usize::MAX] {
             let fault = Fault { call, fails, code: vk::Result::TIMEOUT };
@@ -266,7 +266,7 @@ fn after_a_frame_that_failed_the_next_ones_are_drawn() {
     let counts = clean_calls(&stage, &options, &[c"vkQueueSubmit2", c"vkEndCommandBuffer"]);
     let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
     for (call, count) in [c"vkQueueSubmit2", c"vkEndCommandBuffer"].into_iter().zip(counts) {
-        // All frames but the last three, which make the images that are compared.
+        // All frames except the last three, whose images are compared.
         for number in count - 1 - 2 * FRAMES as usize..count - 3 {
             let fault = Fault { call, fails: number..number + 1, code };
             let sentence = stage.walk_with(fault, &options, Goes::On).expect("an error");
@@ -276,8 +276,8 @@ fn after_a_frame_that_failed_the_next_ones_are_drawn() {
     stage.finish();
 }
 
-/// Checks that costs that cannot be measured are no reason to fail: each call fails once, or from
-/// then on, at some point of the measurement.
+/// Checks that a failed measurement of costs does not fail the program. Each call fails once, or
+/// permanently from some point of the measurement on.
 #[test]
 #[ignore = "long walk"]
 fn costs_that_cannot_be_measured_are_no_reason_to_fail() {
@@ -299,8 +299,8 @@ fn costs_that_cannot_be_measured_are_no_reason_to_fail() {
     let with = counts(&measured);
     let mut forgiven = 0;
     for (call, (without, with)) in all.iter().zip(without.into_iter().zip(with)) {
-        // A handful of calls follow it; half of those that it makes are surely its
-        // own.
+        // A handful of calls follow the measurement, so the first half of the additional calls
+        // surely belongs to it.
         let own = with.saturating_sub(without) / 2;
         for number in (without..without + own).step_by(own.div_ceil(3).max(1)) {
             let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;

@@ -1,6 +1,6 @@
-//! Sills at the height of the eye. A rasteriser that interpolates depth from vertices before
-//! snapping them draws streaks of such faces through the walls before them. It takes a row of
-//! samples at that height. With vertices that are on its grid already there is nothing to streak.
+//! Sills at the height of the eye. A rasteriser that interpolates depth from vertices before it
+//! snaps them draws streaks of such faces through the walls in front of them. Streaks need a row of
+//! samples at that height. With vertices that are already on the grid there are no streaks.
 
 use cull::{Camera, Strategy};
 use gpu::{Device, Readback};
@@ -16,8 +16,8 @@ fn request(strategy: Strategy, camera: Camera, image: &Readback) -> FrameRequest
     FrameRequest { image: Some(image), ..FrameRequest::new(strategy, camera) }
 }
 
-/// Compares the frames of strategies with frustum culling's, from an empty history, with a standing
-/// camera.
+/// Compares the frames of strategies with frustum culling, from an empty history and with a
+/// standing camera.
 fn compare(device: &Device, scene: &Scene, camera: Camera) {
     let options =
         RendererOptions { methods: methods::all(), size: SIZE, ..RendererOptions::default() };

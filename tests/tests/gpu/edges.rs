@@ -1,5 +1,5 @@
-//! Edges as drawings in CAD show them: the same under every strategy and on every path, hidden ones
-//! in dashes and never gone, silhouettes closed, and nothing at all while they are off.
+//! Edges as in CAD drawings: the same with every strategy and every way to draw them. Hidden edges
+//! are dashed and always shown, silhouettes are closed, and edges that are off cost nothing.
 
 mod changes;
 mod outlines;
@@ -22,7 +22,7 @@ use tests::{Driver, instance_with, run, run_on_all};
 
 const SIZE: [u32; 2] = [160, 120];
 
-/// The colours as they are encoded: visible edges, hidden ones, paper.
+/// The encoded colours: visible edges, hidden edges, paper.
 const BLACK: [u8; 3] = [0, 0, 0];
 const RED: [u8; 3] = [255, 0, 0];
 const WHITE: [u8; 3] = [255, 255, 255];
@@ -64,7 +64,7 @@ impl Image {
     }
 }
 
-/// A part of an image in pixels, with its last ones.
+/// A part of an image in pixels, including the last column and row.
 struct Area {
     left: u32,
     top: u32,
@@ -80,7 +80,7 @@ fn draw(renderer: &mut Renderer, view: &mut RenderView, strategy: Strategy, seen
     Image(image.rgba8().unwrap().to_vec())
 }
 
-/// Returns the fourth image of a view at rest, when the strategy knows what is hidden.
+/// Returns the fourth image of a view at rest: by then the strategy knows the hidden objects.
 fn settled(renderer: &mut Renderer, strategy: Strategy, seen: Camera) -> Image {
     let mut view = renderer.new_view().unwrap();
     let images = [0; 4].map(|_| draw(renderer, &mut view, strategy, seen));
@@ -93,7 +93,7 @@ fn exact() -> impl Iterator<Item = Strategy> {
     methods::strategies().into_iter().filter(is_usual)
 }
 
-/// Looks along -z at 8 by 6 metres: 20 pixels are a metre.
+/// Looks along -z at 8 by 6 metres, with 20 pixels per metre.
 fn straight() -> Camera {
     Camera {
         eye: Vec3::ZERO,
@@ -114,7 +114,7 @@ fn a_far_box_wholly_behind_a_near_one_has_no_visible_and_four_dashed_edges() {
             renderer.set_edges(options(EdgeMode::HiddenDashed)).unwrap();
             settled(&mut renderer, Strategy::FRUSTUM, straight())
         };
-        // Two pixels wide, half of them outside of 80 by 80.
+        // Two pixels wide, one of them outside 80 by 80 pixels.
         assert_eq!(alone.count(BLACK), 82 * 82 - 78 * 78);
         let mut renderer = renderer_of(device, &box_scene(&[near, far]), SampleCount::One);
         for strategy in exact() {

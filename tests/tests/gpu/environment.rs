@@ -1,4 +1,4 @@
-//! Light from all around: surfaces and sky against a reference on the CPU, and what cannot be.
+//! Environment light: surfaces and sky against a reference on the CPU, and impossible environments.
 
 use cull::{Camera, Strategy};
 use glam::{Vec3, vec3};
@@ -47,7 +47,7 @@ fn image(renderer: &mut Renderer, strategy: Strategy, camera: Camera) -> Vec<u8>
     image.rgba8().unwrap().to_vec()
 }
 
-/// Returns the direction that a pixel is seen in.
+/// Returns the direction of a pixel from the eye.
 fn direction(camera: &Camera, x: u32, y: u32) -> Vec3 {
     let half = 0.5_f32.tan();
     let right = camera.forward.cross(camera.up).normalize();
@@ -116,7 +116,7 @@ fn the_sky_and_matt_and_metal_floors_are_those_of_the_reference() {
     });
 }
 
-/// Returns the light of a floor that is seen in a direction.
+/// Returns the light of the floor in a direction from the eye.
 fn floor_light(environment: &Environment, material: &Material, towards: Vec3) -> Vec3 {
     let [red, green, blue, _] = material.base_colour;
     let base = vec3(red, green, blue);
@@ -169,13 +169,14 @@ fn a_disk_is_where_it_should_be_and_as_large() {
     });
 }
 
-/// Returns a camera far beside the floor, which sees nothing but what is around.
+/// Returns a camera far beside the floor, which sees only the environment.
 fn outside() -> Camera {
     let forward = vec3(0.3, 0.1, -1.0).normalize();
     Camera { eye: vec3(0.0, 50.0, -500.0), forward, ..shadow_scene::camera() }
 }
 
-/// Compares with the sky itself: a picture of 64 by 64 texels had beads along the horizon.
+/// Compares with the sky itself, since an image of 64 by 64 texels would show beads along the
+/// horizon.
 #[test]
 fn a_sky_is_computed_for_each_pixel() {
     run_on_all(|device| {
@@ -185,7 +186,7 @@ fn a_sky_is_computed_for_each_pixel() {
         for (x, y) in (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y))) {
             let found = pixel(&image, x, y);
             let expected = expected(x, y);
-            // Half a step is rounded away, and half a step is added.
+            // Rounding removes half a step, and half a step was added.
             let is_near = found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1.1);
             assert!(is_near, "{x}, {y}: {found:?} and not {expected:?}");
         }

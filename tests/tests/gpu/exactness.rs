@@ -9,7 +9,7 @@ use tests::walk::{Found, SceneKind, frame_loop, pixels_that_differ, walk, walk_c
 use tests::{Driver, run, run_on_all};
 
 fn options(size: [u32; 2], frames_in_flight: usize) -> RendererOptions {
-    // Costs that are measured differ from run to run; without any, everything is tested.
+    // Measured costs differ from run to run; without costs, everything is tested.
     RendererOptions {
         methods: methods::all(),
         size,
@@ -61,7 +61,7 @@ fn lavapipe_10_000_objects() {
 
 #[test]
 fn culling_culls() {
-    // Exact and useless would be easy: draw everything.
+    // To draw everything would be exact and useless.
     run_on_all(|device| {
         let scene = SceneKind::City.build(2000);
         let found = walk(device, &scene, PathKind::Street, 30, &options([320, 180], 2));
@@ -157,8 +157,8 @@ fn strategies_and_views_can_change_from_frame_to_frame() {
         let mut renderer = Renderer::new(device, &scene, &options([160, 90], 2)).unwrap();
         let mut views = [renderer.new_view().unwrap(), renderer.new_view().unwrap()];
         let mut plain = renderer.new_view().unwrap();
-        // The ideal needs the visible set: tests/ideal.rs has it. The literature's
-        // methods, which may be slow or not exact, are in tests/strategies.rs.
+        // The ideal strategy needs the visible set and is tested in ideal.rs. The literature's
+        // methods may be slow or inexact and are tested in strategies.rs.
         let slow = [methods::NAIVE, methods::STOP_AND_WAIT, methods::IDEAL];
         let is_fit = |strategy: &Strategy| strategy.is_exact() && !slow.contains(strategy);
         let strategies: Vec<Strategy> = methods::strategies().into_iter().filter(is_fit).collect();

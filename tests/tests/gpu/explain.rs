@@ -1,5 +1,4 @@
-//! The debug overlay of frames: drawn at the right place, without effect on decisions, and
-//! removable.
+//! The debug overlay of frames: at the right place, without an effect on decisions, and removable.
 
 use cull::Strategy;
 use gpu::{Device, PredicationMode, Readback};
@@ -27,7 +26,7 @@ impl Studio {
     fn with(device: &Device, predication: Option<PredicationMode>) -> Self {
         let GeneratedScene { scene, routes } = city(400, 5).unwrap();
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
-        // Measured costs differ from one renderer to the next, and plans with them.
+        // Measured costs, and plans that depend on them, differ between renderers.
         let cost_model = CostModel::Off;
         let options = RendererOptions {
             methods: methods::all(),
@@ -59,7 +58,7 @@ impl Studio {
     }
 }
 
-/// Returns the numbers of pixels that differ inside of an area and outside of it.
+/// Returns the numbers of differing pixels inside and outside an area.
 fn differences(a: &[u8], b: &[u8], area: Rect) -> (usize, usize) {
     let mut inside = 0;
     let mut outside = 0;

@@ -1,6 +1,6 @@
-//! Scenes far from the origin of the world, as of map coordinates: they look as at the origin, with
-//! all shadows, flares and sprites, and a pixel picks the same object. Positions are whole metres,
-//! which single precision still has at 13,000 km.
+//! Scenes far from the origin of the world, as in map coordinates. They look the same as at the
+//! origin, with all shadows, flares and sprites, and a pixel picks the same object. Positions are
+//! whole metres, which single precision can represent up to 13,000 km.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -61,7 +61,7 @@ fn camera(away: Vec3) -> Camera {
     }
 }
 
-/// Returns a scene whose objects and lights are moved away.
+/// Returns a scene with its objects and lights moved away.
 fn moved(scene: &Scene, away: Vec3) -> Scene {
     let mut scene = scene.clone();
     for object in &mut scene.objects {
@@ -73,8 +73,8 @@ fn moved(scene: &Scene, away: Vec3) -> Scene {
     scene
 }
 
-/// Returns the images of a scene that is moved away, by several ways to draw shadows and by a plain
-/// and a culling strategy.
+/// Returns images of a scene that is moved away: with several kinds of shadows, with and without
+/// occlusion culling.
 fn images(device: &Device, scene: &Scene, away: Vec3, all: &[ShadowOptions]) -> Vec<Vec<u8>> {
     let mut renderer = renderer(device, &moved(scene, away), ShadowOptions::default());
     let mut images = Vec::new();
@@ -109,7 +109,7 @@ fn lamps_maps_and_volumes_and_sprites_are_the_same_to_the_bit() {
                 let found = images(device, &scene, away, &all);
                 let differ = |(a, b): (&Vec<u8>, &Vec<u8>)| pixels_that_differ(a, b);
                 let wrong: Vec<usize> = expected.iter().zip(&found).map(differ).collect();
-                // A sun's volumes end elsewhere: their sides are rounded differently.
+                // The volumes of a sun end elsewhere, so their sides are rounded differently.
                 let allowed = if all.len() == 1 { 2 } else { 0 };
                 assert!(wrong.iter().all(|wrong| *wrong <= allowed), "{away}: {wrong:?}");
             }
@@ -142,7 +142,7 @@ fn sun_maps_agree_with_ray_casting_at_every_distance() {
             let Judged { checked, dark, wrong } = judge(of_boxes, of_camera, &sun, lit, hard);
             assert!(wrong.is_empty(), "{away}: {} of {checked}: {wrong:#?}", wrong.len());
             assert!(checked > 500 && dark > 10, "{checked}, {dark}");
-            // The texels lie elsewhere: at the edges of shadows.
+            // The texels lie elsewhere, which changes edges of shadows.
             let apart = |(a, b): (&u8, &u8)| a.abs_diff(*b) > 40;
             let differing = expected[4].iter().zip(soft).filter(|pixel| apart(*pixel)).count();
             assert!(differing * 100 < soft.len(), "{away}: {differing}");
@@ -158,8 +158,8 @@ fn loaded(name: &str) -> (Scene, Camera) {
     (loaded.scene, camera)
 }
 
-/// Draws boxes on a ground under a sun, at 100 km as nodes have it, and at 13,000 km as vertices
-/// have it: most of the ground was in shadow.
+/// Draws boxes on a ground under a sun, at 100 km by transforms of nodes and at 13,000 km by
+/// positions of vertices. Most of the ground was once in shadow.
 #[test]
 fn files_in_map_coordinates_have_the_shadows_of_the_same_at_the_origin() {
     let by_nodes = loaded("sun_100_km.gltf");
@@ -253,7 +253,8 @@ fn picks_and_flares_are_the_same() {
     });
 }
 
-/// Walks between blocks of houses that are larger than the margins of boxes out there, some 25 m.
+/// Walks between blocks of houses that are larger than the margins of boxes so far away, about 25
+/// m.
 #[test]
 fn blocks_are_hidden_exactly_where_positions_are_whole_metres() {
     run_on_all(|device| {

@@ -1,5 +1,5 @@
-//! All features that a scene can have at once: moving lamps, holes, panes, a skinned mesh, an
-//! opening door. The images are the same with every strategy.
+//! All features of a scene at once: moving lamps, holes, panes, a skinned mesh, an opening door.
+//! The images are the same with every strategy.
 
 use cull::{Camera, ObjectId, Projection, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
@@ -42,7 +42,7 @@ fn lamp(number: u32, frame: u32) -> PunctualLight {
     }
 }
 
-/// Returns walls with doors one behind the other, some with holes, things between them, and a
+/// Returns walls with doors, one behind the other and some with holes, objects between them, and a
 /// skinned mesh at the side.
 fn scene() -> Scene {
     let mut objects = vec![object(SOFT, vec3(1.0, -1.0, -4.0), vec3(2.0, 2.0, 0.5))];
@@ -130,7 +130,7 @@ fn live(renderer: &mut Renderer, scene: &Scene, frame: u32) {
     }
 }
 
-/// Returns all frames in one go, from an empty history.
+/// Returns all frames, drawn without a wait in between from an empty history.
 fn film(device: &Device, strategy: Strategy, cost_model: CostModel) -> Vec<Readback> {
     let scene = scene();
     let options =

@@ -1,4 +1,5 @@
-//! The end of a walk: the image and the counts of its last frame, and what cannot be finished.
+//! The end of a walk: the image and the counts of its last frame, and views that cannot be
+//! finished.
 
 use cull::Strategy;
 use gpu::{Readback, SampleCount};
@@ -18,7 +19,7 @@ fn the_last_frame_is_the_one_that_was_drawn_and_counted() {
             let options = RendererOptions { size: SIZE, samples, ..Default::default() };
             let mut renderer = Renderer::new(device, &city.scene, &options).unwrap();
             if renderer.supports(Strategy::default()).is_err() {
-                // SwiftShader tests no samples one by one.
+                // SwiftShader does not test samples individually.
                 assert_eq!(samples, SampleCount::Four);
                 continue;
             }
@@ -44,7 +45,7 @@ fn the_last_frame_is_the_one_that_was_drawn_and_counted() {
             let in_frustum = renderer.hierarchy().objects_in_frustum(&seen);
             assert_eq!(last.in_frustum, u64::from(in_frustum));
             assert!(last.drawn > 0 && last.drawn <= last.in_frustum, "{last:?}");
-            // It can be finished again, and goes on.
+            // The view can be finished again, and can go on.
             assert!(renderer.finish(&mut view).unwrap() == last);
             renderer.render(&mut view, path.camera(8)).unwrap();
             assert!(renderer.finish(&mut view).unwrap().image != last.image);

@@ -1,5 +1,6 @@
-//! Lens flares: the fraction of a light that shows is the one of the depth N frames earlier, bars
-//! before it change it no faster than they cover it, and images do not depend on culling.
+//! Lens flares. The visible fraction of a light comes from the depth N frames earlier. Bars in
+//! front of the light change the fraction only as fast as they cover the light. Images do not
+//! depend on culling.
 
 mod occluders;
 
@@ -43,7 +44,7 @@ fn sun(direction: Vec3) -> LensFlare {
     LensFlare { place: FlarePlace::Towards(direction), ..lamp(Vec3::ZERO, 0.1) }
 }
 
-/// Returns the bars of a fence, a little aslant so that they are seen from one side.
+/// Returns the bars of a fence, slightly slanted so that they are seen from one side.
 fn fence(shift: f32) -> Vec<Aabb> {
     let bar = |number: i32| {
         let left = number as f32 * 0.83 - 5.0 + shift;
@@ -52,7 +53,7 @@ fn fence(shift: f32) -> Vec<Aabb> {
     (0..13).map(bar).collect()
 }
 
-/// Returns the view depth at which the ray through a place first meets a box (metres).
+/// Returns the view depth at which the ray through a place in the image first meets a box (metres).
 fn hit_m(view: &CullView, ndc: Vec2, boxes: &[Aabb]) -> f32 {
     let from = view.rays.origin;
     let to = view.rays.point(ndc, 1.0);
@@ -67,7 +68,7 @@ fn hit_m(view: &CullView, ndc: Vec2, boxes: &[Aabb]) -> f32 {
     boxes.iter().filter_map(met).fold(f32::INFINITY, f32::min)
 }
 
-/// The pixels of a block by casting rays: those that surely show the light, and those at the edge
+/// The pixels of a block by ray casting: pixels that surely show the light, and pixels at the edge
 /// of a box.
 #[derive(Debug, Clone, Copy)]
 struct Expected {
@@ -89,7 +90,7 @@ impl Expected {
                     continue;
                 }
                 expected.total += 1;
-                // Vertices are moved by up to a 32nd of a pixel where a device has four bits.
+                // A device with four sub-pixel bits moves vertices by up to a 32nd of a pixel.
                 let shows =
                     [(0.0, 0.0), (-0.04, -0.04), (-0.04, 0.04), (0.04, -0.04), (0.04, 0.04)].map(
                         |(right, down)| {
@@ -129,7 +130,7 @@ pub fn draw(
     image
 }
 
-/// Returns the samples of the first flare once they are of a frame of the scene at rest.
+/// Returns the samples of the first flare for a frame in which the scene is at rest.
 pub fn settled(renderer: &mut Renderer, view: &mut RenderView, strategy: Strategy) -> FlareSamples {
     for _ in 0..=renderer.frames_in_flight() {
         draw(renderer, view, strategy, square_camera());
@@ -154,7 +155,7 @@ fn the_fraction_is_that_of_the_depth_n_frames_earlier() {
     });
 }
 
-/// The way of the fence in a frame.
+/// The distance that the fence moves per frame.
 const STEP_M: f32 = 0.045;
 
 fn cross(device: &Device, renderer: &mut Renderer, scene: &Scene, strategy: Strategy, age: u64) {
@@ -192,8 +193,8 @@ fn cross(device: &Device, renderer: &mut Renderer, scene: &Scene, strategy: Stra
     }
     assert_eq!(device.wait_counts().other, waits, "{strategy} waited");
     assert!(unsure * 20 < counted, "a reference that knows: {unsure} of {counted}");
-    // Bars cover half, and each edge in the block passes a part of a pixel in a frame: at most one
-    // column.
+    // Bars cover half of the block, and each edge in it moves by less than a pixel per frame: at
+    // most one column changes per edge.
     let side = 13.0;
     let edges = 4.0;
     for pair in fractions.windows(2) {
@@ -298,7 +299,7 @@ fn each_view_has_flares_of_its_own() {
         let [hidden, seen] = views.each_ref().map(|view| view.flares()[0]);
         assert_eq!((hidden.fraction(), hidden.brightness), (0.0, 0.0), "{hidden:?}");
         assert_eq!((seen.fraction(), seen.brightness), (1.0, 1.0), "{seen:?}");
-        // A view that forgets its past begins in the dark.
+        // A view with a cleared history begins without flares.
         views[1].reset();
         let request = FrameRequest::new(Strategy::ANTUMBRA, eyes[1]);
         renderer.render(&mut views[1], request).unwrap();
@@ -325,7 +326,7 @@ fn no_flares_cost_nothing() {
         assert_eq!(labels(&mut renderer, &mut view), 0);
         renderer.set_flares(&[lamp(vec3(0.0, 0.0, -10.0), 1.0)]).unwrap();
         assert_eq!(labels(&mut renderer, &mut view), 2);
-        // A light out of sight needs no question.
+        // A light outside the view needs no query.
         renderer.set_flares(&[lamp(vec3(0.0, 0.0, 10.0), 1.0)]).unwrap();
         assert_eq!(labels(&mut renderer, &mut view), 0);
         renderer.set_flares(&[]).unwrap();

@@ -1,4 +1,4 @@
-//! The frame loop never waits for the GPU but for its own slot, and reports its work.
+//! The frame loop waits for the GPU only for its own slot, and reports its work.
 
 use cull::Strategy;
 use gpu::{Device, Readback, Tick, Timeline};
@@ -9,7 +9,7 @@ use tests::walk::{SceneKind, frame_loop, pixels_that_differ};
 
 fn renderer(device: &Device, frames_in_flight: usize) -> (Renderer, CameraPath) {
     let GeneratedScene { scene, routes } = SceneKind::City.build(600);
-    // Costs that are measured differ from run to run; without any, everything is tested.
+    // Measured costs differ from run to run; without costs, everything is tested.
     let options = RendererOptions {
         size: [160, 90],
         frames_in_flight,
@@ -26,7 +26,7 @@ fn recording_goes_on_while_the_gpu_is_held_back() {
         const FRAMES_IN_FLIGHT: u32 = 4;
         let (mut renderer, path) = renderer(device, FRAMES_IN_FLIGHT as usize);
         let mut view = renderer.new_view().unwrap();
-        // Until queries are in every slot, so that an answer that is missing would be waited for.
+        // Fills every slot with queries, so that a wait for a missing answer would show.
         for frame in 0..20 {
             let camera = path.camera(frame);
             let request = FrameRequest::new(Strategy::ANTUMBRA, camera);
@@ -48,7 +48,7 @@ fn recording_goes_on_while_the_gpu_is_held_back() {
             );
             assert!(report.unwrap().tests > 0, "there is something to wait for");
         }
-        // N frames are recorded and submitted, the GPU has begun none of them.
+        // N frames are recorded and submitted, and the GPU has not begun any of them.
         assert_eq!(device.completed().unwrap(), over);
         assert_eq!(device.submitted().0, over.0 + u64::from(FRAMES_IN_FLIGHT));
         assert_eq!(device.wait_counts().other, waits.other, "nothing but slots was waited for");
@@ -73,7 +73,7 @@ fn what_a_frame_reports_is_what_it_did() {
         let cameras: Vec<_> = (0..40).map(|frame| path.camera(frame)).collect();
         let walked = frame_loop(&mut renderer, &mut view, Strategy::ANTUMBRA, &cameras);
         for (number, (report, outcome)) in walked.reports.iter().zip(&walked.outcomes).enumerate() {
-            // Frames are reported in their order, draws are what was taken and what was revealed.
+            // Frames are reported in their order. The draws are the taken and the revealed ones.
             assert_eq!(outcome.frame.0, walked.outcomes[0].frame.0 + number as u64);
             let taken = report.plan.visible + report.plan.too_near + report.plan.occluders;
             let taken = u64::from(taken + report.plan.over_budget);
@@ -83,7 +83,7 @@ fn what_a_frame_reports_is_what_it_did() {
             assert_eq!(report.predicated_draws, decided);
             assert!(report.tests >= decided);
         }
-        // At rest, what is revealed becomes visible and the rest stays hidden.
+        // At rest, revealed objects become visible and all others stay hidden.
         let still = vec![cameras[0]; 60];
         let walked = frame_loop(&mut renderer, &mut view, Strategy::ANTUMBRA, &still);
         let late = &walked.outcomes[40..];

@@ -1,8 +1,8 @@
-//! Real scenes look as in the committed images, and are exact while they move.
+//! Real scenes look like the committed images, and are exact while they move.
 //!
-//! The scenes are not part of the project: ANTUMBRA_ASSETS names the folder that has them; without
-//! it these tests report that they were skipped. With ANTUMBRA_GOLDEN=write the images are
-//! rewritten, to be looked at and committed.
+//! The scenes are not part of the project. ANTUMBRA_ASSETS names their folder; without it these
+//! tests report that they were skipped. With ANTUMBRA_GOLDEN=write the tests write the images
+//! again, to be checked and committed.
 
 use std::fs;
 use std::io::Write;
@@ -19,7 +19,7 @@ use tests::{Driver, run};
 /// The size of a golden image in pixels.
 pub(crate) const SIZE: [u32; 2] = [256, 144];
 
-/// The files, and their cameras; where there is none, all is framed.
+/// The files and their cameras. Without a camera, the view shows the whole scene.
 const SCENES: [(&str, &[Option<&str>]); 5] = [
     ("fox.glb", &[None]),
     ("morphstresstest.gltf", &[None]),
@@ -34,7 +34,7 @@ const MOMENTS_S: [f64; 2] = [0.4, 5.0];
 fn assets() -> Option<PathBuf> {
     let folder = std::env::var_os("ANTUMBRA_ASSETS").map(PathBuf::from);
     if folder.is_none() {
-        // Not by `eprintln!`, of which a test that passes shows nothing.
+        // Not by `eprintln!`, whose output is hidden if the test passes.
         let _told = writeln!(
             std::io::stderr(),
             "SKIPPED: ANTUMBRA_ASSETS does not name the folder of the test scenes"
@@ -137,7 +137,8 @@ fn scenes_look_as_they_did() {
     });
 }
 
-/// Checks that an image of [`SIZE`] looks as in its file; writes it with ANTUMBRA_GOLDEN=write.
+/// Checks that an image of [`SIZE`] looks like its file, or writes the file with
+/// ANTUMBRA_GOLDEN=write.
 pub(crate) fn check(golden: &Path, found: &[u8]) {
     if std::env::var("ANTUMBRA_GOLDEN").is_ok_and(|what| what == "write") {
         return write(golden, found);
@@ -147,7 +148,7 @@ pub(crate) fn check(golden: &Path, found: &[u8]) {
     assert!(far <= 0.002 && mean <= 0.25, "{name}: {far} of the pixels are far, mean {mean}");
 }
 
-/// Returns the share of pixels of which a channel is off by more than 8 of 255, and the mean
+/// Returns the share of pixels with a channel that is off by more than 8 of 255, and the mean
 /// difference.
 fn difference(golden: &[u8], found: &[u8]) -> (f64, f64) {
     assert_eq!(golden.len(), found.len());

@@ -1,4 +1,4 @@
-//! The GPU layer by itself, on both software drivers, under synchronization validation.
+//! The GPU layer alone, on both software drivers, under synchronization validation.
 
 mod instance_numbers;
 mod lifetimes;
@@ -19,7 +19,7 @@ use tests::{Driver, instance, messages_of, open, run, run_on_all};
 
 #[test]
 fn the_canary_sings() {
-    // A copy reads what a copy wrote with no barrier in between: a hazard if there ever was one.
+    // A copy reads the result of another copy without a barrier in between, an obvious hazard.
     let messages = messages_of(Driver::Lavapipe, |device| {
         let usage = vk::BufferUsageFlags::TRANSFER_SRC;
         let [a, b, c] =
@@ -46,7 +46,7 @@ fn a_message_fails_a_test() {
     });
 }
 
-/// Draws a wall and tests a box before it and one behind it, `pairs` times per frame.
+/// Draws a wall, and tests a box in front of it and a box behind it, `pairs` times per frame.
 fn ask(
     device: &Device,
     frames_in_flight: usize,
@@ -138,7 +138,7 @@ fn the_loop_goes_on_while_the_gpu_is_held_back() {
             let frame = ring.begin().unwrap();
             submitted.push(frame.submit(Some((&gate, Tick(1)))).unwrap());
         }
-        // All slots are on their way and none is over: no call waited for any of them.
+        // All slots are in flight and not over, so no call has waited for them.
         assert_eq!(device.completed().unwrap(), before);
         assert_eq!(device.wait_counts().other, 0);
         gate.signal(Tick(1)).unwrap();

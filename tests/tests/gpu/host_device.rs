@@ -1,4 +1,4 @@
-//! The engine on the device of a host, which is made from the engine's requirements alone.
+//! The engine on the device of a host, which is created from nothing but the engine's requirements.
 
 mod requirements;
 
@@ -51,7 +51,7 @@ fn images(device: &Device) -> Result<Vec<Vec<u8>>, render::Error> {
     Ok(images)
 }
 
-/// A lock of a host that counts, and sees if two use the queue at once.
+/// A lock of a host that counts its uses and detects simultaneous uses of the queue.
 #[derive(Default)]
 struct CountedLock {
     queue: Mutex<()>,
@@ -81,10 +81,10 @@ fn a_renderer_draws_the_same_images_on_a_hosts_device() {
         let device = host.adopt(Some(host.share_queue(Arc::clone(&lock) as _)));
         assert_eq!(device.capabilities(), own.capabilities());
         assert!(images(&device).unwrap() == expected, "other images on {driver:?}");
-        // Each submit held the lock: the device's ticks are their number.
+        // Each submit held the lock: the number of submits is the device's newest tick.
         assert_eq!(lock.uses.load(Ordering::Relaxed), device.submitted().0);
         drop(device);
-        // Nothing of the host is gone.
+        // Objects of the host still exist.
         host.run_once(&*lock, |_| {});
         host.finish();
     }
@@ -161,7 +161,7 @@ fn the_pipeline_cache_of_a_host_is_used_and_left_to_it() {
     let description = HostDevice { pipeline_cache: Some(cache), queue, ..host.describe() };
     images(&host.try_adopt(description).unwrap()).unwrap();
     assert_eq!(calls(c"vkCreatePipelineCache"), 1, "the engine made one of its own");
-    // The layer would tell if it was gone already.
+    // The layer would report an object that no longer exists.
     host.destroy_pipeline_cache(cache);
     host.finish();
 }
@@ -215,7 +215,7 @@ fn what_a_frame_of_the_host_may_use_is_not_freed_with_the_device() {
             if is_finished {
                 host.finish();
             } else {
-                // What is left of the engine would outlive its device.
+                // The remaining objects of the engine would outlive their device.
                 std::mem::forget(host);
             }
         }
@@ -241,7 +241,8 @@ fn two_hosts_and_two_handles_of_one_device_live_side_by_side() {
     let devices = [adopt(first), adopt(first), adopt(second)];
     let [one, again, other] = devices.each_ref().map(|device| images(device).unwrap());
     assert!(one == again && one.len() == other.len());
-    // A thing of one handle is none of the other's, though the device is the same.
+    // An object of one `Device` does not belong to the other, although the Vulkan device is the
+    // same.
     let timeline = Timeline::new(&devices[0], "timeline").unwrap();
     let error = devices[1].check(&timeline, "a frame").unwrap_err();
     assert!(matches!(error, Error::Foreign { .. }), "{error}");
@@ -277,7 +278,7 @@ fn the_loss_of_a_hosts_device_is_an_error_with_its_name() {
         let host = Host::through(entry, Driver::Lavapipe, purpose, &[], Features::default());
         let device = host.adopt(Some(host.share_queue(Arc::new(Mutex::new(())))));
         let drawn = images(&device).err();
-        // The loss is a lie: its work goes on, which that of a lost device would not.
+        // The loss is simulated: work on the device goes on, unlike on a lost device.
         host.wait_idle();
         drop(device);
         FaultInjection::default().install();
@@ -314,7 +315,7 @@ fn a_host_reads_the_finished_image_by_commands_of_its_own() {
         let image = Readback::new(&device, renderer.size()).unwrap();
         let mut states = Vec::new();
         for frame in 0..FRAMES {
-            // With a copy of the engine's own, the frame leaves the image in another state.
+            // If the engine copies the image too, the frame leaves the image in another state.
             let is_copied = frame % 2 == 0;
             let request = FrameRequest {
                 image: is_copied.then_some(&image),
@@ -335,7 +336,7 @@ fn a_host_reads_the_finished_image_by_commands_of_its_own() {
     }
 }
 
-/// A check that what is documented to be used from several threads is.
+/// A check that types are usable on several threads as documented.
 const _: () = {
     const fn is_send_and_sync<T: Send + Sync>() {}
     const fn is_send<T: Send>() {}

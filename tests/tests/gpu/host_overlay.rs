@@ -1,5 +1,5 @@
-//! A host's own commands over the finished image: in the image, behind all else that is drawn, and
-//! in nothing that was asked for before.
+//! A host's own commands over the finished image: they appear in the image after everything else,
+//! and not in results that were requested before.
 
 use cull::Strategy;
 use gpu::{Commands, Device, OverlayImage, Readback, SampleCount};
@@ -17,7 +17,7 @@ fn rectangle(device: &Device) -> ClearedRectangle {
     ClearedRectangle { device, origin: [10, 20], size: [30, 12], colour: [0.0, 1.0, 0.0, 1.0] }
 }
 
-/// Checks that `drawn` is `plain` but for the rectangle.
+/// Checks that `drawn` equals `plain` except in the rectangle.
 fn check(drawn: &[u8], plain: &[u8], what: &str) {
     for (place, (drawn, plain)) in drawn.chunks(4).zip(plain.chunks(4)).enumerate() {
         let x = place % SIZE[0] as usize;
@@ -46,7 +46,8 @@ fn a_hosts_commands_are_in_the_image_and_not_in_the_scenes() {
                 let request = FrameRequest::new(Strategy::FRUSTUM, path.camera(frame));
                 let bare = FrameRequest { image: Some(&plain), ..request };
                 renderer.render(&mut view, bare).unwrap();
-                // With the scene's own image, and where the last rendering averages.
+                // Without and with the image of the scene alone. Without it, the last rendering
+                // resolves samples.
                 for scene_image in [None, Some(&alone)] {
                     let overlay = Some(&overlay as &dyn HostOverlay);
                     let image = Some(&whole);

@@ -1,5 +1,5 @@
-//! Scenes of hosts on drivers that a self-test found something broken about, and with measured
-//! costs: neither a tester nor an executor is used that cannot be trusted, and images stay exact.
+//! Scenes of hosts on drivers for which a self-test found broken assumptions, and with measured
+//! costs. Broken testers and broken ways to skip draws are not used, and images stay exact.
 
 use std::sync::{Arc, Mutex};
 
@@ -14,7 +14,7 @@ use tests::host_device::Host;
 use tests::host_scene::{BoxOptions, ComparedScene, IN_FLIGHT};
 use tests::host_walk::{boxes, camera};
 
-/// The outcome of a walk whose images were those of brute force.
+/// The outcome of a walk whose images equal brute force.
 struct Walked {
     choice: CullingSetup,
     /// The testers in its plans.
@@ -73,13 +73,13 @@ fn walk(host: &Host, options: &BoxOptions<'_>, strategy: Strategy) -> Walked {
     walked
 }
 
-/// Creates the device of a host, with a machine of the test between.
+/// Creates the device of a host through a faulty machine of the test.
 fn host_on(driver: Driver, faults: FaultInjection) -> Host {
     Host::through(faults.entry(), driver, Purpose::Renderer, &[], Features::default())
 }
 
-/// Adopts the device with its queue for a while, as a host does at start, before it adopts it for
-/// scenes of its own.
+/// Adopts the device with its queue temporarily, as a host does at start before it adopts the
+/// device for its scenes.
 fn at_start<R>(host: &Host, measure: impl FnOnce(&Device) -> R) -> R {
     let device = host.adopt(Some(host.share_queue(Arc::new(Mutex::new(())))));
     measure(&device)
@@ -127,7 +127,7 @@ fn lists_and_boxes_of_leaves_rest_on_numbers_of_instances() {
         let [sound, listed] = [&[][..], &counts].map(|disabled| walk(DrawPhases::Two, disabled));
         assert!(!sound.testers.is_empty() && sound.has_leaf_boxes, "{driver:?}");
         assert!(listed.testers.is_empty() && !listed.has_leaf_boxes, "{driver:?}");
-        // Without lists another way skips draws, where there is one.
+        // Without lists another way skips draws, if there is one.
         let in_rounds = walk(DrawPhases::PerRound, &counts);
         assert_eq!(in_rounds.testers.is_empty(), driver == Driver::SwiftShader, "{driver:?}");
         assert!(!in_rounds.has_leaf_boxes, "{driver:?}");
@@ -202,7 +202,7 @@ fn hosts_take_the_cheapest_executor_that_is_trusted_and_weigh_tests_by_costs() {
         assert!(by_measured.has_costs && by_measured.choice.table.is_some());
         assert_eq!(by_measured.choice.skip_ns.len(), measured.executors.len());
 
-        // As if one of them cost nothing.
+        // Pretends that one of them costs nothing.
         let cheap = PredicationMode::Instances;
         let mut measured = measured.clone();
         for (executor, skip) in &mut measured.executors {

@@ -1,5 +1,5 @@
-//! Scenes of hosts, several on a device and several devices: each frame that runs is compared with
-//! brute force, while objects come and go in frames of which some never run.
+//! Scenes of hosts: several scenes on a device, and several devices. Each frame that runs is
+//! compared with brute force, while objects are added and removed. Some frames never run.
 
 use ash::vk;
 use cull::{Camera, DrawPhases, ObjectId, Strategy};
@@ -15,7 +15,7 @@ use tests::window_fixture::Random;
 
 const FRAMES: u64 = 24;
 
-/// Returns the cameras of a frame: the second view is elsewhere on the walk.
+/// Returns the cameras of a frame. The second view is elsewhere on the walk.
 fn cameras(frame: u64) -> [Camera; 2] {
     [camera(frame), camera(frame + 9)]
 }
@@ -25,7 +25,7 @@ fn fill(scene: &mut ComparedScene<'_>) {
     scene.add(&boxes()[..60]).unwrap();
 }
 
-/// Changes objects in bulk, other ones in each frame; the wall stays.
+/// Changes many objects at once, different ones in each frame. The wall stays.
 fn change(scene: &mut ComparedScene<'_>, random: &mut Random, frame: u64) {
     let all = boxes();
     let some = |scene: &ComparedScene<'_>, random: &mut Random, count: usize| -> Vec<ObjectId> {
@@ -35,7 +35,7 @@ fn change(scene: &mut ComparedScene<'_>, random: &mut Random, frame: u64) {
     };
     match frame % 4 {
         0 => {
-            // Boxes that were never there: two in one place would have equal depths.
+            // New boxes, since two boxes in the same place would have equal depths.
             let first = 60 + frame as usize / 4 * 40;
             scene.add(&all[first..first + 40]).unwrap();
         }
@@ -52,7 +52,8 @@ fn change(scene: &mut ComparedScene<'_>, random: &mut Random, frame: u64) {
     }
 }
 
-/// Rings of a device whose frames take turns: ring 0 has the even numbers, ring 1 the odd ones.
+/// Rings of a device whose frames alternate: ring 0 has the even frame numbers, ring 1 the odd
+/// ones.
 struct Rings([FrameRing; 2]);
 
 impl Rings {
@@ -60,7 +61,7 @@ impl Rings {
         Self([(); 2].map(|()| FrameRing::new(device, IN_FLIGHT).unwrap()))
     }
 
-    /// Compares what a slot showed before, and records some scenes into a frame of a ring.
+    /// Compares the previous images of a slot, and records some scenes into a frame of a ring.
     fn draw(
         &mut self,
         ring: usize,
@@ -98,7 +99,7 @@ fn finish(mut scene: ComparedScene<'_>) {
     scene.destroy();
 }
 
-/// Walks with objects that come and go; every third frame never runs.
+/// Walks while objects are added and removed. Every third frame never runs.
 fn walk(driver: Driver, options: &BoxOptions<'_>) {
     let host = Host::new(driver, Purpose::Executor);
     let device = host.adopt(None);
@@ -150,16 +151,16 @@ fn several_views_that_a_host_draws_from_lists_are_exact() {
 /// The frames of two scenes on a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Sharing {
-    /// One frame, that the second scene is in every other time.
+    /// One frame, which contains the second scene every other time.
     Frame,
-    /// A frame each, of rings of their own, in one command buffer.
+    /// One frame per scene, with separate rings, in one command buffer.
     Commands,
-    /// A command buffer each. The first always runs.
+    /// One command buffer per scene. The first one always runs.
     Device,
 }
 
-/// Draws two scenes on one device. Where the second was in a frame that never ran, frames of the
-/// first prove nothing about its uploads.
+/// Draws two scenes on one device. If a frame with the second scene never ran, frames of the first
+/// scene do not prove its uploads.
 fn two_scenes(driver: Driver, sharing: Sharing) {
     let host = Host::new(driver, Purpose::Executor);
     let device = host.adopt(None);
@@ -264,7 +265,7 @@ fn after_the_loss_of_a_device_without_a_queue_another_one_draws() {
             });
             let told: Vec<_> = submits.take_while(Result::is_ok).collect();
             assert_eq!(told.len(), drawn, "the host is told by its own submit");
-            // The loss is a lie: its work goes on, which that of a lost device would not.
+            // The loss is simulated: work on the device goes on, unlike on a lost device.
             let waits = calls(c"vkDeviceWaitIdle");
             host.say_all_is_over(&device);
             if drawn == 12 {

@@ -1,5 +1,5 @@
-//! The HUD of the programs over the images of a renderer: readable, the same for the same page,
-//! and gone when it is hidden.
+//! The HUD of the programs over the images of a renderer: readable, deterministic, and absent when
+//! it is hidden.
 
 use cull::Strategy;
 use gpu::{Device, Readback, SampleCount};
@@ -32,7 +32,7 @@ impl Studio {
         Self { renderer, history, image, path, hud, overlay }
     }
 
-    /// Lays `page` out and returns an image with it.
+    /// Lays out `page` and returns an image with it.
     fn show(&mut self, page: &HudPage) -> Vec<u8> {
         if let Some(frame) = self.hud.lay_out(page, SIZE, 0.5) {
             self.overlay.show(frame).unwrap();
@@ -54,7 +54,7 @@ fn pixel(image: &[u8], place: [u32; 2]) -> [u8; 4] {
     image[start..start + 4].try_into().unwrap()
 }
 
-/// Returns a page with so many letters that nobody saw before.
+/// Returns a page with a frame rate, and with a toast of `letters` if there are any.
 fn page(rate: &str, letters: &str) -> HudPage {
     let figure = |value: &str, name| HudFigure { value: value.to_owned(), name };
     let overview = Overview {
@@ -77,7 +77,7 @@ fn the_hud_can_be_read_and_leaves_the_middle_alone() {
             let first = studio.show(&page("60", ""));
             assert_ne!(first, plain);
             assert_eq!(pixel(&first, [310, 170]), pixel(&plain, [310, 170]));
-            // What lies under all text is the panel's colour, with little of the scene.
+            // All text lies on the panel's colour, through which little of the scene shows.
             assert!(pixel(&first, [2, 2])[..3].iter().all(|channel| *channel < 60));
             assert!(first.chunks(4).filter(|pixel| pixel[..3] > [220; 3][..]).count() > 20);
             assert!(studio.show(&page("60", "")) == first, "the same page looks the same");
@@ -88,8 +88,8 @@ fn the_hud_can_be_read_and_leaves_the_middle_alone() {
     });
 }
 
-/// Draws pages whose letters are new and whose triangles are more from frame to frame, so that the
-/// texture and the buffers are replaced while frames use them.
+/// Draws pages with new letters and more triangles in each frame, so that the texture and the
+/// buffers are replaced while frames use them.
 #[test]
 fn letters_and_triangles_that_come_later_are_there_at_once() {
     run_on_all(|device| {
@@ -110,7 +110,7 @@ fn letters_and_triangles_that_come_later_are_there_at_once() {
             studio.renderer.render(&mut studio.history, request).unwrap();
         }
         assert!(studio.show(&all) == expected, "as if nothing had come before");
-        // Dropped while a frame is on its way.
+        // Dropped while a frame is in flight.
         let request = FrameRequest {
             overlay: studio.overlay.shown(),
             ..FrameRequest::new(Strategy::FRUSTUM, studio.path.camera(0))

@@ -1,5 +1,5 @@
-//! The pyramid strategy: exact on every device, culls, never waits; the pyramid holds the farthest
-//! depths.
+//! The depth pyramid strategy is exact on every device, culls, and never waits. The pyramid holds
+//! the farthest depths.
 
 use cull::{Camera, Projection, Strategy};
 use glam::Vec3;
@@ -97,8 +97,8 @@ fn eyes_in_walls_and_on_the_ground_are_exact() {
     });
 }
 
-/// Returns screens at many distances, and behind each a box: a small one, or one that reaches past
-/// the screen by less than a pixel.
+/// Returns screens at many distances. Behind each is a small box, or a box that reaches past the
+/// screen by less than a pixel.
 fn slivers(side: u32) -> Scene {
     let pixel = 2.0 / side as f32;
     let boxes = (0..20 * 20).flat_map(|cell: u32| {
@@ -117,7 +117,7 @@ fn slivers(side: u32) -> Scene {
 fn slivers_of_less_than_a_pixel_are_not_lost() {
     run_on_all(|device| {
         let scene = slivers(256);
-        // Rolled and moved a little, so that edges meet samples in many ways.
+        // Slightly rolled and moved, so that edges meet samples in many ways.
         let cameras: Vec<Camera> = (0..24)
             .map(|number| Camera {
                 eye: Vec3::new(0.001 * number as f32, 0.0007 * number as f32, 0.0),
@@ -134,7 +134,7 @@ fn slivers_of_less_than_a_pixel_are_not_lost() {
 
 #[test]
 fn culling_culls() {
-    // Exact and useless would be easy: draw everything.
+    // To draw everything would be exact and useless.
     run_on_all(|device| {
         let scene = SceneKind::City.build(2000);
         let options = options([320, 180], 2);
@@ -173,7 +173,7 @@ fn a_frame_tells_what_it_drew() {
         let walked = frame_loop(&mut renderer, &mut view, methods::HZB, &still);
         let outcomes = &walked.outcomes;
         assert!(walked.reports.iter().all(|report| report.queries == 0));
-        // Nothing is known in the first frame, and all of it in those after.
+        // Nothing is known in the first frame, and everything in later frames.
         assert_eq!(outcomes[0].revealed, outcomes[0].draws);
         assert!(outcomes[0].draws > 0 && outcomes[0].triangles > outcomes[0].draws);
         assert!(outcomes[2..].iter().all(|outcome| outcome.revealed == 0), "{outcomes:?}");
@@ -192,7 +192,7 @@ fn a_frame_tells_what_it_drew() {
         let plain = &other.images[1];
         let ours = &again.images[1];
         assert_eq!(pixels_that_differ(&plain.rgba8().unwrap(), &ours.rgba8().unwrap()), 0);
-        // A view that has seen nothing is another.
+        // A new view knows nothing.
         let mut fresh = renderer.new_view().unwrap();
         let seen = frame_loop(&mut renderer, &mut fresh, methods::HZB, &still[..1]);
         assert_eq!(seen.outcomes[0].revealed, outcomes[0].draws);
@@ -274,7 +274,7 @@ fn every_level_is_the_farthest_of_the_one_below() {
             let centre = Vec3::new(at(37), at(59), -1.0) * (2.0 + (number % 23) as f32);
             ProxyBox::from(box_at(centre, Vec3::splat(0.05 + 0.02 * (number % 7) as f32)))
         });
-        // Behind them one that fills every image.
+        // Behind these boxes is one that fills every image.
         let wall = box_at(Vec3::new(0.0, 0.0, -60.0), Vec3::new(60.0, 60.0, 1.0));
         let boxes: Vec<ProxyBox> = boxes.chain([ProxyBox::from(wall)]).collect();
         for size in [[1, 1], [5, 1], [4, 9], [333, 7], [641, 363], [256, 256]] {
@@ -288,7 +288,7 @@ fn every_level_is_the_farthest_of_the_one_below() {
                 Buffer::new(device, "readback", all.size_bytes, usage, MemoryKind::ReadBack)
                     .unwrap();
             let mut ring = FrameRing::new(device, 2).unwrap();
-            // Without boxes in between: nothing of the frame before may stay.
+            // A frame without boxes in between: nothing of the previous frame may stay.
             for count in [boxes.len() as u32, 0, boxes.len() as u32] {
                 let mut frame = ring.begin().unwrap();
                 let slice = frame.uploads().push(&boxes).unwrap();

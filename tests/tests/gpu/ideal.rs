@@ -1,5 +1,5 @@
-//! The yardstick is right: the ideal's image equals the whole one, and nothing in it could be
-//! left out.
+//! The ideal strategy is a correct yardstick: its image equals the full image, and none of its
+//! draws can be left out.
 
 use cull::{Aabb, Camera, CullConfig, ObjectId, Projection, Strategy};
 use glam::Vec3;
@@ -73,8 +73,8 @@ fn the_ideal_without_a_set_is_refused() {
     });
 }
 
-/// Checks that the set is whole where more boxes show at once than the list of enabled draws holds:
-/// they lie in layers, so that tests answer for each other.
+/// Checks that the set is complete if more boxes show at once than the list of enabled draws holds.
+/// The boxes lie in layers, so that tests share proxies.
 #[test]
 fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
     run_on_all(|device| {
@@ -83,7 +83,7 @@ fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
             .map(|number| {
                 let layer = number / (COLUMNS * 54);
                 let place = number % (COLUMNS * 54);
-                // Each layer shows through the gaps of the one before.
+                // Each layer shows through the gaps of the previous one.
                 let aside = 0.4 * layer as f32;
                 let x = (place % COLUMNS) as f32 - 47.5 + aside;
                 let y = (place / COLUMNS) as f32 - 26.5;
@@ -98,9 +98,10 @@ fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
         let hiding = Camera { eye: camera.eye - 10.0 * camera.forward, ..camera };
         let scene = box_scene(&[boxes, vec![wall]].concat());
         let size = [384, 216];
-        // Tests of up to 32 leaves answer for others, which show in part through the gaps.
+        // Proxies of up to 32 leaves are shared by tests of leaves that show partly through the
+        // gaps.
         let cull_config = CullConfig { growth_frames_per_leaf: 32, ..CullConfig::default() };
-        // No cost keeps a test from being made.
+        // Tests are not left out because of costs.
         let options = RendererOptions {
             methods: methods::all(),
             size,
@@ -112,7 +113,7 @@ fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
         let mut finder = renderer.new_view().unwrap();
         let mut view = renderer.new_view().unwrap();
         let [expected, got] = [(); 2].map(|()| Readback::new(device, size).unwrap());
-        // Only what was hidden answers for others: seen from behind a wall, all of it was.
+        // Only hidden nodes share their proxies. Seen from behind the wall, all are hidden.
         for _ in 0..64 {
             let set = renderer.visible_set(&mut finder, hiding, Rect::whole(size)).unwrap();
             assert_eq!(set.leaves().len(), 1);

@@ -1,4 +1,4 @@
-//! The GPU times of frames reach the cost models with any set of views; images stay right.
+//! The GPU times of frames reach the cost models for any set of views, and images stay right.
 
 use cull::{Camera, Corrections, CostTable, Strategy};
 use gpu::{Device, FrameRing, Readback};
@@ -12,7 +12,7 @@ use tests::walk::pixels_that_differ;
 
 const SIZE: [u32; 2] = [160, 90];
 const FRAMES: u32 = 64;
-/// The least number of timed frames: one in 16 is timed; one may not be read back at the end.
+/// The least number of timed frames: one in 16 is timed, and the last one may not be read back.
 const LEAST_TIMED: u64 = FRAMES as u64 / 16 - 1;
 
 fn renderer(
@@ -108,8 +108,8 @@ fn views_that_are_drawn_together_learn_the_same() {
     });
 }
 
-/// Checks that views that take turns learn each their own times: with three slots, a view's frame
-/// is never in the slot of its frame before.
+/// Checks that alternating views learn their own times. With three slots, consecutive frames of a
+/// view are never in the same slot.
 #[test]
 fn views_that_take_turns_learn_each_their_own() {
     run_on_all(|device| {
@@ -206,7 +206,8 @@ fn only_whole_frames_that_ask_are_timed() {
         frames.time_frames().unwrap();
         let mut expected = [None, None];
         for number in 0..12 {
-            // Given up; leaves no time, and none is left of the frame before.
+            // This frame is given up: it leaves no time, and the time of the frame before is lost,
+            // too.
             if number == 8 {
                 frames.begin().unwrap().begin_timing();
                 expected[0] = None;
@@ -221,7 +222,7 @@ fn only_whole_frames_that_ask_are_timed() {
                 frame.begin_timing();
                 frame.begin_timing();
             }
-            // A frame may go in several pieces.
+            // A frame may be submitted in several pieces.
             frame.flush(None).unwrap();
             let tick = frame.submit(None).unwrap();
             expected[slot] = is_timed.then_some(tick);

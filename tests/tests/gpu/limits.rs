@@ -1,5 +1,5 @@
-//! Scenes with more than a renderer takes are refused by name, with the limit and the remedy;
-//! scenes with more than it shows are shown, and the report lists the rest.
+//! Scenes beyond the hard limits of a renderer are refused, with the name, the limit and the
+//! remedy. Scenes beyond its soft limits are drawn, and the report lists what is missing.
 
 use cull::{Camera, ObjectId, Projection, Strategy};
 use glam::{Affine2, Affine3A, Vec2, Vec3, vec3};
@@ -126,8 +126,7 @@ fn objects_that_too_many_lamps_reach_are_counted_as_things_are_now() {
     run_on_all(|device| {
         let most = MAX_LIGHTS_PER_OBJECT as u32;
         let scene = with(|surfaces| {
-            // One more than fit shine on the first, as many as fit on the second, none on the
-            // third.
+            // The first object gets one light too many, the second the maximum, the third none.
             let at = |number: u32| lamp(vec3(if number > most { 3.5 } else { 0.5 }, 0.5, 1.2));
             surfaces.lights = (0..=2 * most).map(at).collect();
             let sun = PunctualLight { kind: LightKind::Directional, ..lamp(Vec3::ZERO) };

@@ -7,7 +7,7 @@ use gpu::{
 use occlusion::{ListDrawsIo, ListDrawsPass, ListedRange, RANGE_SIZE_BYTES, ShaderSet};
 use tests::run_on_all;
 
-/// The ranges of each list; the first list is not of the step that is listed.
+/// The number of ranges in each list. The first list belongs to another step.
 const RANGES: [u32; 5] = [40, 1, 6000, 700, 129];
 
 /// The number of samples that a result must exceed.
@@ -19,8 +19,8 @@ fn noise(number: u32) -> u32 {
     (mixed ^ (mixed >> 15)).wrapping_mul(0x85EB_CA6B) >> 8
 }
 
-/// The ranges of all lists with what decides about them, and the draws of the scene, of which some
-/// are empty.
+/// The ranges of all lists with the results that decide about them, and the draws of the scene,
+/// some of which are empty.
 struct Ranges {
     ranges: Vec<ListedRange>,
     draws: Vec<IndirectDraw>,
@@ -39,7 +39,7 @@ impl Ranges {
             let first_command = end;
             for _ in 0..count {
                 let seed = ranges.len() as u32;
-                // One is longer than a workgroup.
+                // Some ranges are longer than a workgroup.
                 let draw_count = if seed % 500 == 499 { 150 } else { noise(seed) % 4 };
                 ranges.push(ListedRange {
                     first: draws.len() as u32,
@@ -83,7 +83,7 @@ impl Ranges {
         commands
     }
 
-    /// Uploads all of it, with room for the lists.
+    /// Uploads everything, with room for the lists.
     fn io(&self, device: &Device, frame: &mut Frame<'_>, all: &Buffer, counts: &Buffer) -> Listed {
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let bytes = self.ranges.len() as u64 * RANGE_SIZE_BYTES;

@@ -1,4 +1,4 @@
-//! A mesh that is culled in pieces looks as it does whole, bit for bit.
+//! A mesh that is culled in pieces looks the same as the whole mesh, bit for bit.
 
 use cull::{Camera, Projection, Strategy};
 use glam::{Affine3A, Vec3};
@@ -8,7 +8,7 @@ use scene::{FOV_Y_RAD, Mesh, MeshId, NEAR_M, Object, PieceLimits, Scene};
 use tests::walk::{frame_loop, pixels_that_differ};
 use tests::{Driver, run};
 
-/// Returns a cave of rock around the origin, in one mesh, with a copy of it around both.
+/// Returns a cave of rock around the origin as one mesh, and a copy of it that surrounds both.
 fn cave() -> Scene {
     const ROWS: u16 = 48;
     let point = |row: u16, column: u16| {

@@ -74,7 +74,7 @@ fn a_hierarchy_over_other_objects_is_refused() {
             let refused = made.err().unwrap().to_string();
             assert!(refused.contains("is not over this scene"), "{refused}");
         }
-        // Larger boxes hold the objects, and free leaves are room for more.
+        // Larger boxes hold the objects, and free leaves leave room for more.
         let larger = bounds.iter().map(|bounds| bounds.enlarged(0.5)).chain([Aabb::EMPTY; 3]);
         let hierarchy = Hierarchy::build(&larger.collect::<Vec<Aabb>>()).unwrap();
         Renderer::with_hierarchy(device, &scene, hierarchy, &options()).unwrap();
@@ -101,7 +101,7 @@ fn options_beyond_all_limits_are_refused_before_anything_is_made() {
             let sentence = refused(RendererOptions { spare_objects, ..options() });
             assert!(sentence.contains("objects are more than one hierarchy holds"), "{sentence}");
         }
-        // More than the device holds, but not more than a hierarchy: 64 bytes each.
+        // More objects than fit the device, at 64 bytes each, but not too many for a hierarchy.
         let most = device.adapter().limits.max_storage_buffer_range as usize / 64;
         let sentence = refused(RendererOptions { spare_objects: most, ..options() });
         let names_limit = sentence.contains(&format!("at most {most} here"));
@@ -196,7 +196,7 @@ fn an_image_is_read_when_its_frame_is_over_and_not_before() {
         assert!(device.completed().unwrap() >= tick);
         let first = image.rgba8().unwrap();
 
-        // During a read, no frame writes; and the image stays the same.
+        // During a read, frames must not write, and the image stays the same.
         let before = first.to_vec();
         let refused = renderer.render(&mut view, request(40, None)).unwrap_err().to_string();
         assert!(refused.contains("that is being read"), "{refused}");
@@ -204,14 +204,14 @@ fn an_image_is_read_when_its_frame_is_over_and_not_before() {
         assert!(*first == before);
         drop(first);
 
-        // Written again: not there, then another one.
+        // Written again: first the image is not ready, then it is a new one.
         renderer.render(&mut view, request(40, Some((&gate, Tick(2))))).unwrap();
         is_refused("on its way again");
         gate.signal(Tick(2)).unwrap();
         renderer.wait_idle(&mut view).unwrap();
         assert!(*image.rgba8().unwrap() != before);
 
-        // Dropped on its way.
+        // Dropped while in flight.
         let early = Readback::new(device, SIZE).unwrap();
         let last = FrameRequest {
             image: Some(&early),
@@ -249,7 +249,7 @@ fn an_image_whose_frame_was_given_up_is_never_there() {
     });
 }
 
-/// Checks that of two open frames only one may copy an image to the same place: the older one
+/// Checks that only one of two open frames may copy an image to the same place. The older frame
 /// could be submitted last, and overwrite data that are read after the newer one.
 #[test]
 fn of_two_open_frames_one_copies_a_image_to_the_same_place() {
@@ -272,7 +272,7 @@ fn of_two_open_frames_one_copies_a_image_to_the_same_place() {
         older.submit(None).unwrap();
         device.wait_idle().unwrap();
         assert_eq!(image.rgba8().unwrap()[..4], [0; 4], "the older one's");
-        // With nothing open any more the next one is as good as any.
+        // When no frame is open any more, the next frame may copy.
         let newer = second.begin().unwrap();
         draw(&newer, 1.0);
         newer.submit(None).unwrap();

@@ -16,7 +16,7 @@ use tests::{Driver, run, run_on_all};
 
 const SIZE: [u32; 2] = [240, 135];
 
-/// Every exact strategy that tests or decides by another mechanism than the device's best.
+/// The exact strategies that do not use the device's best mechanism of tests or decisions.
 const TESTERS: [Strategy; 7] = [
     methods::BATCHED,
     methods::STOP_AND_WAIT,
@@ -28,7 +28,7 @@ const TESTERS: [Strategy; 7] = [
 ];
 
 fn options(frames_in_flight: usize) -> RendererOptions {
-    // Costs that are measured differ from run to run; without any, everything is tested.
+    // Measured costs differ from run to run; without costs, everything is tested.
     RendererOptions {
         methods: methods::all(),
         size: SIZE,
@@ -53,8 +53,8 @@ impl Moving {
         Self { scene, path, motion }
     }
 
-    /// Shows `frames` one after the other without looking back; returns their images and the
-    /// number of objects drawn.
+    /// Draws `frames` one after the other without reading results. Returns their images and the
+    /// number of drawn objects.
     fn walk(
         &self,
         renderer: &mut Renderer,
@@ -79,7 +79,8 @@ impl Moving {
         (images, draws)
     }
 
-    /// Walks with ours and compares; returns the objects drawn by frustum culling and by ours.
+    /// Walks with our strategy and compares images with frustum culling. Returns the number of
+    /// objects that frustum culling and our strategy drew.
     fn check(&self, device: &Device, options: &RendererOptions, frames: u32) -> [u64; 2] {
         self.check_with(device, Strategy::ANTUMBRA, options, frames)
     }
@@ -125,7 +126,7 @@ fn exact_while_moving(device: &Device, objects: u32, frames: u32) {
             let moving = Moving::new(SceneKind::City.build(objects), path, percent);
             for in_flight in 1..=3 {
                 let [all, ours] = moving.check(device, &options(in_flight), frames);
-                // In a scene that moves everywhere, much comes and goes, and hides less.
+                // In a scene that moves everywhere, visibility changes more, and less is hidden.
                 let most = if percent == 10 { all / 2 } else { all * 3 / 4 };
                 assert!(ours < most, "{path}, {percent} %: {ours} of {all} drawn");
             }
@@ -155,8 +156,8 @@ fn every_way_to_skip_draws_is_exact_while_objects_move() {
     });
 }
 
-/// Checks that every tester is exact while objects move: boxes that moved on the GPU, draws taken
-/// over by others, free leaves.
+/// Checks that every tester is exact while objects move: with boxes that move on the GPU, draws of
+/// leaves that other objects took over, and free leaves.
 #[test]
 #[ignore = "long walk"]
 fn every_tester_is_exact_while_objects_move() {
@@ -194,8 +195,7 @@ fn a_field_that_moves_is_exact_from_above() {
     });
 }
 
-/// Checks that the updates leave the same state on the GPU as building the moved scene from the
-/// start.
+/// Checks that updates leave the same state on the GPU as a renderer of the moved scene.
 #[test]
 fn an_updated_scene_is_the_scene_built_anew() {
     run_on_all(|device| {
@@ -218,7 +218,7 @@ fn an_updated_scene_is_the_scene_built_anew() {
     });
 }
 
-/// Checks views that take turns, pause and look elsewhere, on one moving scene.
+/// Checks views of one moving scene that alternate, pause and look elsewhere.
 #[test]
 fn views_that_pause_stay_exact() {
     run(Driver::Lavapipe, |device| {
@@ -244,7 +244,7 @@ fn views_that_pause_stay_exact() {
     });
 }
 
-/// Returns a wall before a crowd, and a camera that sees both.
+/// Returns a wall in front of a crowd, and a camera that sees both.
 fn wall_and_crowd(count: usize) -> Vec<Aabb> {
     let wall = box_at(Vec3::new(0.0, 0.0, -5.0), Vec3::new(20.0, 20.0, 0.1));
     let crowd = (0..count).map(|number| {
@@ -260,7 +260,7 @@ fn wall_and_crowd(count: usize) -> Vec<Aabb> {
 fn what_a_wall_hid_shows_in_the_frame_in_which_it_goes() {
     run_on_all(|device| {
         let scene = box_scene(&wall_and_crowd(300));
-        // Such small things are cheaper to draw than to test, on some device.
+        // On some devices, such small objects are cheaper to draw than to test.
         let options = options(2);
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
         let mut view = renderer.new_view().unwrap();
@@ -296,8 +296,8 @@ fn what_a_wall_hid_shows_in_the_frame_in_which_it_goes() {
     });
 }
 
-/// Checks that all objects can change places with distant ones: parts of the hierarchy are rebuilt,
-/// or all of it.
+/// Checks that all objects can change places with distant ones, so that parts of the hierarchy or
+/// the whole hierarchy are rebuilt.
 #[test]
 fn objects_that_jump_far_stay_exact() {
     run_on_all(|device| {
@@ -311,8 +311,8 @@ fn objects_that_jump_far_stay_exact() {
         let mut drawn = 0;
         let mut rebuilt = 0;
         for frame in 0..40_usize {
-            // Every third, among themselves: the others move in the hierarchy all the same. Their
-            // number is a prime, so that no two get the same seat.
+            // Every third object changes places; the others still move in the hierarchy. The number
+            // of seats is a prime, so that no two objects get the same seat.
             let seat =
                 |n: usize| scene.objects[1 + 3 * ((n * (frame + 1) + frame) % 233)].transform;
             let move_to = |n: usize| ObjectChange::Move {
@@ -330,7 +330,7 @@ fn objects_that_jump_far_stay_exact() {
             if frame == 30 {
                 renderer.rebuild_hierarchy().unwrap();
             }
-            // Over the wall one sees a part of the crowd.
+            // A part of the crowd is visible over the wall.
             let camera = Camera { eye: Vec3::new(0.0, 24.0, -1.0), ..square_camera() };
             let camera = Camera { forward: Vec3::new(0.0, -1.0, -1.0), ..camera };
             render(&mut renderer, &mut view, Strategy::ANTUMBRA, camera, &got);
@@ -343,7 +343,7 @@ fn objects_that_jump_far_stay_exact() {
             );
             renderer.wait_idle(&mut view).unwrap();
             drawn += view.drain_stats().map(|outcome| outcome.draws).sum::<u64>();
-            // Both draw what is on the GPU; this is what should be there.
+            // Both images show the state on the GPU. A new renderer shows the expected state.
             if frame % 7 == 6 {
                 let mut fresh = Renderer::new(device, &moved, &options(1)).unwrap();
                 let mut view = fresh.new_view().unwrap();

@@ -1,5 +1,5 @@
-//! Several samples per pixel: exact with any culling, smooth at edges, the same inside of surfaces,
-//! and refused where a device or a number does not allow them.
+//! Several samples per pixel: exact with any culling, smooth at edges, and unchanged inside
+//! surfaces. Devices and numbers that do not allow them are refused.
 
 mod depths;
 mod finished;
@@ -59,7 +59,7 @@ fn images(renderer: &mut Renderer, strategy: Strategy, cameras: &[Camera]) -> Ve
 }
 
 /// Compares every frame of every exact strategy with plain frustum culling. A device that misplaces
-/// depths refuses them all.
+/// depths refuses these strategies.
 fn check_exact(device: &Device, scene: &Scene, cameras: &[Camera], options: &RendererOptions) {
     let mut renderer = Renderer::new(device, scene, options).unwrap();
     assert_eq!(renderer.samples(), options.samples);
@@ -91,8 +91,8 @@ fn every_exact_strategy_is_exact_with_four_samples() {
     });
 }
 
-/// Returns screens at many distances, and behind each a box that reaches past it by less than the
-/// way from the middle of a pixel to one of its samples, or not quite to its edge.
+/// Returns screens at many distances. Behind each is a box that reaches past the screen by less
+/// than the distance from the middle of a pixel to a sample, or not quite to the screen's edge.
 fn slivers(side: u32) -> Scene {
     let pixel = 2.0 / side as f32;
     let boxes = (0..20 * 20).flat_map(|cell: u32| {
@@ -120,7 +120,8 @@ fn slivers_that_only_a_sample_off_the_middle_sees_are_not_lost() {
     });
 }
 
-/// Returns walls of holes and panes before and behind each other, in one plane where they meet.
+/// Returns walls with holes and panes, before and behind each other, and in one plane where they
+/// meet.
 fn masked_and_transparent() -> Scene {
     let object = |number: u32| {
         let row = (number / 9) as f32;
@@ -192,7 +193,7 @@ fn drawn(device: &Device, scene: &Scene, samples: SampleCount) -> Vec<u8> {
     first_image(device, scene, &options([SIDE; 2], samples), square_camera())
 }
 
-/// Returns the part of a pixel that is on the inner side of the edge, of 64 by 64 places.
+/// Returns the part of a pixel on the inner side of the edge, estimated from 64 by 64 places.
 fn coverage(x: u32, y: u32) -> f32 {
     let middle = Vec2::splat(SIDE as f32 * 0.5);
     let inside = (0..64 * 64).filter(|place| {
@@ -202,14 +203,14 @@ fn coverage(x: u32, y: u32) -> f32 {
     inside.count() as f32 / (64.0 * 64.0)
 }
 
-/// Returns the light of an sRGB-encoded channel.
+/// Returns the linear value of an sRGB-encoded channel.
 fn linear(encoded: u8) -> f32 {
     let value = f32::from(encoded) / 255.0;
     if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }
 
-/// Compares an edge with its coverage. Mesa's driver averages light, as GPUs do, and SwiftShader
-/// the codes of it.
+/// Compares an edge with its coverage. Mesa's driver averages linear light, as GPUs do. SwiftShader
+/// averages encoded values.
 #[test]
 fn an_edge_has_the_light_of_its_coverage() {
     run_on_all(|device| {
@@ -247,7 +248,7 @@ fn an_edge_has_the_light_of_its_coverage() {
     });
 }
 
-/// Counts a block half behind a wall: its share is that of the pixels.
+/// Counts the samples of a block half behind a wall. The visible share equals the share of pixels.
 #[test]
 fn flares_count_each_sample() {
     run_on_all(|device| {

@@ -1,8 +1,8 @@
 //! Several views in one pass: one plan, one rendering, a layer per view; each layer is the image of
 //! its view drawn alone without culling.
 //!
-//! On SwiftShader alone: Mesa 22.3's lavapipe draws most of the later views to the first layer,
-//! culled or not, so its multiview is not used.
+//! Runs only on SwiftShader. The lavapipe of Mesa 22.3 draws most of the later views to the first
+//! layer, with and without culling, so its multiview is not used.
 
 use cull::{Aabb, Camera, CullView, DrawPhases, MultiView, Projection, Strategy};
 use glam::{Vec3, vec3};
@@ -70,7 +70,7 @@ impl Host {
         }
     }
 
-    /// Draws a frame, whose results and image come back when it is over.
+    /// Draws a frame, whose results and image are read when it is over.
     fn draw(&mut self, strategy: Strategy, views: &[CullView]) {
         let Self { device, frames, scene, objects, state, images } = self;
         if views.len() > 1 {
@@ -88,14 +88,14 @@ impl Host {
         scope.submit(None).unwrap();
     }
 
-    /// Returns the draws of all frames, each counted once for all views.
+    /// Returns the number of draws of all frames, each counted once for all views.
     fn draws(&mut self) -> u64 {
         self.state.collect(self.device.completed().unwrap(), &self.scene);
         self.state.drain_stats().map(|outcome| outcome.draws).sum()
     }
 }
 
-/// Returns a wall, and boxes behind it of which those at its edge show.
+/// Returns a wall and boxes behind it. The boxes at the edge of the wall show.
 fn boxes() -> Vec<Aabb> {
     let wall = Aabb::new(vec3(-4.0, -3.0, -6.0), vec3(4.0, 3.0, -5.5));
     let small = (0..600).map(|number| {
@@ -106,8 +106,8 @@ fn boxes() -> Vec<Aabb> {
     std::iter::once(wall).chain(small).collect()
 }
 
-/// Returns the views of a frame: an eye jumps from side to side, so that hidden boxes show at once.
-/// A pair's eyes are far apart, so that each sees what the other does not.
+/// Returns the views of a frame. An eye jumps from side to side, so that hidden boxes show at once.
+/// The eyes of a pair are far apart, so that they see different boxes.
 fn views(device: &Device, count: usize, frame: u32) -> Vec<CullView> {
     let side = (frame / 4 % 3) as f32 - 1.0;
     let eye = vec3(side * 7.0 + frame as f32 * 0.08, 0.0, 3.0);
@@ -199,7 +199,7 @@ fn the_faces_of_a_cube_in_one_pass_look_like_each_alone() {
 #[test]
 fn a_device_without_multiview_is_told_by_its_name() {
     let without = OptionalFeature::Multiview.features();
-    // Lavapipe's is not used, since it draws wrong images.
+    // The multiview of lavapipe is not used, since it draws wrong images.
     for (driver, without) in
         [(Driver::SwiftShader, without), (Driver::Lavapipe, Features::default())]
     {

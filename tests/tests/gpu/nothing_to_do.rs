@@ -1,6 +1,6 @@
-//! Frames in which some kind of work has nothing to do: skinned meshes of which none is drawn,
-//! views of which one is empty, lights without casters, rounds without tests. Every clear must be
-//! waited for also where nothing writes after it, which synchronization validation judges.
+//! Frames in which some kind of work is empty: skinned meshes that are not drawn, empty views,
+//! lights without casters, rounds without tests. Commands must wait for every clear even if nothing
+//! writes after it, which synchronization validation checks.
 
 use cull::{Camera, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
@@ -18,11 +18,11 @@ use crate::skinning;
 
 const SIZE: [u32; 2] = [96, 54];
 
-/// The direction in which a camera looks, and so what it sees.
+/// The direction of a camera, which decides about the visible objects.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Sight {
-    /// A wall that hides all skinned and transparent objects: their work waits for tests, none is
-    /// drawn.
+    /// A wall that hides all skinned and transparent objects: their work waits for tests, and they
+    /// are not drawn.
     Wall,
     /// Nothing.
     Nothing,
@@ -42,7 +42,7 @@ impl Sight {
     }
 }
 
-/// Each sight after each other one.
+/// A sequence in which each sight follows each other sight.
 const SIGHTS: [Sight; 7] =
     [Sight::Wall, Sight::Wall, Sight::Nothing, Sight::All, Sight::Wall, Sight::All, Sight::Nothing];
 
@@ -79,7 +79,7 @@ fn scene(lights: &[PunctualLight]) -> Scene {
     Scene { meshes, objects, surfaces: Some(surfaces), ..box_scene(&[]) }
 }
 
-/// Returns a sun and a lamp that meet everything, or a lamp that meets nothing.
+/// Returns a sun and a lamp that reach everything, or a lamp that reaches nothing.
 fn lights(meets_objects: bool) -> Vec<PunctualLight> {
     let light = |kind, position, range_m| PunctualLight {
         kind,
@@ -100,8 +100,8 @@ fn lights(meets_objects: bool) -> Vec<PunctualLight> {
     }
 }
 
-/// Renders all frames with one strategy: of one view, or of two of which the second looks where the
-/// first looked before.
+/// Renders all frames with one strategy, with one or two views. The second view looks where the
+/// first view looked in the previous frame.
 fn film(renderer: &mut Renderer, strategy: Strategy, view_count: usize) -> Vec<Readback> {
     let mut finder = renderer.new_view().unwrap();
     let mut states: Vec<RenderView> =
@@ -109,7 +109,7 @@ fn film(renderer: &mut Renderer, strategy: Strategy, view_count: usize) -> Vec<R
     let areas: Vec<Rect> = Rect::side_by_side(SIZE, view_count as u32).collect();
     let mut images = Vec::new();
     for frame in 0..SIGHTS.len() {
-        // A new pose in each frame, which waits for the test of its object.
+        // A new pose in each frame, whose work waits for the test of its object.
         skinning::take(renderer, skinning::turns(frame as u32));
         let cameras: Vec<Camera> = (0..view_count)
             .map(|view| SIGHTS[(frame + SIGHTS.len() - view) % SIGHTS.len()].camera())
@@ -144,10 +144,11 @@ fn film(renderer: &mut Renderer, strategy: Strategy, view_count: usize) -> Vec<R
     images
 }
 
-/// Walks with every strategy that the device has; exact ones show what plain frustum culling shows.
+/// Walks with every strategy that the device supports. Exact strategies draw the images of plain
+/// frustum culling.
 fn check(device: &Device, lights: &[PunctualLight], method: ShadowMethod) {
     let scene = scene(lights);
-    // Room for the maps of all lights and views, so that none depends on those before.
+    // Room for the maps of all lights and views, so that maps do not depend on earlier frames.
     let shadows = ShadowOptions { method, sun_side: 256, layers_max: 16, ..Default::default() };
     let options = RendererOptions { size: SIZE, shadows, ..skinning::options(2) };
     let mut renderer = Renderer::new(device, &scene, &options).unwrap();

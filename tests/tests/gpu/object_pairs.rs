@@ -1,5 +1,5 @@
-//! The table of object pairs: each public call that takes two objects gets one of another device,
-//! instance or renderer, and returns an error before anything reaches Vulkan.
+//! The table of object pairs. Each public call that takes two objects gets an object of another
+//! device, instance or renderer, and returns an error before anything reaches Vulkan.
 
 mod calls;
 mod commands;
@@ -19,7 +19,7 @@ pub struct Row {
     pub call: &'static str,
     /// The argument, as the error names it.
     pub given: &'static str,
-    /// The object that both have to be made from.
+    /// The object that both must belong to.
     pub owner: &'static str,
     /// The mistake: makes the call, with objects of ours and one of theirs, and returns the error.
     pub mistake: fn(&mut Side, &mut Side) -> String,
@@ -49,7 +49,7 @@ fn no_mistaken_pair_reaches_vulkan() {
         }
         assert_eq!((submitted(&ours), submitted(&theirs)), before, "{place}");
     }
-    // All goes on, and what was refused may go.
+    // Both sides go on, and the refused objects can be destroyed.
     ours.draw();
     theirs.draw();
     theirs.end();
@@ -74,8 +74,8 @@ fn the_document_and_the_test_name_the_same_pairs() {
     assert!(tried.len() > 60, "{}", tried.len());
 }
 
-/// Checks that a tick of another device proves nothing: ticks are numbers, and the other device may
-/// be far ahead.
+/// Checks that a tick of another device proves nothing, since ticks are numbers and the other
+/// device may be far ahead.
 #[test]
 fn a_tick_of_another_device_proves_nothing() {
     run(Driver::Lavapipe, |device| {
@@ -92,7 +92,7 @@ fn a_tick_of_another_device_proves_nothing() {
         queries.resolve(frame.commands(), 0..1);
         queries.read_back(frame.commands());
         let tick = frame.submit(Some((&gate, Tick(1)))).unwrap();
-        // Over, if it were of the other device.
+        // The frame would be over if its tick belonged to the other device.
         queries.submitted(Tick::ZERO);
         let mut told = Vec::new();
         queries.collect(other.completed().unwrap(), |tag, _| told.push(tag));

@@ -1,5 +1,5 @@
-//! Small scenes from public reports, in which other engines leave out objects that show
-//! (`docs/lab/other_engines.md`): here every frame is that of plain frustum culling.
+//! Small scenes from public reports, in which other engines leave out visible objects
+//! (`docs/lab/other_engines.md`). Here every frame equals plain frustum culling.
 
 use std::path::Path;
 
@@ -15,10 +15,10 @@ use crate::golden;
 #[cfg(feature = "shader-compiler")]
 mod faults;
 
-/// The size of the walks' images; no side is even.
+/// The size of the walks' images, with odd sides.
 const SIZE: [u32; 2] = [167, 109];
 
-/// The sizes of the jumps' images, which change while the history goes on.
+/// The sizes of the jumps' images, which change while the history is kept.
 const SIZES: [[u32; 2]; 8] =
     [[333, 217], [1, 1], [333, 7], [3, 200], [97, 53], [127, 255], [64, 32], [65, 33]];
 
@@ -39,7 +39,7 @@ fn takes(provocation: &Provocation) -> Vec<([u32; 2], &[Camera])> {
     [(SIZE, &*provocation.walk)].into_iter().chain(SIZES.into_iter().zip(jumps)).collect()
 }
 
-/// Compares each frame of strategies with one in which everything is drawn.
+/// Compares each frame of the strategies with a frame in which everything is drawn.
 fn check(device: &Device, kind: Reported, options: &RendererOptions, with: &[Strategy]) {
     let provocation = kind.build();
     let mut whole = Renderer::new(device, &provocation.drawn_whole(), options).unwrap();
@@ -64,13 +64,13 @@ fn check(device: &Device, kind: Reported, options: &RendererOptions, with: &[Str
     }
     let [_, in_frustum] = views[0].2;
     for (strategy, _, [tests, draws]) in &views[1..] {
-        // Exact and useless would be easy: test nothing, draw everything.
+        // To test nothing and draw everything would be exact and useless.
         let is_tested = *tests > 0 || strategy.is_gpu_driven();
         assert!(is_tested && *draws < in_frustum, "{kind:?}, {strategy}: {tests}, {draws}");
     }
 }
 
-/// Returns the first frame that differs and the number of its pixels that do.
+/// Returns the first differing frame and the number of its differing pixels.
 fn first_wrong(expected: &Loop, found: &Loop) -> Option<(usize, usize)> {
     let pairs = expected.images.iter().zip(&found.images).enumerate();
     let mut wrong = pairs.filter_map(|(frame, (expected, found))| {
@@ -81,7 +81,7 @@ fn first_wrong(expected: &Loop, found: &Loop) -> Option<(usize, usize)> {
     wrong.next()
 }
 
-/// Our strategies: any tester, and each tester for itself.
+/// Our strategies: with all testers, and with each tester alone.
 const OURS: [Strategy; 4] = [
     Strategy::ANTUMBRA,
     Strategy::ANTUMBRA_QUERIES,
@@ -151,8 +151,8 @@ fn the_walks_provoke_what_was_reported() {
             let shown = walk.iter().filter(|camera| shows(camera)).count();
             let hides = shown < walk.len();
             assert!(shown > 3 && (hides || kind == Reported::Sky), "{kind:?}: {shown}");
-            // A method that draws what showed some frames ago loses objects on this way, and the
-            // comparison sees it.
+            // A method that draws the visible objects of an earlier frame loses objects here, and
+            // the comparison detects it.
             let cameras: Vec<Camera> = walk.into_iter().chain(jumps).collect();
             let late =
                 walk_cameras_with(device, &scene, &cameras, &options(None), methods::NEXT_FRAME);

@@ -1,5 +1,5 @@
-//! The object that owns a pixel, why it is drawn or not, its outline, and the image of the scene
-//! alone.
+//! The object at a pixel, the reason why it is drawn or not, its outline, and the image of the
+//! scene alone.
 
 use cull::{Camera, Decision, ObjectId, Outcome, Projection, Strategy};
 use glam::{Affine3A, Vec2, Vec3};
@@ -25,7 +25,7 @@ struct Hit {
     depth_m: f32,
 }
 
-/// Draws a frame and waits for it. Returns what it shows at a pixel.
+/// Draws a frame and waits for it. Returns the surface at a pixel.
 fn pointed(
     renderer: &mut Renderer,
     view: &mut RenderView,
@@ -77,7 +77,7 @@ fn the_object_of_a_pixel_is_that_of_the_nearest_triangle() {
     run_on_all(|device| {
         let GeneratedScene { scene, routes } = city(300, 5).unwrap();
         let mut camera = CameraPath::new(PathKind::Fly, &routes).unwrap().camera(7);
-        // The horizon is in the image, and so is the sky.
+        // The horizon and the sky are in the image.
         camera.forward.y = -0.1;
         let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
         let mut view = renderer.new_view().unwrap();
@@ -107,14 +107,14 @@ fn the_object_of_a_pixel_is_that_of_the_nearest_triangle() {
             empty += usize::from(found.is_none());
             objects.extend(object);
         }
-        // At an edge, one sub-pixel decides.
+        // At an edge, a single sub-pixel decides.
         assert!(right * 100 >= pixels.len() * 98, "{right} of {}", pixels.len());
         assert!(objects.len() > 10 && empty > 5, "{objects:?}, {empty}");
     });
 }
 
-/// Returns a square of `half` metres around the ray, far away, and before it very many frames. The
-/// boxes of all of them hold the ray, but only their corners have geometry.
+/// Returns a far square of `half` metres around the ray, and many frames in front of it. The boxes
+/// of all frames contain the ray, but only their corners have geometry.
 fn behind_frames(frames: u32, half: f32) -> Scene {
     let corners = |corners: [[f32; 2]; 3]| corners.map(|[x, y]| ([x, y, 0.0], [1.0; 3]));
     let low = corners([[-1.0, -1.0], [-0.9, -1.0], [-1.0, -0.9]]);
@@ -154,7 +154,7 @@ fn what_is_behind_thousands_of_boxes_is_found() {
 #[test]
 fn with_several_samples_object_and_depth_are_of_one_surface() {
     run(Driver::Lavapipe, |device| {
-        // A wall, and before it a triangle with slanting sides.
+        // A wall, and in front of it a triangle with slanted sides.
         let wall = [[-30.0, -30.0, -8.0], [90.0, -30.0, -8.0], [-30.0, 90.0, -8.0]];
         let near = [[-1.0, -1.0, -2.0], [1.3, -0.7, -2.0], [-0.2, 1.1, -2.0]];
         let mut scene = Scene::single(Mesh::of_triangles("wall", &wall.map(|at| (at, [1.0; 3]))));
@@ -184,8 +184,8 @@ fn with_several_samples_object_and_depth_are_of_one_surface() {
 #[test]
 fn with_several_samples_every_pixel_of_a_wall_has_its_owner() {
     run(Driver::Lavapipe, |device| {
-        // A rectangle that fills its box before a wall: a sample may be in it and the middle of the
-        // pixel beside it.
+        // A rectangle in front of a wall that fills its box. A sample may be inside it while the
+        // middle of the pixel is outside.
         let wall = [[-30.0, -30.0, -8.0], [90.0, -30.0, -8.0], [-30.0, 90.0, -8.0]];
         let corner = |x: f32, y: f32| [x, y, -2.0];
         let a = corner(-1.013, -0.517);
@@ -243,8 +243,8 @@ fn what_is_explained_of_objects_is_what_was_drawn() {
     });
 }
 
-/// Waits for the newest frame, and checks that each of its objects was drawn if and only if that is
-/// explained; counts those drawn, hidden and outside.
+/// Waits for the newest frame, and checks that the explanation of each object says if it was drawn.
+/// Counts the drawn, hidden and outside objects.
 fn check(
     renderer: &mut Renderer,
     view: &mut RenderView,
@@ -279,7 +279,7 @@ fn check(
 #[test]
 fn each_answer_is_about_the_frame_that_it_names() {
     run(Driver::Lavapipe, |device| {
-        // A wall that moves a metre away from the eye with each frame.
+        // A wall that moves away from the eye by a metre per frame.
         let wall = Mesh::of_triangles(
             "wall",
             &[[-9.0, -9.0, 0.0], [27.0, -9.0, 0.0], [-9.0, 27.0, 0.0]].map(|at| (at, [1.0; 3])),
@@ -304,7 +304,8 @@ fn each_answer_is_about_the_frame_that_it_names() {
         renderer.wait_idle(&mut view).unwrap();
         answers.extend(view.pointed().copied());
         answers.dedup();
-        // None waits, none is about another frame, and the frame without a pointer has none.
+        // Answers do not wait, belong to their frame, and are absent for the frame without a
+        // pointer.
         assert!(answers.len() >= 3, "{answers:?}");
         for answer in &answers {
             let metres = distances[&answer.frame];
@@ -344,7 +345,7 @@ fn an_outline_and_a_debug_overlay_are_not_in_the_image_of_the_scene() {
         };
         assert_eq!(differing(&plain, &alone), 0);
         assert!(differing(&plain, &whole) > 50);
-        // The outline alone, and gone again.
+        // Only the outline differs, and it disappears again.
         renderer.set_debug_overlay(DebugOverlay::default()).unwrap();
         renderer.render(&mut view, both).unwrap();
         renderer.wait_idle(&mut view).unwrap();

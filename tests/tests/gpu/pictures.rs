@@ -1,5 +1,5 @@
-//! Pictures that spots project: each pixel has the light of the texel that a ray from the lamp goes
-//! through, with shadows and without, and pictures come and go as textures of materials do.
+//! Pictures that spot lights project. Each pixel has the light of the texel on the ray from the
+//! lamp, with and without shadows. Pictures are added and removed like textures of materials.
 
 use cull::{Aabb, Camera, Strategy};
 use glam::{Vec2, Vec3, vec2, vec3};
@@ -21,7 +21,7 @@ const SIZE: [u32; 2] = [160, 120];
 /// Texels along a side of the picture.
 const TEXELS: u32 = 4;
 
-/// Texels that are sharp.
+/// A sampler with sharp texels.
 const SHARP: Sampler = Sampler {
     wrap: [scene::Wrap::Clamp; 2],
     magnified: Filter::Nearest,
@@ -29,9 +29,9 @@ const SHARP: Sampler = Sampler {
     between_levels: None,
 };
 
-/// Returns the colour of a texel: each channel is there or not.
+/// Returns the colour of a texel, in which each channel is on or off.
 fn mask(texel: u32, turned: u32) -> u32 {
-    // No row, column or diagonal is like another.
+    // All rows, columns and diagonals differ.
     [7, 1, 2, 4, 0, 3, 5, 6, 6, 7, 4, 1, 2, 0, 3, 5][((texel + turned * 5) % 16) as usize]
 }
 
@@ -60,7 +60,7 @@ fn spot(texture: u32, up: Vec3) -> PunctualLight {
     }
 }
 
-/// Returns a wall, and before it a few boxes that cast shadows on it.
+/// Returns a wall, and a few boxes in front of it that cast shadows on it.
 fn boxes() -> Vec<Aabb> {
     let mut boxes = vec![Aabb::new(vec3(-8.0, -7.0, -0.5), vec3(8.0, 7.0, 0.0))];
     for place in 0..5 {
@@ -108,7 +108,7 @@ fn fresh(device: &Device, light: PunctualLight, options: &RendererOptions) -> Ve
     first_image(device, &scene(light), options, camera())
 }
 
-/// Returns the point that is seen at a pixel, if any.
+/// Returns the visible point at a pixel, if any.
 fn seen(renderer: &Renderer, pixel: u32, boxes: &[Aabb]) -> Option<Vec3> {
     let view = renderer.view_of(&camera());
     let at = vec2((pixel % SIZE[0]) as f32 + 0.5, (pixel / SIZE[0]) as f32 + 0.5);
@@ -127,8 +127,8 @@ fn seen(renderer: &Renderer, pixel: u32, boxes: &[Aabb]) -> Option<Vec3> {
     nearest.is_finite().then(|| from + towards * nearest)
 }
 
-/// Returns the place in a light's picture of a point, from the upper left, by geometry: the slide
-/// stands upright before who looks along the light, and the cone touches its sides.
+/// Returns the place of a point in a light's picture, from the upper left. The picture stands
+/// upright for a view along the light, and the cone touches its sides.
 fn place(light: &PunctualLight, up: Vec3, point: Vec3) -> Vec2 {
     let LightKind::Spot { outer_rad, .. } = light.kind else { panic!("a spot") };
     let from_light = point - light.position;
@@ -138,8 +138,8 @@ fn place(light: &PunctualLight, up: Vec3, point: Vec3) -> Vec2 {
     vec2(0.5 + 0.5 * from_light.dot(right) / reach, 0.5 - 0.5 * from_light.dot(up) / reach)
 }
 
-/// Compares each pixel away from the edges of texels with the image under a light of the texel's
-/// colour.
+/// Compares each pixel that is not at the edge of a texel with the image under a light of the
+/// texel's colour.
 fn check(device: &Device, up: Vec3, options: &RendererOptions) {
     let light = spot(0, up);
     let found = fresh(device, light, options);
@@ -193,7 +193,7 @@ fn a_picture_without_an_upward_direction_is_some_way_round() {
     });
 }
 
-/// Returns room for a light, and for two textures of the picture's kind.
+/// Returns spare room for a light, and for two textures of the picture's kind.
 fn roomy() -> RendererOptions {
     let room =
         TextureCapacity { size: [TEXELS; 2], encoding: Encoding::Srgb, sampler: SHARP, layers: 2 };

@@ -1,4 +1,4 @@
-//! Poses of skinned meshes: the boxes of their objects follow them, and only poses that a view may
+//! Poses of skinned meshes: the boxes of objects follow their poses, and only poses that a view may
 //! show are uploaded.
 
 use cull::{Aabb, Camera, ObjectId, Strategy};
@@ -40,7 +40,7 @@ fn the_box_of_an_object_is_that_of_its_pose_wherever_it_is() {
         let there = Aabb::new(posed.min + 7.0 * Vec3::Y, posed.max + 7.0 * Vec3::Y);
         renderer.update(&[ObjectChange::Move { object: ObjectId(0), transform }]).unwrap();
         is_near(bounds(&renderer, 0), there);
-        // Both at once, the place first.
+        // Both changes at once, the place first.
         let joints = vec![Affine3A::IDENTITY; 3];
         let update = SceneUpdate {
             objects: vec![ObjectChange::Move {
@@ -56,7 +56,7 @@ fn the_box_of_an_object_is_that_of_its_pose_wherever_it_is() {
         is_near(bounds(&renderer, 0), at_rest);
         assert_eq!(renderer.apply(&update).unwrap().poses, 0, "it has that pose");
         assert_eq!(bounds(&renderer, 4), others);
-        // Whose box would be that of another.
+        // The box of a skinned mesh cannot belong to another object.
         renderer.set_pose(SkinnedMeshId(0), &[wide; 3], &[0.0; 2]).unwrap();
         let second = ObjectChange::Add { object: scene.objects[0] };
         let gone = ObjectChange::Remove { object: ObjectId(0) };
@@ -70,10 +70,10 @@ fn the_box_of_an_object_is_that_of_its_pose_wherever_it_is() {
     });
 }
 
-/// Returns the work of a frame for poses, seen along `forward`.
+/// Returns the work for poses in a frame that is seen along `forward`.
 fn skinned(renderer: &mut Renderer, view: &mut RenderView, forward: Vec3) -> (u32, u64) {
     let camera = Camera { forward, ..camera() };
-    // Without a test, whatever is in the frustum is drawn for certain.
+    // Without a test, everything in the frustum is certainly drawn.
     let report = renderer.render(view, FrameRequest::new(Strategy::FRUSTUM, camera)).unwrap();
     (report.poses, report.skinned_vertices)
 }
@@ -94,7 +94,7 @@ fn poses_wait_until_a_view_may_show_them() {
         take(&mut renderer, [0.6, 0.9]);
         assert_eq!(look(&mut renderer, there), (2, 2 * vertices), "the newest of each");
         assert_eq!(look(&mut renderer, there), (0, 0), "it is there");
-        // One leaves the view: its vertices are still in the place where they were seen, so its
+        // An object leaves the view. Its vertices on the GPU are still in the visible place, so its
         // pose is uploaded.
         let Pose { joints, weights } = pose(0.2);
         let far = |by: f32| joints.map(|joint| Affine3A::from_translation(Vec3::Z * by) * joint);
@@ -102,7 +102,7 @@ fn poses_wait_until_a_view_may_show_them() {
         assert_eq!(look(&mut renderer, there), (1, vertices));
         renderer.set_pose(SkinnedMeshId(0), &far(60.0), &weights).unwrap();
         assert_eq!(look(&mut renderer, there), (0, 0), "neither is seen");
-        // Behind the camera, the last pose is the one seen.
+        // Behind the camera, the last visible pose stays.
         assert_eq!(look(&mut renderer, away), (1, vertices));
         renderer.update(&[ObjectChange::Remove { object: ObjectId(0) }]).unwrap();
         renderer.set_pose(SkinnedMeshId(0), &far(10.0), &weights).unwrap();
@@ -136,7 +136,7 @@ fn what_stays_hidden_is_not_skinned() {
                 assert_eq!(wrong, 0, "{strategy}, turn {turn}");
                 report
             };
-            // Behind the wall, whose box was not known to be in front at first.
+            // Behind the wall, which is not yet known to be in front.
             for number in 0..8 {
                 frame(0.02 * number as f32, Vec3::ZERO);
             }
@@ -146,7 +146,7 @@ fn what_stays_hidden_is_not_skinned() {
                 assert!(report.predicated_vertices >= vertices, "{strategy}");
                 assert_eq!(report.revealed_vertices, 0, "{strategy}: it was skinned");
             }
-            // It jumps above the wall: the test shows, and then it is taken as visible.
+            // The object jumps above the wall: a test reveals it, and then it counts as visible.
             let above = |number| frame(0.1 * number as f32, vec3(0.0, 4.0, 0.0));
             let reports: Vec<_> = (0..6).map(above).collect();
             assert!(reports[0].predicated_vertices >= vertices, "{strategy}");
@@ -159,8 +159,8 @@ fn what_stays_hidden_is_not_skinned() {
     });
 }
 
-/// Returns all frames of a camera that looks around; if `sees_all`, all poses are uploaded in each
-/// frame.
+/// Returns all frames of a camera that looks around. With `sees_all`, all poses are uploaded in
+/// each frame.
 fn looking_about(device: &Device, strategy: Strategy, sees_all: bool) -> Vec<Readback> {
     let mut renderer = Renderer::new(device, &scene(), &options(2)).unwrap();
     if sees_all {

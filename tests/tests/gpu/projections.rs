@@ -1,5 +1,5 @@
-//! The image is the same with and without culling in every kind of projection: orthographic,
-//! jittered, off-centre, with a far plane; with every tester and every way to skip draws.
+//! Images are the same with and without culling in every kind of projection: orthographic,
+//! jittered, off-centre, and with a far plane. All testers and all ways to skip draws are compared.
 
 use cull::{Camera, ClipY, DepthConvention, Projection, Strategy, ViewProjection};
 use glam::{Vec2, Vec3};
@@ -25,14 +25,14 @@ fn options(predication: Option<PredicationMode>) -> RendererOptions {
         methods: methods::all(),
         size: SIZE,
         predication,
-        // Everything is tested that may be hidden, whatever it costs.
+        // Everything that may be hidden is tested, regardless of its cost.
         cost_model: CostModel::Off,
         ..Default::default()
     }
 }
 
-/// Walks with every strategy and every way to skip draws of a device; returns the share of the
-/// objects in the frustum that were drawn by the first.
+/// Walks with every strategy and every way to skip draws of a device. Returns the share of the
+/// objects in the frustum that the first combination drew.
 fn check(device: &Device, scene: &GeneratedScene, seen: &[Viewpoint], what: &str) -> f64 {
     let mut share = 1.0;
     let all = PredicationMode::ALL.map(Some);
@@ -60,7 +60,7 @@ fn orthographic(scene: &GeneratedScene) -> Vec<(&'static str, Vec<Camera>)> {
         let up = camera.forward;
         Camera { eye, forward: -offset, up, projection: along(40.0), near: 1.0 }
     };
-    // From a street through the blocks beside it.
+    // The view from a street through the blocks beside it.
     let across = |frame: u32| {
         let camera = path.camera(frame * 3);
         let forward = camera.forward.cross(Vec3::Y);

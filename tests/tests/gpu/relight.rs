@@ -1,5 +1,5 @@
-//! Lights that change, come and go, and objects that move under them: frames look as if the scene
-//! had always been so.
+//! Lights that change, are added or are removed, and objects that move under them. Frames equal
+//! those of a new renderer of the changed scene.
 
 use std::collections::BTreeMap;
 
@@ -18,7 +18,7 @@ use tests::{run_on_all, shapes};
 
 const SIZE: [u32; 2] = [128, 96];
 
-/// Returns cubes side by side, panes before them, and bulbs between.
+/// Returns cubes side by side, panes in front of them, and bulbs in between.
 fn room() -> Scene {
     let cube = shapes::box_scene(&[]).meshes.remove(0);
     let positions: Vec<Vec3> =
@@ -70,7 +70,7 @@ fn image(renderer: &mut Renderer, view: &mut RenderView) -> Vec<u8> {
     image.rgba8().unwrap().to_vec()
 }
 
-/// Draws a frame, which may be on its way yet.
+/// Draws a frame, which may still be in flight.
 fn draw(renderer: &mut Renderer, view: &mut RenderView, strategy: Strategy) -> Readback {
     let camera = Camera {
         eye: vec3(8.0, 6.0, 8.0),
@@ -148,7 +148,7 @@ fn lights_that_cannot_be_are_refused() {
     });
 }
 
-/// Returns the light of a step: a lamp, a spot, or a sun that is weaker than those before it.
+/// Returns the light of a step: a lamp, a spot, or a sun that is weaker than the previous ones.
 fn comer(step: u32) -> PunctualLight {
     let place = vec3(2.0 + 1.5 * step as f32, 2.5, 1.0 - step as f32);
     match step % 3 {
@@ -182,7 +182,7 @@ fn lights_come_and_go_as_if_they_had_always_been_there() {
             let [light] = renderer.add_lights(&[comer(step)]).unwrap()[..] else { panic!() };
             assert_eq!(there.insert(light.0, comer(step)), None, "no light has another's id");
             if step > 0 {
-                // Among those of the scene, and one that came.
+                // A light of the scene, and one that was added.
                 let mut gone = vec![LightId(step * 4)];
                 gone.extend((step == 6).then_some(light));
                 there.retain(|light, _| !gone.contains(&LightId(*light)));
@@ -271,7 +271,7 @@ fn lights_come_where_they_have_room_only() {
             }
         }
 
-        // Pipelines without spots take none, even where a lamp was.
+        // Pipelines without spot lights do not take one, even in the place of a lamp.
         let mut renderer = with(&room(), 0, 0).unwrap();
         renderer.remove_lights(&[LightId(3)]).unwrap();
         assert_eq!(no_room(&mut renderer, &[spot]), ("spot lights", 1, 0));

@@ -1,4 +1,5 @@
-//! Other shaders between two frames: every pass has them, or, if one cannot be made, none has.
+//! A change of shaders between two frames: all passes use the new shaders, or no pass does if one
+//! fails.
 
 use std::ffi::CStr;
 use std::fs;
@@ -18,7 +19,7 @@ use tests::{Driver, instance_with, run_on_all};
 
 const SIZE: [u32; 2] = [160, 90];
 
-/// The mesh that takes another form.
+/// The mesh that morphs.
 const FORM: MeshId = MeshId(2);
 
 fn camera() -> Camera {
@@ -27,10 +28,10 @@ fn camera() -> Camera {
     Camera { eye, forward: Vec3::NEG_Z, up, projection: Projection::perspective(0.9), near: 0.1 }
 }
 
-/// Returns coloured cubes; with surfaces also a transparent one, and one that takes another form.
+/// Returns coloured cubes; with surfaces also a transparent cube and a morphing one.
 fn cubes(has_surfaces: bool) -> Scene {
     let object = |number: u32| {
-        // Their boxes are met also beside them.
+        // The boxes are larger than the turned cubes, so views also meet a box beside its cube.
         let turn = Quat::from_rotation_y(0.8);
         let at = vec3(number as f32 * 1.6 - 2.4, 0.0, number as f32 * -0.7);
         let transform = Affine3A::from_rotation_translation(turn, at);
@@ -49,7 +50,7 @@ fn cubes(has_surfaces: bool) -> Scene {
     scene
 }
 
-/// A renderer all of whose passes are in use.
+/// A renderer that uses all its passes.
 struct Studio {
     renderer: Renderer,
     view: RenderView,
@@ -91,7 +92,7 @@ impl Studio {
         self.image.rgba8().unwrap().to_vec()
     }
 
-    /// Returns what each pass draws or finds, by its shader.
+    /// Returns the output of each pass, by its shader.
     fn shown(&mut self) -> Vec<(&'static str, Vec<u8>)> {
         let device = self.renderer.device().clone();
         // Debug overlays show the history.
@@ -103,7 +104,7 @@ impl Studio {
             self.view.watch(&[ObjectId(0)]).unwrap();
         }
         if self.has_surfaces {
-            // Another pose each time, so that it is computed; in the end the one at rest.
+            // A new pose each time, so that it is computed, and the rest pose at the end.
             for weight in [0.5, 1.0, 0.0] {
                 self.renderer.set_pose(SkinnedMeshId(0), &[], &[weight]).unwrap();
                 shown.push(("poses", self.frame(Strategy::ANTUMBRA)));
@@ -133,7 +134,7 @@ impl Studio {
     }
 }
 
-/// A folder of shaders that is removed in the end.
+/// A folder of shaders that is removed on drop.
 struct Folder(PathBuf);
 
 impl Drop for Folder {
@@ -142,13 +143,13 @@ impl Drop for Folder {
     }
 }
 
-/// Lines of shaders that write no colour, and the lines in their place.
+/// Lines of shaders that do not write colours, and their replacements.
 const CHANGES: [(&str, &str); 2] = [
     ("seen[leaf], 1u,", "seen[leaf], 0u,"),
     ("vertices[place + 1] = values.y;", "vertices[place + 1] = 0;"),
 ];
 
-/// Compiles shaders with which everything looks another way.
+/// Compiles shaders that change the look of everything.
 fn changed_shaders(name: &str) -> ShaderSet {
     let committed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders");
     let own = format!("antumbra-reload-{name}-{}", std::process::id());
@@ -204,7 +205,8 @@ fn every_pass_has_the_other_shaders() {
     });
 }
 
-/// Returns the number of pipelines that a reload makes by `call`, after it failed at each of them.
+/// Returns the number of pipelines that a reload creates by `call`. Before that, the reload fails
+/// once at each pipeline.
 fn failures(
     device: &Device,
     studio: &mut Studio,
@@ -242,7 +244,7 @@ fn a_reload_that_fails_changes_nothing() {
         let graphics = failures(&device, &mut studio, c"vkCreateGraphicsPipelines", &changed);
         studio.renderer.reload(ShaderSet::embedded().unwrap()).unwrap();
         let compute = failures(&device, &mut studio, c"vkCreateComputePipelines", &changed);
-        // Passes that are compiled when they are first needed are among them.
+        // These include passes that are compiled on first use.
         assert!(graphics >= 14 && compute >= 4, "{graphics}, {compute}");
         drop((studio, device));
         assert_eq!(instance.validation_log().drain(), []);

@@ -1,6 +1,6 @@
-//! The shadows of real scenes against ray casting, at sampled pixels: by volumes one pixel from any
-//! edge, by maps where no edge is within their texels. The folder that `ANTUMBRA_ASSETS` names has
-//! the scenes.
+//! The shadows of real scenes against ray casting, at sampled pixels. Volumes are compared one
+//! pixel away from edges, maps where no edge lies within their texels. `ANTUMBRA_ASSETS` names the
+//! folder of the scenes.
 
 use std::io::Write;
 use std::ops::ControlFlow;
@@ -18,27 +18,27 @@ use crate::shadow_maps::{SIZE, image, renderer, shadows};
 
 const FILES: [&str; 3] = ["kaykit_city.glb", "kaykit_dungeon.glb", "rooms.glb"];
 
-/// The step between the pixels that are sampled, of those in rows from the top.
+/// The step between sampled pixels, counted in rows from the top.
 const STEP: u32 = 23;
 
-/// The difference of a channel by which a pixel shows that a light reaches it.
+/// The difference of a channel that shows that a light reaches a pixel.
 const BRIGHT: u8 = 24;
 
 /// The width in metres around a place that must be lit, or dark, as a whole for maps.
 const APART_M: f64 = 0.3;
 
-/// The farthest places that are compared with maps, in metres from the eye: their texels grow.
+/// The largest distance from the eye (metres) at which maps are compared, since their texels grow.
 const FAR_M: f64 = 30.0;
 
-/// A light, and the triangles that may stand between it and what it shines on.
+/// A light, and the triangles that may block it.
 struct Lit<'a> {
     rays: &'a SceneRays,
     light: PunctualLight,
 }
 
 impl Lit<'_> {
-    /// Returns true if nothing is between a place and the light; `None` if that depends on a
-    /// centimetre, as between surfaces that touch.
+    /// Returns true if nothing is between a place and the light; `None` if the result depends on a
+    /// centimetre, as between touching surfaces.
     fn is_lit(&self, met: &Met) -> Option<bool> {
         let [near, far] = [1e-3, 1e-2].map(|off| {
             let from = met.place + met.normal * off;
@@ -55,7 +55,8 @@ impl Lit<'_> {
         }
     }
 
-    /// Returns what a pixel shows and whether it is lit, if both are so one pixel around it.
+    /// Returns the point at a pixel and true if it is lit; `None` if this changes within one pixel
+    /// around it.
     fn seen(&self, camera: &Camera, place: [u32; 2]) -> Option<(Met, bool)> {
         let [x, y] = place;
         let at = |right: f64, down: f64| {
@@ -80,7 +81,7 @@ impl Lit<'_> {
         is_even.then_some((here, is_lit))
     }
 
-    /// Returns true if all around a place is as lit.
+    /// Returns true if all places around a place are equally lit.
     fn is_even(&self, met: &Met, is_lit: bool) -> bool {
         let (a, b) = met.normal.any_orthonormal_pair();
         let mut around = (-2..=2).flat_map(|x| (-2..=2).map(move |y| [x, y].map(f64::from)));
@@ -91,7 +92,7 @@ impl Lit<'_> {
     }
 }
 
-/// Loads a scene, all of whose objects are opaque and at rest.
+/// Loads a scene with all objects opaque and at rest.
 fn solid(path: &std::path::Path) -> Scene {
     let loaded = load(path, &LoadOptions::default(), &mut |_| ControlFlow::Continue(()));
     let mut scene = loaded.unwrap().scene;
@@ -103,7 +104,7 @@ fn solid(path: &std::path::Path) -> Scene {
     scene
 }
 
-/// Returns a sun, and a point light before the second camera.
+/// Returns a sun, and a point light in front of the second camera.
 fn lights(bounds: &Aabb) -> [PunctualLight; 2] {
     let [_, Camera { eye, forward, .. }, _] = cameras(bounds);
     let sun = PunctualLight {
@@ -136,8 +137,8 @@ fn cameras(bounds: &Aabb) -> [Camera; 3] {
     })
 }
 
-/// Compares the images of a scene under a light with rays; returns the pixels that were judged and
-/// that were dark, of volumes and of maps.
+/// Compares the images of a scene under a light with rays. Returns the numbers of compared and of
+/// dark pixels, for volumes and for maps.
 fn judge(device: &Device, scene: &Scene, rays: &SceneRays, light: PunctualLight) -> [[u32; 2]; 2] {
     let cameras = cameras(&bounds_of(scene));
     let with = |lights: &[PunctualLight]| {
@@ -187,7 +188,7 @@ fn judge(device: &Device, scene: &Scene, rays: &SceneRays, light: PunctualLight)
                 }
                 judged[way][0] += 1;
                 judged[way][1] += u32::from(!is_lit);
-                // The passes are compiled apart: a last place may be rounded differently.
+                // The passes are compiled separately, so the last bit may be rounded differently.
                 let found = &found[place.clone()];
                 if expected.iter().zip(found).any(|(expected, found)| expected.abs_diff(*found) > 1)
                 {
@@ -212,7 +213,7 @@ fn bounds_of(scene: &Scene) -> Aabb {
 #[test]
 fn the_shadows_of_real_scenes_agree_with_rays() {
     let Some(folder) = std::env::var_os("ANTUMBRA_ASSETS") else {
-        // Not by `eprintln!`, of which a test that passes shows nothing.
+        // Not by `eprintln!`, whose output is hidden if the test passes.
         let _told =
             writeln!(std::io::stderr(), "SKIPPED: ANTUMBRA_ASSETS names no folder of scenes");
         return;

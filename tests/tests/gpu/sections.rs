@@ -1,5 +1,5 @@
-//! Section planes: what is cut away is not there, what is cut open is closed by caps of the right
-//! size, and every strategy draws the same.
+//! Section planes: parts that are cut away disappear, cut solids are closed by caps of the right
+//! size, and every strategy draws the same image.
 
 mod dragged;
 mod lines;
@@ -24,13 +24,13 @@ fn options() -> RendererOptions {
 /// Pixels are a tenth of a millimetre.
 const HEIGHT_M: f32 = 0.04;
 
-/// Returns the area that shows something in one colour channel and nothing in the others (mm2).
+/// Returns the area (mm2) with light in one colour channel and none in the others.
 fn area_mm2(pixels: &[[u8; 3]], channel: usize) -> f64 {
     let is_it = |pixel: &&[u8; 3]| (0..3).all(|other| (pixel[other] > 0) == (other == channel));
     pixels.iter().filter(is_it).count() as f64 * 0.01
 }
 
-/// Returns a plane that cuts away the half of the world before it: z <= offset remains.
+/// Returns a plane that cuts away the half of the world in front of it: z <= offset remains.
 fn behind(offset_m: f64) -> SectionPlanes {
     planes(&[plane([0.0, 0.0, -1.0], offset_m)])
 }
@@ -54,15 +54,15 @@ fn a_bore_is_open_in_the_cap() {
         let radius_mm = 5.0_f64;
         let corners = 256_u32;
         let mut solid = Solid::bored_cube(0.02, radius_mm as f32 * 1.0e-3, corners);
-        // Its hole runs along y: it is turned towards the eye.
+        // The hole runs along y, so the solid is turned to show it to the eye.
         for corner in solid.triangles.as_flattened_mut() {
             *corner = Vec3::new(corner.x, corner.z, -corner.y);
         }
         let area = area_mm2(&cut(device, solid, behind(0.0)), 0);
         let turn = std::f64::consts::TAU / f64::from(corners);
         let polygon_mm2 = 0.5 * f64::from(corners) * radius_mm * radius_mm * turn.sin();
-        // A pixel at the border counts by its middle: half of a pixel along the circle at most, and
-        // their errors cancel.
+        // A pixel at the border counts by its middle. The error is at most half a pixel along the
+        // circle, and errors cancel out.
         assert!((area - (400.0 - polygon_mm2)).abs() < 0.3, "{area} mm2");
         assert!((area - (400.0 - 25.0 * std::f64::consts::PI)).abs() < 0.4, "{area} mm2");
     });
@@ -102,7 +102,7 @@ fn mixed_winding_has_a_full_cap_and_an_open_shell_none() {
         }
         assert_eq!(area_mm2(&cut(device, mixed, behind(0.0)), 0), 400.0);
         let mut open = Solid::cube(0.02);
-        // Without the face that lies behind, one looks through.
+        // Without the face at the back, the solid is open.
         open.triangles.retain(|corners| corners.iter().any(|corner| corner.z > 0.0));
         assert_eq!(area_mm2(&cut(device, open, behind(0.0)), 0), 0.0);
     });
@@ -170,7 +170,7 @@ fn solids_that_share_a_wall_keep_their_own_colours() {
         shown.renderer.set_section(behind(0.0)).unwrap();
         let pixels = shown.pixels(front(HEIGHT_M), Strategy::ANTUMBRA);
         assert_eq!((area_mm2(&pixels, 0), area_mm2(&pixels, 1)), (400.0, 400.0));
-        // One of them whole: it has no cap and stands out.
+        // One solid stays whole: it has no cap and stands out.
         shown.renderer.set_section_member(ObjectId(1), SectionMember::Whole);
         let pixels = shown.pixels(front(HEIGHT_M), Strategy::ANTUMBRA);
         assert_eq!((area_mm2(&pixels, 0), area_mm2(&pixels, 1)), (400.0, 400.0));
@@ -181,7 +181,7 @@ fn solids_that_share_a_wall_keep_their_own_colours() {
 #[test]
 fn a_cap_lies_where_its_plane_does() {
     run_on_all(|device| {
-        // A wall that crosses the plane: it hides exactly the part of the cap behind it.
+        // A wall that crosses the plane hides exactly the part of the cap behind it.
         let angle = 37.0_f64.to_radians();
         let cutting = plane([angle.sin(), 0.0, -angle.cos()], 0.0);
         for zoom in [1.0_f32, 1000.0] {
@@ -203,7 +203,8 @@ fn a_cap_lies_where_its_plane_does() {
                 !is_near_the_edge && is_cap != (column >= SIDE / 2)
             });
             let wrong = wrong.count();
-            // Rounding of depths: 2^-20 of the distance to the eye, in pixels across the plane.
+            // The rounding error of depths: 2^-20 of the distance to the eye, in pixels across the
+            // plane.
             let pixel_m = 0.01 / zoom / SIDE as f32;
             let allowed_columns =
                 (1.0_f32 / 1048576.0 / pixel_m / angle.tan() as f32).ceil() as u32;

@@ -1,5 +1,5 @@
-//! The self-test: it trusts the drivers that are right, finds each lie of one that is not, and the
-//! renderer then uses the safest tester that is left.
+//! The self-test: it trusts correct drivers and finds each lie of a faulty driver. The renderer
+//! then uses the safest remaining tester.
 
 use std::time::Instant;
 
@@ -36,7 +36,7 @@ fn both_drivers_are_trusted() {
     });
 }
 
-/// Returns what is broken on a driver with this lie, and the safest strategy.
+/// Returns the broken assumptions of a driver with this lie, and the safest strategy.
 fn broken_by(driver: Driver, lie: Lie) -> (Vec<DriverAssumption>, Option<Strategy>) {
     let instance =
         instance_with(FaultInjection { lie: Some(lie), ..FaultInjection::default() }.entry());
@@ -75,8 +75,8 @@ fn a_lie_of_the_driver_is_found() {
     }
 }
 
-/// Draws the first frames of a walk under a strategy, on a renderer that distrusts this. Returns
-/// the number of tests by it, and checks that images are those of frustum culling.
+/// Draws the first frames of a walk with a strategy, on a renderer with these disabled assumptions.
+/// Checks that images equal frustum culling, and returns the number of tests.
 fn walk(
     device: &Device,
     disabled: &[DriverAssumption],
@@ -170,7 +170,7 @@ fn casters_are_skipped_in_no_way_that_is_distrusted() {
         let mut renderer = Renderer::new(&device, &scene, &options).unwrap();
         let mut view = renderer.new_view().unwrap();
         for _ in 0..4 {
-            // Nothing but casters is tested.
+            // Only casters are tested.
             let request = FrameRequest::new(Strategy::FRUSTUM, shadow_scene::camera());
             renderer.render(&mut view, request).unwrap();
         }
@@ -196,7 +196,7 @@ fn images_are_right_on_a_driver_that_lies_and_is_not_trusted() {
     assert_eq!(instance.validation_log().drain(), []);
 }
 
-/// Wrong shaders: a driver that compiles them wrong would do the same.
+/// Wrong shaders behave like a driver that miscompiles shaders.
 #[cfg(feature = "shader-compiler")]
 mod shaders {
     use std::fs;

@@ -1,8 +1,8 @@
 //! Shading: the images of the surface pass equal the specification's formulas, pixel by pixel.
 //!
-//! The comparison is exact in positions: flat patches with normals that turn over them as over a
-//! sphere. Their corners lie on corners of pixels, so that nothing is snapped or covered in part.
-//! Every pixel that a patch covers is compared.
+//! Positions in the comparison are exact. Flat patches have the normals of a sphere. Their corners
+//! lie on corners of pixels, so that no vertex is snapped and no pixel is partly covered. Every
+//! pixel that a patch covers is compared.
 
 use glam::{Affine3A, DMat3, DVec3, Mat3A, Vec3, Vec3A, vec3};
 use gpu::Device;
@@ -15,7 +15,7 @@ use tests::run_on_all;
 use tests::shapes::square_camera;
 use tests::surface_fixture::{image, mesh, scene, snorm16};
 
-/// The side of the image in pixels, which the camera at the origin sees at a right angle.
+/// The side of the image in pixels. The camera at the origin has a field of view of 90 degrees.
 const SIDE: u32 = 256;
 /// The distance of all patches.
 const DISTANCE_M: f32 = 4.0;
@@ -32,7 +32,8 @@ fn place(x: u32, y: u32) -> Vec3 {
     vec3(part(x) * DISTANCE_M, -part(y) * DISTANCE_M, -DISTANCE_M)
 }
 
-/// Returns the unit normal at a corner of a patch's cells: a sphere's, as far as it faces us.
+/// Returns the unit normal at a corner of a patch's cells: the normal of a sphere, where it faces
+/// the eye.
 fn normal(column: u32, row: u32) -> Vec3 {
     let part = |cell: u32| (cell as f32 / CELLS as f32 * 2.0 - 1.0) * 0.68;
     let x = part(column);
@@ -40,8 +41,8 @@ fn normal(column: u32, row: u32) -> Vec3 {
     vec3(x, y, (1.0 - x * x - y * y).sqrt())
 }
 
-/// Returns a patch in a space in which it is `scale` times as large; the inverse of `scale` leads
-/// to the world's space.
+/// Returns a patch in a space in which it is `scale` times as large. The inverse of `scale`
+/// transforms it to the world.
 fn patch(origin: [u32; 2], scale: Vec3, material: u32) -> (Mesh, SurfaceMesh) {
     let mut positions = Vec::new();
     let mut vertices = Vec::new();
@@ -91,7 +92,7 @@ fn normal_at(place: [u32; 2], to_world: DMat3) -> DVec3 {
     }
 }
 
-/// A sweep of metallic (to the right) and roughness (down), under some light.
+/// A sweep of metallic (to the right) and roughness (down) under a light.
 struct Sweep {
     surfaces: Surfaces,
     lights: Vec<ReferenceLight>,
@@ -189,8 +190,8 @@ impl Sweep {
         Some(reference::encoded(reference::tone_mapped(light * f64::from(self.exposure))))
     }
 
-    /// Draws and compares every pixel; returns the average brightness of patches, so that a test
-    /// can check that it saw something.
+    /// Draws and compares every pixel. Returns the average brightness of patches, so that a test
+    /// can check that something is visible.
     fn compare(&self, device: &Device, what: &str) -> f64 {
         let found =
             image(device, &self.scene(), &square_camera(), [SIDE; 2], &SurfaceOptions::default());

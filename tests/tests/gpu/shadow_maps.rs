@@ -1,5 +1,5 @@
-//! Shadow maps in the renderer: images with them, against ray casting, against maps that are drawn
-//! afresh, and under every strategy.
+//! Shadow maps in the renderer: images are compared with ray casting, with freshly drawn maps, and
+//! between strategies.
 
 pub mod bad_options;
 pub mod cache;
@@ -72,7 +72,7 @@ fn every_filter_darkens_the_same_places() {
         for filter in ShadowFilter::ALL {
             let shadowed = draw(ShadowOptions { filter, ..shadows() });
             let darker = lit.iter().zip(&shadowed).filter(|(lit, shadowed)| lit > shadowed).count();
-            // The two are compiled apart: a last place may be rounded differently.
+            // The two are compiled separately, so the last bit may be rounded differently.
             let is_brighter =
                 |(lit, shadowed): &(&u8, &u8)| u16::from(**lit) + 1 < u16::from(**shadowed);
             let brighter = lit.iter().zip(&shadowed).filter(is_brighter).count();

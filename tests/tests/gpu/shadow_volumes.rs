@@ -1,6 +1,6 @@
-//! Stencil shadow volumes against rays, on both drivers and by each way of extruding: with the eye
-//! outside of volumes, inside, at their edge, and with its near plane across it; for good meshes
-//! and bad ones.
+//! Stencil shadow volumes against rays, on both drivers and by each way of extruding. The eye is
+//! outside volumes, inside, at their edge, and with its near plane across the edge. Meshes are good
+//! and bad.
 
 mod assets;
 mod meshes;
@@ -24,7 +24,7 @@ const SIZE: [u32; 2] = [160, 112];
 const SUN: Vec4 = Vec4::new(0.36, 0.48, 0.8, 0.0);
 const LAMP: Vec4 = Vec4::new(-1.5, 4.0, 2.5, 1.0);
 
-/// Returns a floor with a box, a ball, and a sheet that shows on one side only.
+/// Returns a floor with a box, a ball, and a one-sided sheet.
 fn room() -> World {
     let mut world = World::default();
     world.add(&sheet(40.0, 9), Affine3A::IDENTITY);
@@ -34,7 +34,7 @@ fn room() -> World {
     world.add(&bumpy_sphere(1, 0.0), Affine3A::from_translation(vec3(1.5, 1.5, 0.5)));
     let upright = Quat::from_rotation_x(1.2);
     world.add(&sheet(1.2, 2), Affine3A::from_rotation_translation(upright, vec3(0.2, 1.4, -3.0)));
-    // Turned inside out and mirrored: that shows its outside again.
+    // Turned inside out and mirrored, so that its outside shows again.
     let turned = bumpy_sphere(2, 0.3).into_iter().map(|[a, b, c]| [a, c, b]).collect();
     let mirrored = Affine3A::from_scale_rotation_translation(
         vec3(-0.6, 0.8, 0.7),
@@ -50,7 +50,7 @@ fn camera(eye: Vec3, at: Vec3, near: f32) -> Camera {
     Camera { eye, forward: at - eye, up: Vec3::Y, projection, near }
 }
 
-/// Returns the ways of extruding that a device has.
+/// Returns the ways of extruding that a device supports.
 fn paths(device: &Device) -> Vec<VolumePath> {
     if device.capabilities().has(OptionalFeature::GeometryShaders) {
         vec![VolumePath::GeometryShader, VolumePath::Compute]
@@ -59,8 +59,8 @@ fn paths(device: &Device) -> Vec<VolumePath> {
     }
 }
 
-/// Draws a world by all ways and judges each; returns how many pixels were lit and shaded.
-/// Volumes end where the device's grid of sub-pixels is fine.
+/// Draws a world by all ways and checks each. Returns the numbers of lit and shaded pixels. Volumes
+/// end at a finite distance if the device's sub-pixel grid is fine.
 fn check(device: &Device, world: &World, cameras: &[Camera], lights: &[Vec4]) -> [u32; 2] {
     let mut renderings: Vec<Renderings> =
         paths(device).into_iter().map(|path| Renderings::new(device, world, SIZE, path)).collect();
@@ -94,7 +94,7 @@ fn volumes_agree_with_rays_wherever_the_eye_is() {
     let cameras = [
         camera(vec3(4.0, 3.0, 7.0), vec3(0.0, 0.8, 0.0), 0.1),
         camera(vec3(-6.0, 0.7, 2.0), vec3(0.0, 1.0, 0.0), 0.1),
-        // From below the sheet, of which nothing shows, and close above the floor.
+        // From below the sheet, which is invisible, and close above the floor.
         camera(vec3(0.6, 0.3, -6.5), vec3(0.2, 1.4, -3.0), 0.05),
         // In the shadow of the ball.
         camera(vec3(1.1, 0.9, -0.4), vec3(-1.0, 0.2, -1.5), 0.02),
@@ -114,7 +114,7 @@ fn volumes_agree_with_rays_wherever_the_eye_is() {
 fn parallel_views_agree_with_rays() {
     let projection = Projection::Orthographic { height: 9.0, far: 30.0 };
     let high = camera(vec3(5.0, 6.0, 7.0), vec3(0.0, 0.5, 0.0), 0.0);
-    // Its near plane cuts volumes and objects.
+    // The near plane cuts volumes and objects.
     let middle = camera(vec3(0.5, 1.5, 1.0), vec3(-0.4, 0.5, -1.0), 0.0);
     let cameras = [high, middle].map(|camera| Camera { projection, ..camera });
     for driver in Driver::ALL {

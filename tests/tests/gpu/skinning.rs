@@ -1,5 +1,5 @@
-//! Skinned and morphed meshes on the GPU: their vertices are those of the formulas of glTF 2.0 on
-//! the CPU, and images are exact while they hide and are hidden.
+//! Skinned and morphed meshes on the GPU: their vertices equal the formulas of glTF 2.0 on the CPU.
+//! Images are exact while the meshes hide other objects and are hidden.
 
 use cull::{Camera, Projection, Strategy};
 use glam::{Affine3A, Mat3A, Quat, Vec3, vec3};
@@ -16,7 +16,7 @@ use tests::walk::pixels_that_differ;
 
 pub const SIZE: [u32; 2] = [160, 90];
 
-/// The width of a slab that bends about two joints along its width, and bulges.
+/// The width of a slab that bends about two joints along its width and bulges.
 pub const WIDTH_M: f32 = 4.0;
 
 fn slab(colour: [f32; 4]) -> Mesh {
@@ -32,7 +32,7 @@ fn slab(colour: [f32; 4]) -> Mesh {
 fn skinned_mesh(number: u32, mesh: &Mesh) -> SkinnedMesh {
     let along = |vertex: &scene::Vertex| vertex.position[0] / WIDTH_M;
     let second = |vertex| (along(vertex) * 2.0 - 0.5_f32).clamp(0.0, 1.0);
-    // Two groups of joints, of which the second says what the first could have said, too.
+    // Two groups of joints, of which the first alone would suffice.
     let joints = mesh.vertices.iter().flat_map(|_| [[0, 1, 0, 0], [2, 0, 0, 0]]);
     let weights = mesh.vertices.iter().flat_map(|vertex| {
         let second = second(vertex);
@@ -115,7 +115,8 @@ fn skinned(mesh: &Mesh, skinned_mesh: &SkinnedMesh, pose: &Pose) -> Mesh {
     mesh
 }
 
-/// Returns two slabs that move before and behind others: as objects 0 and 1, meshes 0 and 1.
+/// Returns two slabs that move in front of and behind other objects: objects 0 and 1, meshes 0 and
+/// 1.
 pub fn scene() -> Scene {
     let meshes = vec![
         slab([0.9, 0.3, 0.2, 1.0]),
@@ -128,7 +129,7 @@ pub fn scene() -> Scene {
         Object { mesh: MeshId(mesh), transform, tint: u32::MAX }
     };
     let mut objects = vec![
-        // A door, and someone behind a wall who leans out.
+        // A door, and a figure that leans out from behind a wall.
         at(0, vec3(-2.0, 0.0, -5.0), Vec3::ONE),
         at(1, vec3(3.0, 0.0, -9.0), Vec3::ONE),
         at(2, vec3(2.5, -1.0, -8.0), vec3(6.0, 6.0, 0.5)),
@@ -179,7 +180,7 @@ pub fn options(frames_in_flight: usize) -> RendererOptions {
     }
 }
 
-/// Returns the scene after both slabs took their poses, on the CPU.
+/// Returns the scene with both slabs posed on the CPU.
 fn bent(scene: &Scene, turns: [f32; 2]) -> Scene {
     let mut bent = scene.clone();
     for (mesh, turn) in turns.into_iter().enumerate() {
@@ -239,7 +240,7 @@ fn forms_are_those_of_the_specification() {
                 Renderer::new(device, &bent(&scene, turns(frame)), &options(2)).unwrap();
             let expected = draw(&mut still, Strategy::FRUSTUM);
             let wrong = pixels_far_apart(&expected, &found);
-            // Along edges, where rounding decides which pixel it is.
+            // Along edges, where rounding decides about the pixel.
             assert!(wrong <= 30, "frame {frame}: {wrong} pixels");
             moved = moved.max(pixels_far_apart(&at_rest, &found));
         }
@@ -247,7 +248,7 @@ fn forms_are_those_of_the_specification() {
     });
 }
 
-/// Returns one slab whose normals lean along its bitangents, to be seen mirrored.
+/// Returns a mirrored slab whose normals lean along its bitangents.
 fn leaning() -> Scene {
     let mut mesh = slab([0.9, 0.9, 0.9, 1.0]);
     for triangle in mesh.indices.chunks_exact_mut(3) {
@@ -306,7 +307,7 @@ fn joints_that_mirror_turn_bitangents_as_objects_do() {
     });
 }
 
-/// Returns all frames with one strategy, in one go.
+/// Returns all frames with one strategy, drawn without a wait in between.
 fn film(device: &Device, strategy: Strategy, options: &RendererOptions) -> Vec<Readback> {
     let scene = scene();
     let mut renderer = Renderer::new(device, &scene, options).unwrap();

@@ -1,5 +1,5 @@
-//! Transparent objects whose fragments are sorted: exact where objects pass through each other, the
-//! same in any order and with any culling, and never wrong in silence.
+//! Transparent objects with sorted fragments: exact where objects intersect, the same in any order
+//! and with any culling. Errors are always reported.
 
 use cull::Strategy;
 use glam::{Affine3A, Vec3, vec3};
@@ -18,10 +18,10 @@ use tests::walk::pixels_that_differ;
 use crate::transparent::{camera, compare, film, options, scene as panes};
 
 const SIDE: u32 = 96;
-/// The backdrop: linear, as all colours here.
+/// The backdrop. All colours here are linear.
 const BEHIND: [f32; 3] = [0.2, 0.3, 0.4];
 
-/// A square in front of the camera, whose depth is a plane: `z` at (x, y).
+/// A quad in front of the camera whose depth is a plane: `z` at (x, y).
 #[derive(Clone, Copy)]
 struct Sheet {
     half_m: f32,
@@ -36,7 +36,7 @@ impl Sheet {
     }
 }
 
-/// Returns sheets that pass through each other, and more behind them than are sorted at once.
+/// Returns intersecting sheets, with more sheets behind them than are sorted at once.
 fn sheets() -> Vec<Sheet> {
     let crossing = [
         ([0.5, 0.1], [1.0, 0.1, 0.0, 0.5]),
@@ -53,7 +53,7 @@ fn sheets() -> Vec<Sheet> {
     crossing.into_iter().chain(parallel).collect()
 }
 
-/// Returns a scene of sheets before an opaque one.
+/// Returns a scene of sheets in front of an opaque sheet.
 fn scene_of(sheets: &[Sheet]) -> Scene {
     let [red, green, blue] = BEHIND;
     let behind =
@@ -101,7 +101,7 @@ fn of_side() -> RendererOptions {
     RendererOptions { size: [SIDE; 2], ..options(2) }
 }
 
-/// Returns an image, and the report of a frame that knows its counts.
+/// Returns an image, and the report of a frame whose counts are known.
 fn drawn(device: &Device, scene: &Scene, options: &RendererOptions) -> (Vec<u8>, FrameReport) {
     let mut renderer = Renderer::new(device, scene, options).unwrap();
     let mut view = renderer.new_view().unwrap();
@@ -117,8 +117,8 @@ fn drawn(device: &Device, scene: &Scene, options: &RendererOptions) -> (Vec<u8>,
     (image.rgba8().unwrap().to_vec(), report)
 }
 
-/// Returns the colour of a pixel by its sheets in the order of their depths there, sRGB-encoded;
-/// `None` where two are too near to each other, or an edge is.
+/// Returns the sRGB-encoded colour of a pixel, from its sheets in the order of their depths. `None`
+/// where two sheets are too near to each other, or at an edge.
 fn expected(sheets: &[Sheet], x: f32, y: f32) -> Option<[u8; 3]> {
     let reach_m = x.abs().max(y.abs());
     if sheets.iter().any(|sheet| (sheet.half_m - reach_m).abs() < 0.02) {
@@ -142,7 +142,7 @@ fn expected(sheets: &[Sheet], x: f32, y: f32) -> Option<[u8; 3]> {
     }))
 }
 
-/// Returns the number of pixels that are as their sheets say, and of those that are not.
+/// Returns the numbers of pixels that equal the colour of their sheets, and that differ from it.
 fn judged(sheets: &[Sheet], image: &[u8]) -> [usize; 2] {
     let mut right_and_wrong = [0; 2];
     for (place, found) in (0..).zip(image.as_chunks::<4>().0) {
@@ -174,7 +174,7 @@ fn no_order_of_objects_changes_a_bit() {
     run_on_all(|device| {
         let mut scene = scene_of(&sheets());
         let surfaces = scene.surfaces.as_mut().unwrap();
-        // Some are in the same place as others, in other colours.
+        // Some sheets are in the same place as others, in different colours.
         let again: Vec<Object> = surfaces.transparent[4..20].to_vec();
         let doubled = again.iter().enumerate().map(|(number, object)| {
             let mesh = MeshId(1 + (object.mesh.0 + number as u32) % 30);

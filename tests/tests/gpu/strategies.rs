@@ -1,5 +1,5 @@
-//! The literature's methods on real drivers: exact if they promise it, counted if not, and each
-//! with its known waits.
+//! The literature's methods on real drivers: exact if they promise exactness, otherwise with
+//! counted errors, and each with its known waits.
 
 use cull::{Camera, ChcOptions, FirstPass, LeafTest, Projection, Strategy};
 use glam::Vec3;
@@ -13,7 +13,7 @@ const DIALOGUES: [Strategy; 4] =
     [methods::NAIVE, methods::BATCHED, methods::STOP_AND_WAIT, methods::CHC];
 
 fn options(size: [u32; 2], frames_in_flight: usize) -> RendererOptions {
-    // Costs that are measured differ from run to run; without any, everything is tested.
+    // Measured costs differ from run to run; without costs, everything is tested.
     RendererOptions {
         methods: methods::all(),
         size,
@@ -113,8 +113,8 @@ fn a_depth_only_first_pass_gives_the_same_image() {
             let first_pass = FirstPass::DepthOnly;
             let options = coherent(ChcOptions { first_pass, ..Default::default() });
             let found = walk_with(device, &scene, path, 12, &options, methods::CHC);
-            // Faces of one object that have the same depth at a pixel: the last wins, not the
-            // first.
+            // Where two faces of an object have the same depth at a pixel, the last one wins
+            // instead of the first.
             assert!(found.pixels_wrong <= 12 * 160 * 90 / 10_000, "{path}: {found:?}");
             assert!(found.draws[1] < found.draws[0], "{path}: {found:?}");
         }
@@ -134,7 +134,7 @@ fn a_visibility_threshold_leaves_out_what_hardly_shows() {
         let loose = walk(20);
         check(&exact, "no threshold");
         assert!(loose.draws[1] < exact.draws[1], "{loose:?} {exact:?}");
-        // Objects of up to 20 pixels: the image is a little wrong, not altogether.
+        // Objects of up to 20 pixels may be missing, so the image is only slightly wrong.
         assert!(loose.pixels_wrong > 0 && loose.pixels_wrong < 16 * 160 * 90 / 20, "{loose:?}");
     });
 }
@@ -284,7 +284,7 @@ fn passes_are_timed_by_their_labels() {
         let mut renderer = Renderer::new(device, &scene, &options).unwrap();
         renderer.time_passes().unwrap();
         let mut view = renderer.new_view().unwrap();
-        // Nothing is known in the only frame of each slot whose times are read back.
+        // Each slot has only one frame with times that are read back, and nothing is known in it.
         let cameras: Vec<_> = (0..3).map(|frame| path.camera(frame)).collect();
         frame_loop(&mut renderer, &mut view, methods::CHC, &cameras);
         let labels: Vec<_> = renderer.pass_times().iter().map(|time| time.label).collect();
@@ -303,7 +303,7 @@ fn a_frame_is_sent_off_in_pieces() {
         let mut ring = FrameRing::new(device, 2).unwrap();
         let before = device.completed().unwrap();
         let mut frame = ring.begin().unwrap();
-        // More pieces than share descriptors, and what is recorded in each is in order.
+        // More pieces than share descriptors. The commands of all pieces run in order.
         let mut ticks: Vec<Tick> =
             (0..100).map(|_| frame.flush(Some((&gate, Tick(1)))).unwrap()).collect();
         assert_eq!(device.completed().unwrap(), before, "all pieces are held back");
@@ -311,12 +311,12 @@ fn a_frame_is_sent_off_in_pieces() {
         gate.signal(Tick(1)).unwrap();
         frame.wait(ticks[50]).unwrap();
         assert!(device.completed().unwrap() >= ticks[50]);
-        // A tick that was never submitted is not waited for.
+        // A tick that was never submitted is not awaited.
         frame.wait(Tick(u64::MAX)).unwrap();
         assert!(frame.waits() <= 2);
         ticks.push(frame.submit(None).unwrap());
         assert!(ticks.is_sorted());
-        // A frame that is given up after a piece leaves nothing that the next could disturb.
+        // A frame that is given up after a piece does not affect the next frame.
         for _ in 0..5 {
             let mut given_up = ring.begin().unwrap();
             given_up.flush(None).unwrap();

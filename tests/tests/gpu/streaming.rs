@@ -1,5 +1,5 @@
-//! Meshes and materials that come and go while a renderer runs: it looks like one that was made
-//! with them.
+//! Meshes and materials that are added and removed while a renderer runs. Images equal those of a
+//! renderer that was created with them.
 
 mod refusals;
 mod scenes;
@@ -25,7 +25,7 @@ use self::scenes::{
     options_of, some_material, some_mesh, some_texture, spare, uses,
 };
 
-/// A renderer, and what it should show.
+/// A renderer, and the scene that it should show.
 struct Stream {
     kind: Kind,
     renderer: Renderer,
@@ -80,7 +80,7 @@ impl Stream {
         Camera { eye, forward: Vec3::NEG_Z, up: Vec3::Y, projection, near: 0.1 }
     }
 
-    /// Returns textures of colours and of numbers, new ones where there is room.
+    /// Returns textures of colours and of numbers, which are new if there is room.
     fn textures(&mut self, random: &mut Random) -> [TextureId; 2] {
         let new = some_texture(random);
         match self.renderer.add_textures(vec![new.clone()]) {
@@ -99,7 +99,7 @@ impl Stream {
         })
     }
 
-    /// Returns a material for a mesh that comes, a new one where there is room.
+    /// Returns a material for an added mesh, which is new if there is room.
     fn material(&mut self, random: &mut Random) -> MaterialId {
         if self.kind == Kind::Plain {
             return MaterialId(0);
@@ -123,7 +123,7 @@ impl Stream {
         }
     }
 
-    /// Removes the materials that came and that no mesh has.
+    /// Removes the added materials that no mesh uses.
     fn remove_materials(&mut self) {
         let used = |id: &MaterialId| {
             let mut meshes = self.meshes.values();
@@ -147,7 +147,7 @@ impl Stream {
         self.textures.retain(|id, _| !gone.contains(id));
     }
 
-    /// Adds meshes with an object each, some of them behind the wall.
+    /// Adds meshes with one object each, some of them behind the wall.
     fn add(&mut self, random: &mut Random) {
         let kind = self.kind;
         let mut meshes = Vec::new();
@@ -173,7 +173,7 @@ impl Stream {
         }
     }
 
-    /// Removes a mesh with its objects, on its way or not.
+    /// Removes a mesh with its objects, even during its upload.
     fn remove(&mut self, random: &mut Random) {
         let ids: Vec<MeshId> = self.meshes.keys().copied().filter(|id| id.0 > 0).collect();
         let Some(id) = ids.get(random.below(ids.len().max(1) as u32) as usize).copied() else {
@@ -194,7 +194,8 @@ impl Stream {
         self.remove_materials();
     }
 
-    /// Draws a frame with culling and without, which look the same, and returns the image.
+    /// Draws a frame with and without culling, checks that both look the same, and returns the
+    /// image.
     fn draw(&mut self) -> Vec<u8> {
         let camera = self.camera();
         self.frame += 1;
@@ -203,7 +204,8 @@ impl Stream {
         let resident = |stream: &Self| {
             stream.meshes.keys().filter(|id| stream.renderer.is_resident(**id)).count()
         };
-        // Again where a mesh arrived in between: the second frame shows it, the first does not.
+        // Repeats the frames if a mesh arrived in between, since only the second frame shows the
+        // mesh.
         while {
             let before = resident(self);
             self.draw_by(Strategy::ANTUMBRA, 0, camera);
@@ -222,7 +224,7 @@ impl Stream {
         self.renderer.render(&mut self.views[number], request).unwrap();
     }
 
-    /// Adds the textures and materials that came to those of the first scene.
+    /// Appends the added textures and materials to those of the first scene.
     fn add_textures_to(&self, surfaces: &mut Surfaces) {
         for (number, texture) in (FIRST_TEXTURES..).zip(self.textures.values()) {
             surfaces.images.push(texture.image().clone());
@@ -245,7 +247,8 @@ impl Stream {
         }));
     }
 
-    /// Draws until everything is there, and compares with a renderer that is made of it.
+    /// Draws until everything is uploaded, and compares with a renderer that is created with
+    /// everything.
     fn compare(&mut self, device: &Device) {
         let mut frames = 0;
         while self.renderer.is_uploading() {
@@ -296,7 +299,7 @@ impl Stream {
     }
 }
 
-/// Lets meshes come and go, and compares now and then.
+/// Adds and removes meshes, and sometimes compares images.
 fn stream(device: &Device, kind: Kind, rounds: u32) -> Stream {
     let mut random = Random::new(17);
     let mut stream = Stream::new(device, kind);
@@ -318,7 +321,7 @@ fn meshes_that_come_and_go_look_as_if_they_had_always_been_there() {
         let kinds = [Some(Kind::Plain), Some(Kind::Surfaces), has_indexing.then_some(Kind::Images)];
         for kind in kinds.into_iter().flatten() {
             let stream = stream(device, kind, 48);
-            // The room is taken again and again, in pieces of all sizes.
+            // The room is reused many times, in pieces of all sizes.
             assert!(stream.added > 5 * SPARE.meshes, "{} meshes came", stream.added);
             assert!(stream.refused > 0, "there was always room");
             let had_materials = kind != Kind::Plain;
@@ -345,7 +348,7 @@ fn a_host_copies_the_image_while_meshes_and_textures_arrive() {
             stream.frame += 1;
             stream.draw_by(Strategy::ANTUMBRA, 0, camera);
             arriving += u32::from(stream.renderer.is_uploading());
-            // Nothing is waited for but the host's own copy.
+            // The only wait is for the host's own copy.
             let copied = host.copy(&*lock, &stream.renderer.finished_image().unwrap());
             device.wait_idle().unwrap();
             assert!(copied == *stream.images[0].rgba8().unwrap(), "{driver:?}");

@@ -1,5 +1,5 @@
-//! Boxes that show by less than a pixel beside their occluder: no rounding of a proxy, no snapping
-//! of vertices may lose them. If an object owns a sample, its proxy must have one too.
+//! Boxes that show by less than a pixel beside their occluder. Rounding of proxies and snapping of
+//! vertices must not lose them: if an object covers a sample, its proxy must cover a sample, too.
 
 use cull::{Aabb, Camera, CullView};
 use glam::Vec3;
@@ -14,7 +14,7 @@ use tests::shapes::{box_at, box_scene, proxy_pass, square_camera};
 use tests::{Driver, run};
 
 const SIDE: u32 = 512;
-/// The pairs in a row and in a column: each has its own part of the image.
+/// The number of pairs in a row and in a column. Each pair has its own part of the image.
 const CELLS: u32 = 24;
 
 /// A seeded source of numbers from 0 to 1 (splitmix64).
@@ -54,7 +54,7 @@ fn pairs(numbers: &mut Numbers) -> Vec<Aabb> {
     screens
 }
 
-/// The copies of a mesh as the opaque pass reads them.
+/// The instances of a mesh as the opaque pass reads them.
 struct Copies {
     io: OpaqueIo,
     indices: u32,
@@ -85,7 +85,8 @@ impl Copies {
     }
 }
 
-/// Returns the number of boxes that own a sample, and of those without a sample of their proxy.
+/// Returns the number of boxes that cover a sample, and the number of these whose proxy covers
+/// none.
 fn lost(
     device: &Device,
     seeds: u64,
@@ -94,7 +95,7 @@ fn lost(
     let opaque =
         OpaquePass::new(device, &ShaderSet::embedded().unwrap(), Attachments::default()).unwrap();
     let proxies = proxy_pass(device);
-    // Rolled, so that edges are slanted: along an upright edge all vertices snap alike.
+    // Rolled to slant the edges, since all vertices along an upright edge snap alike.
     let camera = Camera { up: Vec3::new(0.3, 1.0, 0.0), ..square_camera() };
     let view =
         CullView::new(&camera, [SIDE, SIDE], device.adapter().limits.sub_pixel_precision_bits);
@@ -169,7 +170,7 @@ fn no_sliver_is_lost() {
 
 #[test]
 fn without_the_margin_slivers_are_lost() {
-    // The search above would find something: plain boxes lose slivers where the grid is coarse.
+    // Checks that the search above can fail: without a margin, boxes lose slivers on a coarse grid.
     run(Driver::SwiftShader, |device| {
         let (shown, lost) = lost(device, 20, |_, bounds| *bounds);
         assert!(lost > 0, "none of {shown} slivers");

@@ -1,5 +1,5 @@
-//! Curved surfaces that the GPU computes: like the oracle, without cracks, streamed into a renderer
-//! that draws and culls them like any other mesh.
+//! Curved surfaces that the GPU tessellates: equal to the oracle, without cracks, and streamed into
+//! a renderer that draws and culls them like any other mesh.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -43,7 +43,7 @@ fn tessellators(device: &Device) -> Vec<Tessellator> {
     paths.iter().map(|path| Tessellator::by_path(device, &shaders, *path).unwrap()).collect()
 }
 
-/// Returns what the GPU makes of a surface.
+/// Returns the GPU's tessellation of a surface.
 fn captured(
     device: &Device,
     tessellator: &mut Tessellator,
@@ -58,7 +58,7 @@ fn captured(
     mesh
 }
 
-/// Checks that each edge has exactly two triangles, one on either side, with equal bits.
+/// Checks that each edge has exactly two triangles, one per side, with bit-equal ends.
 fn walk_seams(mesh: &Mesh) {
     let mut walked: HashMap<[[u32; 3]; 2], u32> = HashMap::new();
     let place = |index: u32| mesh.vertices[index as usize].position.map(f32::to_bits);
@@ -99,12 +99,12 @@ fn the_gpu_agrees_with_the_oracle_and_leaves_no_crack() {
     });
 }
 
-/// Returns the places of the vertices, as bits.
+/// Returns the positions of the vertices, as bits.
 fn places(mesh: &Mesh) -> BTreeSet<[u32; 3]> {
     mesh.vertices.iter().map(|vertex| vertex.position.map(f32::to_bits)).collect()
 }
 
-/// Returns the volume of a closed mesh, below 0 if its triangles face inside.
+/// Returns the volume of a closed mesh, which is negative if its triangles face inwards.
 fn volume(mesh: &Mesh) -> f32 {
     let of_triangle = |corners: &[u32; 3]| {
         let [a, b, c] =
@@ -140,7 +140,7 @@ fn tessellation_shaders_make_the_points_of_the_compute_pass_and_leave_no_crack()
                 assert!(unpack_normal(vertex.normal).dot(exact) > 0.95, "{place}");
             }
             let share = volume_m3 / expected_m3;
-            // A quad is divided along the one diagonal or the other.
+            // A quad is divided along either diagonal.
             assert!((0.8..1.25).contains(&share), "{volume_m3}, {expected_m3}, {levels:?}");
         }
     });
@@ -189,7 +189,8 @@ fn a_surface_of_too_many_points_is_refused_before_it_takes_memory() {
     });
 }
 
-/// A renderer with one curved object behind a wall's edge, made anew as the camera comes nearer.
+/// A renderer with a curved object behind the edge of a wall, which is tessellated again as the
+/// camera comes nearer.
 struct Stage {
     renderer: Renderer,
     views: [RenderView; 2],
@@ -217,7 +218,7 @@ impl Stage {
         }
     }
 
-    /// Shows a mesh in the place of the one before.
+    /// Replaces the shown mesh.
     fn show(&mut self, mesh: Mesh, transform: Affine3A) {
         let mesh = PreparedMesh::new(mesh).unwrap();
         let [id] = self.renderer.add_meshes(vec![mesh]).unwrap()[..] else { panic!("one id") };
@@ -229,7 +230,7 @@ impl Stage {
         }
     }
 
-    /// Returns the image, which is the same with culling and without.
+    /// Returns the image, which is the same with and without culling.
     fn image(&mut self, camera: Camera) -> Vec<u8> {
         for _ in 0..6 {
             self.draw(0, Strategy::ANTUMBRA, camera);

@@ -51,7 +51,7 @@ fn every_tester_is_exact_with_every_way_to_skip_draws() {
                 let options = RendererOptions {
                     size: [200, 120],
                     predication: Some(predication),
-                    // Everything is tested that may be hidden, whatever it costs.
+                    // Everything that may be hidden is tested, regardless of its cost.
                     cost_model: CostModel::Off,
                     ..Default::default()
                 };

@@ -1,4 +1,5 @@
-//! Textures of the surface pass: every pixel shows the specification's texel, in the right light.
+//! Textures of the surface pass: every pixel shows the texel that the specification requires,
+//! correctly lit.
 
 mod arrays;
 mod blocks;
@@ -47,7 +48,7 @@ fn using(texture: u32) -> Option<TextureUse> {
     Some(TextureUse { texture: TextureId(texture), uv_set: 0, transform: Affine2::IDENTITY })
 }
 
-/// Returns a material that shows its texels and nothing else.
+/// Returns a material that shows only its texels.
 fn unlit() -> Material {
     Material { base_colour_texture: using(0), is_unlit: true, ..Material::default() }
 }
@@ -142,7 +143,7 @@ fn textures_follow_the_set_and_the_transform_that_they_name() {
     run_on_all(|device| {
         let first = [[0.0, 0.0], [1.0, 1.0]];
         let second = [[0.25, 0.5], [2.25, 1.0]];
-        // As KHR_texture_transform writes it: offset, rotation, scale.
+        // As in KHR_texture_transform: offset, rotation, scale.
         let (sin, cos) = 0.5_f32.sin_cos();
         let rotation = Mat2::from_cols(vec2(cos, -sin), vec2(sin, cos));
         let scale = Mat2::from_diagonal(vec2(1.5, -0.75));

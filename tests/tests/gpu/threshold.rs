@@ -1,5 +1,5 @@
-//! A visibility threshold: images that are not exact, with a counted error: it is never larger than
-//! the count.
+//! A visibility threshold: images are not exact, and the counted error is an upper bound of their
+//! error.
 
 use cull::{Aabb, Camera, ChcOptions, Strategy};
 use glam::Vec3;
@@ -16,7 +16,7 @@ const SIZE: [u32; 2] = [240, 135];
 fn options(threshold_samples: u32) -> RendererOptions {
     let coherent =
         ChcOptions { visibility_threshold_samples: threshold_samples, ..ChcOptions::default() };
-    // Costs that are measured differ from run to run; without any, everything is tested.
+    // Measured costs differ from run to run; without costs, everything is tested.
     RendererOptions {
         methods: vec![methods::chc(coherent)],
         size: SIZE,
@@ -34,7 +34,7 @@ struct Found {
     draws: u64,
 }
 
-/// Walks with `strategy`; no frame may have more wrong pixels than its count.
+/// Walks with `strategy`, and checks that no frame has more wrong pixels than its count.
 fn walk(
     device: &Device,
     scene: &Scene,
@@ -100,7 +100,8 @@ fn every_executor_that_can_compare_leaves_out_the_same() {
         for predication in
             [PredicationMode::Counts, PredicationMode::Instances, PredicationMode::Compacted]
         {
-            // With more frames in flight, a busy machine decides when answers come.
+            // With more frames in flight, the arrival of answers depends on the load of the
+            // machine.
             let options = RendererOptions {
                 predication: Some(predication),
                 frames_in_flight: 1,
@@ -118,8 +119,8 @@ fn every_executor_that_can_compare_leaves_out_the_same() {
     });
 }
 
-/// Checks that an object that shows as much as the threshold is hidden and one with a sample more
-/// is not: a row of boxes behind a wall, each visible by a little more than the one before.
+/// Checks that an object with as many visible samples as the threshold is hidden, and an object
+/// with one more is not. Each box in a row behind a wall shows slightly more than the previous one.
 #[test]
 fn what_shows_as_much_as_the_threshold_is_hidden_and_a_sample_more_is_not() {
     run_on_all(|device| {
@@ -134,7 +135,7 @@ fn what_shows_as_much_as_the_threshold_is_hidden_and_a_sample_more_is_not() {
         let cameras = vec![square_camera(); 30];
         let mut last = None;
         for threshold in [0, 1, 3, 10, 30, 60, 100, 1_000, u32::MAX] {
-            // All is tested, whatever it costs.
+            // Everything is tested, regardless of its cost.
             let options = RendererOptions { size, ..options(threshold) };
             let found = walk(device, &scene, &cameras, &options, Strategy::ANTUMBRA);
             let (draws, wrong) = last.unwrap_or((found.draws, 0));

@@ -22,7 +22,7 @@ fn pane(number: u32) -> Object {
     let row = number / 6;
     let column = number % 6;
     let low = vec3(column as f32 * 1.6 - 5.0, -1.0, -4.0 - 3.0 * row as f32);
-    // Some cross the walls, some each other, some are in the same place.
+    // Some panes cross walls or each other, and some are in the same place.
     let size = match number % 3 {
         0 => vec3(2.0, 2.0, 0.1),
         1 => vec3(0.2, 2.5, 3.5),
@@ -31,7 +31,7 @@ fn pane(number: u32) -> Object {
     object(COLOURS + number % 3, low, size)
 }
 
-/// Returns walls with doors one behind the other, and panes before, between and behind them.
+/// Returns walls with doors, one behind the other, and panes in front of, between and behind them.
 pub(crate) fn scene() -> Scene {
     let mut objects = Vec::new();
     for wall in 0..4 {
@@ -95,7 +95,7 @@ fn draw_into(
     (image, report)
 }
 
-/// Returns all frames in one go while a door opens and panes fly about.
+/// Returns all frames, drawn without a wait in between, while a door opens and panes move.
 pub(crate) fn film(
     device: &Device,
     strategy: Strategy,

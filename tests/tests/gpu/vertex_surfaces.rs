@@ -1,5 +1,5 @@
-//! Scenes whose vertices hold the colours, with surfaces: they look as before, with their tints,
-//! and lights that come and go do not change these.
+//! Scenes with surfaces whose colours are in the vertices: they look the same as without surfaces,
+//! including their tints, even while lights are added and removed.
 
 use cull::{Camera, ObjectId, Strategy};
 use glam::{Affine3A, Vec3, vec3};
@@ -42,7 +42,7 @@ fn camera() -> Camera {
 
 const TINTS: [u32; 4] = [0xFF_3060F0, 0xFF_20D040, 0x00_E08010, 0xFF_FFFFFF];
 
-/// Returns four cubes in a row, whose vertices have these colours and which have these tints.
+/// Returns four cubes in a row, with these colours of vertices and these tints.
 fn cubes(colours: [u32; 4], tints: [u32; 4]) -> Scene {
     let place = |number: usize| Affine3A::from_translation(vec3(number as f32 * 2.2, 0.0, 0.0));
     let object = |(number, tint): (usize, &u32)| Object {
@@ -70,7 +70,7 @@ fn a_tint_is_a_factor_of_the_vertex_colours_by_their_share() {
         let white = pack_unorm([1.0; 4]);
         let tinted = cubes([white; 4], TINTS).with_surfaces();
         let share = |colour: u32, share: u32| colour & 0xFF_FFFF | share << 24;
-        // What is not tinted at all has its colour, whichever tint the object has.
+        // Vertices without a share of the tint keep their colour, whatever the tint of the object.
         let coloured = cubes(TINTS.map(|tint| share(tint, 0)), [0; 4]).with_surfaces();
         let plain = cubes([share(white, 0); 4], TINTS).with_surfaces();
         let [tinted, coloured, plain] =
@@ -95,7 +95,7 @@ fn tints_stay_while_lights_come_and_go() {
         });
         let mut moved = renderer(device, &scene);
         let before = image(&mut moved, camera());
-        // The first goes out of the light's range, the last comes into it.
+        // The first cube leaves the range of the light, the last one enters it.
         for (object, x) in [(0, 6.6), (3, 0.0)] {
             let transform = Affine3A::from_translation(vec3(x, 0.0, 0.0));
             moved.update(&[ObjectChange::Move { object: ObjectId(object), transform }]).unwrap();

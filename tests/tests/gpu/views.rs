@@ -1,5 +1,4 @@
-//! Several views in one frame: each exact, with a history of its own, in its own part of the
-//! image.
+//! Several views in one frame: each is exact, with its own history and part of the image.
 
 use cull::{Camera, Projection, Strategy};
 use glam::Vec3;
@@ -15,7 +14,7 @@ use tests::{Driver, run, run_on_all};
 const SIZE: [u32; 2] = [320, 100];
 
 fn options(frames_in_flight: usize) -> RendererOptions {
-    // Costs that are measured differ from run to run; without any, everything is tested.
+    // Measured costs differ from run to run; without costs, everything is tested.
     RendererOptions {
         methods: methods::all(),
         size: SIZE,
@@ -31,7 +30,7 @@ fn pair(camera: Camera) -> [Camera; 2] {
     [-0.0325, 0.0325].map(|aside| Camera { eye: camera.eye + right * aside, ..camera })
 }
 
-/// Renders a frame with as many views as there are cameras, in `areas`.
+/// Renders a frame with one view per camera, in `areas`.
 fn render(
     renderer: &mut Renderer,
     histories: &mut [RenderView],
@@ -142,8 +141,7 @@ fn a_stereo_pair_is_exact_with_every_tester() {
     });
 }
 
-/// Checks that each eye of a pair draws exactly its own visible set, in an image that cannot be
-/// halved evenly.
+/// Checks that each eye of a pair draws exactly its own visible set, in an image of odd width.
 #[test]
 fn each_eye_has_an_ideal_of_its_own() {
     run_on_all(|device| {
@@ -213,7 +211,7 @@ fn every_way_to_skip_draws_knows_its_view() {
     });
 }
 
-/// Checks four views that look to all sides, in parts of all sizes, one over another.
+/// Checks four views that look in all directions, in overlapping parts of all sizes.
 #[test]
 fn areas_may_be_anywhere() {
     run_on_all(|device| {
@@ -243,8 +241,8 @@ fn areas_may_be_anywhere() {
     });
 }
 
-/// Checks that the faces of a cube, or the parts of a split screen, share a budget of few queries,
-/// and that the image of each is exact.
+/// Checks that the faces of a cube, and the parts of a split screen, share a small budget of
+/// queries and have exact images.
 #[test]
 fn views_on_one_tight_budget_are_exact() {
     run_on_all(|device| {
@@ -252,7 +250,7 @@ fn views_on_one_tight_budget_are_exact() {
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let split = |frame, part: u32| path.camera(frame + 173 * part);
         let faces = |frame, part: u32| face(path.camera(frame), part as usize);
-        // The budget, and the least number of queries of the view that has the most.
+        // The budget, and the least number of queries that the view with most queries must have.
         let cases: [([usize; 2], PartCamera<'_>); 2] = [([100, 21], &faces), ([48, 8], &split)];
         for ([query_budget, least], camera) in cases {
             let options = RendererOptions { query_budget, ..options(2) };
@@ -294,15 +292,15 @@ fn face(camera: Camera, number: usize) -> Camera {
     Camera { forward, up, projection, ..camera }
 }
 
-/// Checks that a view has the same plan and the same pixels alone and with others beside it. (In
-/// another place of the image a device may round otherwise.)
+/// Checks that a view has the same plan and pixels alone and together with other views. (In another
+/// place of the image a device may round differently.)
 #[test]
 fn a_view_does_not_notice_the_others() {
     run_on_all(|device| {
         let GeneratedScene { scene, routes } = SceneKind::City.build(900);
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let half = [SIZE[0] / 2, SIZE[1]];
-        // Plans are compared, so no costs that are measured.
+        // Plans are compared, so costs must not be measured.
         let options = options(2);
         let mut both = Renderer::new(device, &scene, &options).unwrap();
         let alone_options = RendererOptions { size: half, ..options };

@@ -1,5 +1,5 @@
-//! Shadow volumes in the renderer: images with them against rays, under every strategy, in several
-//! views and sizes, and by each way of extruding.
+//! Shadow volumes in the renderer: images against rays, with every strategy, in several views and
+//! sizes, and by each way of extruding.
 
 mod changes;
 mod culling;
@@ -159,7 +159,7 @@ fn impossible_lights_and_ten_thousand_of_them_cast_no_harmful_volumes() {
             let scene = badly_lit(count);
             let mut renderer = renderer(device, &scene, volumes());
             let mut view = renderer.new_view().unwrap();
-            // Most of them are at this corner.
+            // Most lights are at this corner.
             let corner = shadow_scene::GROUND.max;
             let camera = Camera {
                 eye: corner + 3.0,

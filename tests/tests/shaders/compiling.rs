@@ -1,4 +1,4 @@
-//! Compiling at run time: its output equals the committed SPIR-V, and its errors lead to the line.
+//! Compiling at run time: its output equals the committed SPIR-V, and its errors name the line.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ use tests::Driver;
 
 use crate::{REGENERATE, committed_spirv, folder, sources};
 
-/// A copy of the shader folder to break, removed when dropped.
+/// A copy of the shader folder for broken shaders, removed on drop.
 struct Copy(PathBuf);
 
 impl Copy {
@@ -26,7 +26,7 @@ impl Copy {
         Self(copy)
     }
 
-    /// Replaces `from` in the file `name`, which must hold it.
+    /// Replaces `from` in the file `name`, which must contain it.
     fn edit(&self, name: &str, from: &str, to: &str) {
         let file = self.0.join(name);
         let text = std::fs::read_to_string(&file).unwrap();
@@ -58,7 +58,8 @@ fn the_committed_spirv_is_what_the_compiler_makes() {
     for name in sources::stages(&folder()).unwrap() {
         let spirv = gpu::compile(&folder().join(&name)).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(spirv.name, name);
-        // Another version of shaderc may make other code of the same source: Debian 12's decides.
+        // Other versions of shaderc may generate different code: the version of Debian 12 is the
+        // reference.
         assert!(
             spirv.to_bytes() == committed_spirv(&name),
             "{name} compiles to other SPIR-V than is committed; {REGENERATE} (with Debian 12's \

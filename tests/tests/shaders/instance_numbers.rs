@@ -1,4 +1,5 @@
-//! The numbers that vertex shaders read: none that keeps hardware from walking a list of draws.
+//! The built-in inputs of vertex shaders: none may prevent the hardware from processing a list of
+//! draws.
 
 use crate::{committed_spirv, folder};
 
@@ -9,11 +10,10 @@ const BASE_VERTEX: u32 = 4424;
 const BASE_INSTANCE: u32 = 4425;
 const DRAW_INDEX: u32 = 4426;
 
-/// The shaders that read the index of the vertex, which includes the base vertex. None of them is
-/// drawn by a list of indirect draws, but those of edges and the last: those make their vertices up
-/// from the index, and are drawn by direct draws or by one indirect draw at a time. Edges find
-/// their segment by it. `volume.vert` names the
-/// vertices of a triangle by it, for the geometry stage.
+/// The shaders that read the vertex index, which includes the base vertex. Lists of indirect draws
+/// use only the shaders of edges and the last shader. All others generate their vertices from the
+/// index, in direct draws or single indirect draws. Edges find their segment by the index.
+/// `volume.vert` passes the index to the geometry stage to identify the vertices of a triangle.
 const WITH_VERTEX_INDEX: [&str; 15] = [
     "box_volume.vert",
     "cap.vert",

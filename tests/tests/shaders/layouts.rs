@@ -1,4 +1,4 @@
-//! The buffers and constants of the committed SPIR-V, against the structures in Rust.
+//! The buffers and constants of the committed SPIR-V are compared with the structures in Rust.
 
 use std::mem::offset_of;
 
@@ -12,8 +12,8 @@ use crate::{OF_GPU, committed_spirv};
 /// The stride of each storage buffer's array and the offsets of its elements' members, by binding.
 type Buffers = Vec<(u32, usize, Vec<usize>)>;
 
-/// Returns the inputs of one stage: its storage buffers, beside textures, and the bytes of its push
-/// constants.
+/// Returns the inputs of one stage: its storage buffers, without textures, and the size of its push
+/// constants in bytes.
 fn interface(name: &str) -> (Buffers, usize) {
     let spirv = committed_spirv(name);
     let entries = ReflectConfig::new().spv(spirv).ref_all_rscs(true).reflect().expect("SPIR-V");
@@ -25,7 +25,7 @@ fn interface(name: &str) -> (Buffers, usize) {
         match variable {
             Variable::Descriptor { desc_bind, ty, nbind, .. } => {
                 if name.contains("_bindless") && desc_bind.set() == 1 {
-                    // The one table of textures, as long as it is.
+                    // The table of textures, which has no fixed length.
                     assert_eq!((desc_bind.bind(), *nbind), (0, 0), "{name}");
                     continue;
                 }
@@ -68,8 +68,7 @@ fn interface(name: &str) -> (Buffers, usize) {
     (buffers, push_bytes)
 }
 
-/// Returns the stride and the offsets of a storage buffer: one structure of one array without an
-/// end.
+/// Returns the stride and the offsets of a storage buffer: a structure with a single unsized array.
 fn array_in(name: &str, ty: &Type) -> (usize, Vec<usize>) {
     let Type::Struct(block) = ty else { panic!("{name}: no block but {ty}") };
     let [member] = &block.members[..] else { panic!("{name}: more than an array in {ty}") };
@@ -192,7 +191,7 @@ fn predicates_read_results_and_ranges() {
 fn the_pyramid_reads_boxes_and_draws_and_counts_them() {
     assert_eq!(interface("pyramid_build.comp"), (vec![(0, 4, vec![0])], 16));
     let draw = (size_of::<IndirectDraw>(), INDIRECT_DRAW_OFFSETS.to_vec());
-    // Boxes carry the number of triangles that are shown in the value behind their lower corner.
+    // The value after the lower corner of a box holds the number of shown triangles.
     let first = vec![
         (0, 32, vec![0, 12, 16, 28]),
         (1, draw.0, draw.1.clone()),
@@ -337,7 +336,7 @@ fn layers_are_counted_per_pixel_and_shown_in_the_colours_of_the_legend() {
 fn the_skinning_pass_reads_and_writes_values() {
     let values = |binding| (binding, 4, vec![0]);
     assert_eq!(interface("skinning.comp"), ([0, 1, 2, 3, 4, 5].map(values).to_vec(), 44));
-    // Its values: a vertex has five of them, a surface vertex ten.
+    // The values of a vertex: five, and ten for a surface vertex.
     assert_eq!(size_of::<scene::Vertex>(), 5 * 4);
     assert_eq!(size_of::<scene::SurfaceVertex>(), 10 * 4);
     assert_eq!(offset_of!(scene::Vertex, normal), 3 * 4);
@@ -346,7 +345,7 @@ fn the_skinning_pass_reads_and_writes_values() {
 
 #[test]
 fn the_required_storage_buffers_are_the_most_that_a_stage_binds() {
-    // The layout of a pipeline has all buffers up to the last one in each of its stages.
+    // The layout of a pipeline includes all buffers up to the last one of each stage.
     let bound = |name: &str| interface(name).0.last().map_or(0, |(binding, ..)| binding + 1);
     let names = || shaders::PASSES.into_iter().chain(OF_GPU).map(|shader| shader.name);
     let is_cut =

@@ -1,5 +1,4 @@
-//! The shaders: the committed SPIR-V is compiled from the GLSL, and both sides agree on every
-//! layout.
+//! The shaders: the committed SPIR-V matches the GLSL, and shaders and Rust agree on every layout.
 #![forbid(unsafe_code)]
 #![allow(
     clippy::unwrap_used,
@@ -18,7 +17,7 @@ use std::path::PathBuf;
 
 use shaders::{Shader, sources};
 
-/// The command to run after a shader was changed.
+/// The command to run after a change of a shader.
 const REGENERATE: &str = "run `cargo --config ci/shaderc-debian.toml run -p antumbra-gpu \
     --features shader-compiler --example compile_shaders` and commit what it writes";
 

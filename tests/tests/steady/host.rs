@@ -1,5 +1,5 @@
-//! A host with the executor in its command buffers: at rest and while boxes move, a frame makes no
-//! Vulkan object and allocates no memory.
+//! A host with the executor in its command buffers. At rest and while boxes move, a frame creates
+//! no Vulkan object and allocates no memory.
 
 use cull::{DrawPhases, Strategy};
 use glam::Vec3;
@@ -12,7 +12,7 @@ use tests::host_device::Host;
 use tests::host_scene::{BoxOptions, ComparedScene, IN_FLIGHT};
 use tests::host_walk::{boxes, camera};
 
-/// The frames until all memory has its size.
+/// The number of frames until all memory has its final size.
 const BEFORE: u64 = 40;
 
 #[test]
@@ -53,8 +53,8 @@ enum Moves {
     InEachFrame,
 }
 
-/// Returns the Vulkan objects that the engine made and its allocations, in frames of a host that
-/// has drawn for a while.
+/// Returns the numbers of created Vulkan objects and of allocations by the engine, in frames of a
+/// host that has drawn for a while.
 fn made_and_allocated(
     driver: Driver,
     strategy: Strategy,
@@ -70,7 +70,7 @@ fn made_and_allocated(
     let mut commands = HostCommands::new(&host, IN_FLIGHT);
     let mut ring = FrameRing::new(&device, IN_FLIGHT).unwrap();
     let made = || -> usize {
-        // The sets of a frame come from its slot's pool.
+        // The descriptor sets of a frame come from the pool of its slot.
         let all = CALLS_THAT_MAKE.iter().filter(|call| **call != c"vkAllocateDescriptorSets");
         all.map(|call| calls(call)).sum()
     };

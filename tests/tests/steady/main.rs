@@ -1,4 +1,4 @@
-//! Loops that make no Vulkan object and allocate no memory at rest. The allocator counts.
+//! Loops that create no Vulkan object and allocate no memory at rest. The allocator counts.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,

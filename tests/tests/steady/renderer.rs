@@ -1,5 +1,5 @@
-//! A renderer in a window: at rest it makes no Vulkan object and allocates no memory. Every switch
-//! while it runs leaves the image right, waits for nothing and keeps nothing.
+//! A renderer in a window. At rest it creates no Vulkan object and allocates no memory. Switches at
+//! run time leave the image right, without waits and leaks.
 
 use std::ffi::CStr;
 
@@ -20,8 +20,8 @@ const MODES: [(Driver, &[PresentMode]); 2] = [
     (Driver::SwiftShader, &[PresentMode::Fifo, PresentMode::Mailbox]),
 ];
 
-/// Returns the number of objects that were made, beside the recording of commands and the sets of a
-/// frame from its slot's pool: both begin again with every frame.
+/// Returns the number of created objects, without command buffer recordings and without descriptor
+/// sets from the pool of a slot: both begin again with every frame.
 pub fn made() -> usize {
     const EVERY_FRAME: [&CStr; 4] = [
         c"vkBeginCommandBuffer",
@@ -33,8 +33,8 @@ pub fn made() -> usize {
     all.filter(|call| !EVERY_FRAME.contains(call)).map(|call| calls(call)).sum()
 }
 
-/// Returns false for the methods of the literature that wait by their nature or are not exact, and
-/// for the yardstick.
+/// Returns false for methods of the literature that always wait or are not exact, and for the ideal
+/// yardstick.
 fn is_ours(strategy: &Strategy) -> bool {
     !strategy.is_blocking() && ![methods::IDEAL, methods::NEXT_FRAME].contains(strategy)
 }
@@ -135,7 +135,7 @@ fn a_thousand_switches_leave_the_image_and_keep_nothing() {
         }
         stage.device.wait_idle().unwrap();
         let memory = stage.device.memory_bytes().0;
-        // The memory that the strategies used in turn may be laid out a little differently.
+        // The strategies used memory in turn, so its layout may differ slightly.
         assert!(memory <= halfway.0 + (8 << 20), "{driver:?}: {memory} bytes, {}", halfway.0);
         assert!(most_retired <= 2 * halfway.1, "{driver:?}: {most_retired}, {}", halfway.1);
         drop((swapchain, image, view, renderer));

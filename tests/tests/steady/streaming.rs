@@ -1,5 +1,5 @@
-//! A renderer to which meshes, materials, textures and lights came, and from which some went: while
-//! nothing comes it makes no Vulkan object and allocates no memory.
+//! A renderer after meshes, materials, textures and lights were added and removed. Without further
+//! additions it creates no Vulkan object and allocates no memory.
 
 use cull::{Camera, Projection, Strategy};
 use glam::{Affine2, Affine3A, Vec3, vec3};
@@ -64,7 +64,7 @@ fn options() -> RendererOptions {
     }
 }
 
-/// Adds one of each kind, with an object, and removes another that was there for a while.
+/// Adds one of each kind, with an object, and removes them; then adds them again.
 fn change(renderer: &mut Renderer, mesh: &Mesh) {
     let image = Image::of_rgba8("came", [16, 16], vec![200; 1024]);
     let texture = PreparedTexture::new(image, Encoding::Srgb, Sampler::default()).unwrap();

@@ -1,4 +1,4 @@
-//! A window at rest: its frame loop makes no Vulkan object and allocates no memory.
+//! A window at rest: its frame loop creates no Vulkan object and allocates no memory.
 
 use gpu::{PresentMode, SwapchainOptions};
 use tests::Driver;
@@ -22,7 +22,7 @@ fn a_window_at_rest_makes_nothing_and_allocates_nothing() {
             let mut painter = Painter::new(&stage.device, size);
             let mut swapchain = stage.swapchain(&SwapchainOptions { mode, ..Default::default() });
             let made = || CALLS_THAT_MAKE.iter().chain(CALLS_THAT_SHOW).map(|c| calls(c)).sum();
-            // begin, end and reset of command buffers are in the list, too: they come every frame.
+            // The list includes begin, end and reset of command buffers, which every frame calls.
             let every_frame: [&std::ffi::CStr; 3] =
                 [c"vkBeginCommandBuffer", c"vkEndCommandBuffer", c"vkResetCommandPool"];
             let made = || -> usize {

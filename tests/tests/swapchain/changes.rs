@@ -1,4 +1,4 @@
-//! Windows that change in every way open to a user, a thousand times.
+//! Windows that change a thousand times, in every way that a user can change them.
 
 use gpu::{Acquired, PresentMode, PresentResult, PresentSkipped, SwapchainOptions};
 use tests::Driver;
@@ -43,7 +43,7 @@ fn a_window_survives_a_thousand_changes() {
                 }
             }
             show.size = size;
-            // Events come late: sometimes the caller knows the size of a while ago.
+            // Events are late, so the caller sometimes uses an old size.
             show.frame(step, if random.below(4) == 0 { before } else { size });
             if step % (STEPS / CHECKS as u32) == 0 {
                 show.check(step);
@@ -51,15 +51,15 @@ fn a_window_survives_a_thousand_changes() {
             }
         }
         assert!(resizes > 800 && show.presented > 500, "{resizes}, {}", show.presented);
-        // One swapchain per change at most: nothing is recreated without a reason.
+        // At most one swapchain per change: nothing is recreated without a reason.
         assert!(show.swapchain.replaced() <= resizes, "{}", show.swapchain.replaced());
-        // At rest nothing is made at all.
+        // At rest nothing is created.
         let replaced = show.swapchain.replaced();
         for seed in 0..20 {
             show.frame(seed, size);
         }
         assert!(show.swapchain.replaced() <= replaced + 1);
-        // The images compared were drained; nothing else waited for the GPU.
+        // The compared images were drained. Nothing else waited for the GPU.
         assert_eq!(stage.device.wait_counts().other, CHECKS);
         drop(show);
         stage.end();
@@ -82,7 +82,7 @@ fn an_image_that_is_not_shown_is_what_the_next_frame_gets() {
         show_surely(&mut swapchain, &painter.target, size);
         await_image(&expected, || window.pixels(size));
         assert_eq!(swapchain.replaced(), 0, "{driver:?}");
-        // Nor when the window goes with one.
+        // The same holds when the window is destroyed with an acquired image.
         drop(swapchain.acquire(size).unwrap());
         drop((swapchain, painter));
         stage.end();
@@ -101,7 +101,7 @@ fn what_is_let_go_is_not_used_again_before_its_time() {
         let mut swapchain = stage.swapchain(&SwapchainOptions::default());
         show_surely(&mut swapchain, &painter.target, size);
         for mode in [PresentMode::Mailbox, PresentMode::Fifo] {
-            // The GPU is held back, and with it the wait for the image that is given up.
+            // The GPU is held back, and with it the wait for the given-up image.
             let gate = gpu::Timeline::new(&stage.device, "gate").unwrap();
             let mut ring = gpu::FrameRing::new(&stage.device, 1).unwrap();
             drop(swapchain.acquire(size).unwrap());
@@ -111,7 +111,7 @@ fn what_is_let_go_is_not_used_again_before_its_time() {
                 Acquired::Image(image) => image,
                 Acquired::Not(other) => panic!("{driver:?}: {other:?}"),
             };
-            // A present may depend on nothing that is yet to be signalled.
+            // A present must not depend on a semaphore that is still to be signalled.
             gate.signal(gpu::Tick(1)).unwrap();
             assert!(image.show(&painter.target).unwrap().presented().is_some());
             await_image(&expected, || window.pixels(size));
@@ -171,7 +171,7 @@ fn a_window_that_is_destroyed_says_so_and_takes_nothing_with_it() {
 
 #[test]
 fn a_server_that_ends_is_a_window_that_is_gone() {
-    // SwiftShader takes it for granted that its server answers. Xlib ends the program by itself.
+    // SwiftShader assumes that its server answers. Xlib itself ends the program.
     for mode in PresentMode::ALL {
         let mut server = Xvfb::start();
         let size = [200, 100];

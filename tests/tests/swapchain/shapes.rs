@@ -33,7 +33,7 @@ fn circle(device: &Device) -> Target {
     target
 }
 
-/// Returns the first and the last column and row that have a pixel of this kind.
+/// Returns the first and last columns and rows with such a pixel.
 fn extent(
     pixels: &[[u8; 3]],
     size: [u32; 2],
@@ -58,7 +58,7 @@ fn a_circle_stays_a_circle_in_windows_of_any_shape() {
         let stage = WindowStage::new(driver, window.clone());
         let target = circle(&stage.device);
         let mut swapchain = stage.swapchain(&Default::default());
-        // Also those that have just been resized while the image is still of the old shape.
+        // Also windows that have just been resized, while the image still has the old shape.
         for size in [IMAGE, [700, 180], [320, 700], [90, 500], [333, 181], [640, 360], [641, 200]] {
             window.resize(size);
             assert_eq!(show_surely(&mut swapchain, &target, size).size, size);

@@ -1,5 +1,5 @@
-//! A window at rest: no Vulkan object is made, no memory allocated, nothing waited for; and the
-//! renderer's frame in it is the frame without it.
+//! A window at rest: no Vulkan object is created, no memory is allocated, and nothing waits. A
+//! renderer's frame in the window equals its frame without a window.
 
 use std::time::Duration;
 
@@ -39,7 +39,7 @@ fn the_renderers_image_in_a_window_is_the_one_without_it() {
         }
         assert_eq!(stage.device.wait_counts().other, waits, "nothing but slots was waited for");
         let seen = || window.pixels(size);
-        // The same frame by itself, read back.
+        // The same frame without a window, read back.
         let image = Readback::new(&stage.device, size).unwrap();
         let mut headless = renderer.new_view().unwrap();
         let request = FrameRequest {
@@ -51,7 +51,7 @@ fn the_renderers_image_in_a_window_is_the_one_without_it() {
         let pixel = |pixel: &[u8]| [pixel[0], pixel[1], pixel[2]];
         let expected: Vec<_> = image.rgba8().unwrap().chunks_exact(4).map(pixel).collect();
         await_image(&expected, seen);
-        // An image that was read back is shown as well, and again, and larger.
+        // An image that was read back can also be shown, repeatedly and enlarged.
         for _ in 0..2 {
             assert!(renderer.present(&mut swapchain, size).unwrap().presented().is_some());
         }
@@ -83,7 +83,7 @@ fn presents_are_numbered_and_told_of_where_the_driver_tells() {
         }
         assert!(swapchain.format().unwrap().contains("UNORM in SRGB_NONLINEAR"));
         assert!(swapchain.image_count() >= 3);
-        // Neither driver reports it: the result is unknown, at once.
+        // Neither driver supports the report: the result is unknown immediately.
         assert_eq!(swapchain.newest_shown().unwrap(), None);
         assert!(!swapchain.wait_until_shown(PresentId(5), Duration::from_secs(9)).unwrap());
         assert_eq!(swapchain.refresh_duration().unwrap(), None);

@@ -10,7 +10,7 @@ use tests::window_fixture::{Painter, Random, WindowStage};
 
 const SIZE: [u32; 2] = [320, 200];
 const BOUND: Duration = Duration::from_millis(100);
-/// The longest time of a call of a frame loop: a few bounds, on any machine.
+/// The longest time of a call in a frame loop: a few bounds, on any machine.
 const A_WHILE: Duration = Duration::from_secs(2);
 
 fn options(mode: PresentMode) -> SwapchainOptions {
@@ -25,7 +25,7 @@ fn a_window_on_wayland_takes_images_of_every_size_in_every_mode() {
     let offered = stage.surface.present_modes(&stage.device).unwrap();
     assert!(offered.contains(&PresentMode::Mailbox) && offered.contains(&PresentMode::Fifo));
     for mode in PresentMode::ALL {
-        // However busy the machine is: a window that is seen gets its turn.
+        // A visible window gets its turn even on a busy machine.
         let options = SwapchainOptions { acquire_bound: 10 * A_WHILE, ..options(mode) };
         let mut swapchain = stage.swapchain(&options);
         let mut painter = Painter::new(&stage.device, SIZE);
@@ -34,7 +34,7 @@ fn a_window_on_wayland_takes_images_of_every_size_in_every_mode() {
         let mut sizes = 0;
         for frame in 0..60 {
             window.answer();
-            // Nothing but the caller knows that the window has another size.
+            // Only the caller knows that the window has another size.
             if frame % 3 == 0 {
                 let next = [1 + random.below(400), 1 + random.below(300)];
                 sizes += u64::from(next != size);
@@ -54,7 +54,7 @@ fn a_window_on_wayland_takes_images_of_every_size_in_every_mode() {
     stage.end();
 }
 
-/// Runs a frame loop to a window that takes no images; returns the result of each frame.
+/// Runs a frame loop to a window that takes no images. Returns the result of each frame.
 fn run_loop(
     window: &WaylandWindow,
     device: &Device,
@@ -98,7 +98,7 @@ fn a_window_that_nobody_sees_holds_nothing_up() {
             let named = |o: &PresentResult| is_hidden(o) || o.presented().is_some();
             assert!(outcomes.iter().all(named), "{outcomes:?}");
         }
-        // The compositor goes: so does the window.
+        // The window is lost with its compositor.
         compositor.end();
         let gone = (0..20).map(|_| swapchain.show(&painter.target, SIZE).unwrap()).last();
         assert_eq!(gone, Some(PresentResult::Not(PresentSkipped::WindowGone)), "{mode}");
@@ -119,7 +119,7 @@ fn a_window_may_be_closed_while_it_holds_a_image_back() {
     let began = Instant::now();
     drop((swapchain, painter));
     assert!(began.elapsed() < A_WHILE, "closing took {:?}", began.elapsed());
-    // The window's remains are freed when the compositor releases the image, and not before.
+    // The window's last objects are freed when the compositor releases the image, and not before.
     let held = stage.surface.holders();
     compositor.end();
     while stage.surface.holders() >= held {

@@ -15,7 +15,7 @@ pub extern "C" fn antumbra_abi_version() -> u32 {
 ///
 /// # Safety
 /// The rules of the interface; `desc.log` may be called on each thread that uses the context, until
-/// it is destroyed.
+/// the context is destroyed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn antumbra_context_create(
     desc: *const AntumbraContextDesc,
@@ -33,7 +33,7 @@ pub unsafe extern "C" fn antumbra_context_create(
     }
 }
 
-/// Destroys a context and all that is left in it. Null is no error.
+/// Destroys a context and all objects in it. Null is not an error.
 ///
 /// # Safety
 /// The rules of the interface; no other call uses the context, now or later.

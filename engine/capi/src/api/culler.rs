@@ -9,7 +9,7 @@ use crate::decisions::plan::{AntumbraAnswer, AntumbraFramePlan};
 use crate::error::{AntumbraError, AntumbraResult};
 use crate::pointers::{Output, check_output, read, slice};
 
-/// Creates a culler that knows nothing yet.
+/// Creates a culler without a history.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -31,7 +31,7 @@ pub unsafe extern "C" fn antumbra_culler_create(
     }
 }
 
-/// Destroys a culler. A handle of 0 is no error.
+/// Destroys a culler. A handle of 0 is not an error.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -45,7 +45,7 @@ pub unsafe extern "C" fn antumbra_culler_destroy(
     unsafe { entry(context, error, |context| context.cullers.destroy(culler)) }
 }
 
-/// Forgets all that is known, after a change that makes it worthless.
+/// Clears the history of a culler, after a change that makes the history worthless.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -64,8 +64,8 @@ pub unsafe extern "C" fn antumbra_culler_reset(
     }
 }
 
-/// Takes answers to queries of earlier plans: in any order, late, twice, or never. Those that fit
-/// nothing any more are ignored. If one is none at all, nothing is taken.
+/// Takes answers to queries of earlier plans. Answers may come in any order, late, twice, or never;
+/// outdated answers are ignored. If an answer is invalid, no answer is taken.
 ///
 /// # Safety
 /// The rules of the interface.

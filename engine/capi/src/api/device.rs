@@ -10,9 +10,10 @@ use crate::executor::device::{
 };
 use crate::pointers::{Output, check_output, read};
 
-/// Writes the needs of the executor on a physical device: turns the features on in `features` that
-/// it needs or can use, and leaves all others as they are. To be called before the device is
-/// created, with the structs that it is created with. `UNSUPPORTED` names what is missing.
+/// Writes the requirements of the executor on a physical device. Turns on the features in
+/// `features` that the executor needs or can use, and leaves all others as they are. Call it before
+/// the device is created, with the structs that the device is created with. If the result is
+/// `UNSUPPORTED`, the message names what is missing.
 ///
 /// # Safety
 /// The rules of the interface; the handles are valid.
@@ -30,7 +31,7 @@ pub unsafe extern "C" fn antumbra_requirements(
     }
 }
 
-/// Writes the needs of a part of the engine.
+/// Writes the requirements of a part of the engine.
 ///
 /// # Safety
 /// The rules of the interface; the handles are valid.
@@ -50,13 +51,15 @@ pub(crate) unsafe fn write_needs(
     Ok(())
 }
 
-/// Adopts the device of a host: nothing of the host is ever destroyed. With a queue it is for
-/// renderers, which submit to it. Without one it is for scenes: nothing is submitted, and the
-/// host's frame numbers are its clock. `UNSUPPORTED` names what is not on.
+/// Adopts the device of a host. The library never destroys objects of the host. A device with a
+/// queue is for renderers, which submit to the queue. A device without a queue is for scenes:
+/// nothing is submitted, and the host's frame numbers say which frames are over. If the result is
+/// `UNSUPPORTED`, the message names what is not on.
 ///
 /// # Safety
-/// The rules of the interface. The handles belong together, and live until this device and all that
-/// is made on it are destroyed. Nothing is named that is not on.
+/// The rules of the interface. The handles belong together, and live until this device and
+/// everything that is created on it are destroyed. All features and extensions that `desc` names
+/// are on.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn antumbra_device_adopt(
     context: *const AntumbraContext,
@@ -75,13 +78,13 @@ pub unsafe extern "C" fn antumbra_device_adopt(
     }
 }
 
-/// Says that all frames are over on the GPU, or will never be submitted: what they used can be
-/// freed. To be called before the device is destroyed; otherwise all that the last frames may still
-/// use is kept for good, and the log says so. A device with a queue knows by itself:
-/// `BAD_ARGUMENT`.
+/// Declares that all frames are over on the GPU, or will never be submitted, so that their
+/// resources can be freed. Call it before the device is destroyed; otherwise resources that the
+/// last frames may still use are never freed, and the log says so. A device with a queue tracks its
+/// frames itself: the result is `BAD_ARGUMENT`.
 ///
 /// # Safety
-/// The rules of the interface, and it is so.
+/// The rules of the interface. All frames are over, or will never be submitted.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn antumbra_device_finished(
     context: *const AntumbraContext,
@@ -96,9 +99,9 @@ pub unsafe extern "C" fn antumbra_device_finished(
     }
 }
 
-/// Gives the device back: the host goes on to own it. Scenes and renderers on it live on until they
-/// are destroyed. With a queue, the last of them and this wait until what was submitted is over;
-/// the wait is bounded. A handle of 0 is no error.
+/// Ends the adoption of a device, which the host still owns. Scenes and renderers on it live on
+/// until they are destroyed. With a queue, this call or the destruction of the last renderer waits
+/// until all submitted frames are over; the wait is bounded. A handle of 0 is not an error.
 ///
 /// # Safety
 /// The rules of the interface.

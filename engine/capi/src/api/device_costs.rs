@@ -7,13 +7,13 @@ use crate::pointers::{check_output, read};
 use crate::renderer::device_costs::AntumbraDeviceCostsDesc;
 use crate::renderer::frame::HostedRenderer;
 
-/// Measures the costs of tests and draws on a device that was adopted with a queue, and of the
-/// ways to skip hidden draws, for scenes on the same device (`AntumbraSceneDesc::costs`), which
-/// may be adopted again without a queue. Takes half a second on a driver without a GPU, and waits
-/// for the device again and again: for before the first frame.
+/// Measures the costs of tests, of draws, and of the ways to skip hidden draws, on a device that
+/// was adopted with a queue. Scenes use the costs (`AntumbraSceneDesc::costs`) on the same device,
+/// which may be adopted again without a queue. Takes half a second on a software driver, and waits
+/// for the device repeatedly. Call it before the first frame.
 ///
 /// # Safety
-/// The rules of the interface. The callbacks of the queue do what they say.
+/// The rules of the interface. The callbacks of the queue do what `AntumbraQueueDesc` says.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn antumbra_device_costs_measure(
     context: *const AntumbraContext,
@@ -35,7 +35,8 @@ pub unsafe extern "C" fn antumbra_device_costs_measure(
     }
 }
 
-/// Destroys costs; scenes that were created by them stay. A handle of 0 is no error.
+/// Destroys costs. Scenes that were created with them stay as they are. A handle of 0 is not an
+/// error.
 ///
 /// # Safety
 /// The rules of the interface.

@@ -30,7 +30,7 @@ pub unsafe extern "C" fn antumbra_hierarchy_create(
     }
 }
 
-/// Destroys a hierarchy. A handle of 0 is no error.
+/// Destroys a hierarchy. A handle of 0 is not an error.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -44,8 +44,8 @@ pub unsafe extern "C" fn antumbra_hierarchy_destroy(
     unsafe { entry(context, error, |context| context.hierarchies.destroy(hierarchy)) }
 }
 
-/// Moves objects: object `objects[i]` has the box `boxes[i]` from now on. After an error those
-/// before the one that the message names have moved. Leaves stay as they are.
+/// Moves objects: object `objects[i]` has the box `boxes[i]` from now on. After an error the
+/// objects before the one in the message have moved. The order of leaves does not change.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -71,10 +71,10 @@ pub unsafe extern "C" fn antumbra_hierarchy_move(
 /// Adds objects and writes their ids, which may be those of objects that were removed. Ids and
 /// histories of other objects stay. After an error nothing was added.
 ///
-/// The time depends on the number of added objects. Where there is no room for them
-/// (`AntumbraHierarchyDesc::capacity`), room for a sixteenth of all objects is made besides: two
-/// tenths of a second for 10,000,000. Where they are as many as the objects that are there,
-/// everything is built again: about a second per 1,000,000.
+/// The time depends on the number of added objects. If they do not fit
+/// (`AntumbraHierarchyDesc::capacity`), the hierarchy grows to hold them and a further sixteenth of
+/// all objects: 0.2 seconds for 10,000,000 objects. If their number reaches the number of existing
+/// objects, everything is rebuilt: about a second per 1,000,000 objects.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -102,8 +102,8 @@ pub unsafe extern "C" fn antumbra_hierarchy_insert(
     }
 }
 
-/// Removes objects. Their ids are given to objects that are added later. After an error those
-/// before the one that the message names were removed.
+/// Removes objects. Objects that are added later reuse their ids. After an error the objects before
+/// the one in the message have been removed.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -124,8 +124,8 @@ pub unsafe extern "C" fn antumbra_hierarchy_remove(
     }
 }
 
-/// Rebuilds parts that moving has worn, a bounded number of leaves. To be called once per frame,
-/// after the frame's other changes, if objects move.
+/// Rebuilds subtrees that moving objects have degraded, up to a bounded number of leaves. If
+/// objects move, call it once per frame, after the other changes of the frame.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -144,9 +144,9 @@ pub unsafe extern "C" fn antumbra_hierarchy_update(
     }
 }
 
-/// Builds everything again, for boxes that lie otherwise than when they were last built: after many
-/// insertions or long moves plans get longer, though they stay right. Ids and histories stay. Takes
-/// about a second per 1,000,000 objects: for a pause of the program.
+/// Rebuilds the whole hierarchy for the current boxes. After many insertions or long moves plans
+/// become longer, though they stay correct; a rebuild makes them short again. Ids and histories
+/// stay. Takes about a second per 1,000,000 objects, so it is meant for a pause of the program.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -162,8 +162,8 @@ pub unsafe extern "C" fn antumbra_hierarchy_rebuild(
     }
 }
 
-/// Writes the objects of all leaves, in the order that plans refer to. To be called again after
-/// `antumbra_hierarchy_insert`, `_remove`, `_update` and `_rebuild`; a move changes none.
+/// Writes the objects of all leaves, in the order that plans refer to. Call it again after
+/// `antumbra_hierarchy_insert`, `_remove`, `_update` and `_rebuild`. Moves change nothing.
 ///
 /// # Safety
 /// The rules of the interface.

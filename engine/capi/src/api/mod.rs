@@ -1,4 +1,5 @@
-//! The functions of the interface. Each checks its pointers and leaves the work to an object.
+//! The functions of the interface. Each function checks its pointers and leaves the work to an
+//! object.
 
 pub mod context;
 pub mod culler;

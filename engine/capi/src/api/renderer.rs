@@ -22,7 +22,8 @@ use crate::renderer::frame::{
 use crate::renderer::self_test::AntumbraSelfTest;
 use crate::renderer::shadows::{AntumbraShadowDesc, AntumbraShadowStats};
 
-/// Writes what `antumbra_requirements` does, for devices that are adopted with a queue.
+/// Writes the requirements of the renderer, as `antumbra_requirements` does for the executor. For a
+/// device that will be adopted with a queue.
 ///
 /// # Safety
 /// The rules of the interface; the handles are valid.
@@ -40,12 +41,12 @@ pub unsafe extern "C" fn antumbra_renderer_requirements(
     }
 }
 
-/// Tests the driver of a device that was adopted with a queue: each assumption that exactness rests
-/// on, by small frames of its own. Takes about a second, and waits for the device again and again:
-/// for before the first frame.
+/// Tests the driver of a device that was adopted with a queue: small frames check each assumption
+/// that exactness rests on. Takes about a second, and waits for the device repeatedly. Call it
+/// before the first frame.
 ///
 /// # Safety
-/// The rules of the interface. The callbacks of the queue do what they say.
+/// The rules of the interface. The callbacks of the queue do what `AntumbraQueueDesc` says.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn antumbra_self_test(
     context: *const AntumbraContext,
@@ -66,9 +67,9 @@ pub unsafe extern "C" fn antumbra_self_test(
     }
 }
 
-/// Creates a renderer of a scene, and uploads the scene. What games need besides is in Rust alone:
-/// textures, materials, lights beside the sun, transparent, skinned and animated meshes, levels of
-/// detail, several views, glTF files.
+/// Creates a renderer of a scene, and uploads the scene. Only the Rust interface has textures,
+/// materials, lights besides the sun, transparent, skinned and animated meshes, levels of detail,
+/// several views, and glTF files.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -95,8 +96,8 @@ pub unsafe extern "C" fn antumbra_renderer_create(
     }
 }
 
-/// Destroys a renderer. What frames in flight use is freed when they are over: nothing waits. Its
-/// image is used no longer. A handle of 0 is no error.
+/// Destroys a renderer without a wait: resources of frames in flight are freed when these frames
+/// are over. The host must not use the renderer's image any more. A handle of 0 is not an error.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -114,8 +115,9 @@ pub unsafe extern "C" fn antumbra_renderer_destroy(
 /// frames ago, and for nothing else.
 ///
 /// # Safety
-/// The rules of the interface. The image of the frame before is in its state again, and its other
-/// users are over when the frame executes. The callbacks of the queue do what they say.
+/// The rules of the interface. When the frame executes, the image of the previous frame is in its
+/// `state` again, and its other users are over. The callbacks of the queue do what
+/// `AntumbraQueueDesc` says.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn antumbra_renderer_render(
     context: *const AntumbraContext,
@@ -133,7 +135,7 @@ pub unsafe extern "C" fn antumbra_renderer_render(
     }
 }
 
-/// Writes the image of the newest frame. `BAD_ARGUMENT` before the first one.
+/// Writes the image of the newest frame. Before the first frame the result is `BAD_ARGUMENT`.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -155,11 +157,11 @@ pub unsafe extern "C" fn antumbra_renderer_image(
     }
 }
 
-/// Draws images of another size from now on, with what is known of earlier frames. Nothing waits.
-/// The image of earlier frames is used no longer.
+/// Changes the size of the images without a wait, and keeps the history of earlier frames. The host
+/// must not use the image of an earlier frame any more.
 ///
 /// # Safety
-/// The rules of the interface. Commands of the host that use the image are over.
+/// The rules of the interface. The host's commands that use the image are over.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn antumbra_renderer_resize(
     context: *const AntumbraContext,
@@ -178,9 +180,9 @@ pub unsafe extern "C" fn antumbra_renderer_resize(
     }
 }
 
-/// Draws shadows by other options from now on; with `method` 0, none. Makes new maps
-/// and pipelines: not for every frame. The renderer was created with an `AntumbraShadowDesc`. After
-/// an error nothing has changed.
+/// Changes the options of shadows; a `method` of 0 turns shadows off. Creates new maps and
+/// pipelines, so it is not meant for every frame. The renderer must have been created with an
+/// `AntumbraShadowDesc`. After an error nothing has changed.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -223,8 +225,8 @@ pub unsafe extern "C" fn antumbra_renderer_shadow_stats(
     }
 }
 
-/// Adds objects and writes their ids, which may be those of objects that were removed. There must
-/// be room: `spare_objects`. After an error nothing was added.
+/// Adds objects and writes their ids, which may be those of objects that were removed.
+/// `spare_objects` must leave room for them. After an error nothing was added.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -304,10 +306,10 @@ pub unsafe extern "C" fn antumbra_renderer_move_objects(
     }
 }
 
-/// Adds meshes and writes their ids, which may be those of meshes that were removed. There must be
-/// room: `spare_meshes`, `spare_vertices` and `spare_indices`. Objects can have them at once, and
-/// are drawn once they are on the GPU: frames copy them bit by bit. After an error nothing was
-/// added.
+/// Adds meshes and writes their ids, which may be those of meshes that were removed.
+/// `spare_meshes`, `spare_vertices` and `spare_indices` must leave room for them. Objects can use
+/// the meshes immediately, and are drawn when the meshes are on the GPU: each frame copies a part.
+/// After an error nothing was added.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -335,7 +337,7 @@ pub unsafe extern "C" fn antumbra_renderer_add_meshes(
     }
 }
 
-/// Removes meshes that no object has. After an error nothing was removed.
+/// Removes meshes that no object uses. After an error nothing was removed.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -380,8 +382,8 @@ pub unsafe extern "C" fn antumbra_renderer_stats(
     }
 }
 
-/// Waits until all frames of the renderer are over. For the end and for measurements, not for a
-/// loop. The wait is bounded.
+/// Waits until all frames of the renderer are over; the wait is bounded. Meant for measurements and
+/// for the end of the program, not for each frame.
 ///
 /// # Safety
 /// The rules of the interface.

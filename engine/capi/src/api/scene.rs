@@ -36,7 +36,7 @@ pub unsafe extern "C" fn antumbra_scene_create(
             };
             let costs = costs.as_ref().map(Shared::read).transpose()?;
             let mut new = HostedScene::new(device, &desc, &attachments, costs.as_deref())?;
-            // No view of this scene has the handle of another's.
+            // Views of different scenes have different handles.
             *scene = context.scenes.insert_with(|handle| {
                 new.views = Table::new(std::ptr::from_ref(context) as u64 ^ handle.id);
                 new
@@ -46,8 +46,8 @@ pub unsafe extern "C" fn antumbra_scene_create(
     }
 }
 
-/// Destroys a scene and its views. What frames may still use is freed when they are over. A handle
-/// of 0 is no error.
+/// Destroys a scene and its views. Resources that frames may still use are freed when these frames
+/// are over. A handle of 0 is not an error.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -64,10 +64,10 @@ pub unsafe extern "C" fn antumbra_scene_destroy(
 /// Adds objects and writes their ids, which may be those of objects that were removed. After an
 /// error nothing was added.
 ///
-/// The time depends on the number of added objects. Where there is no room for them
-/// (`AntumbraSceneDesc::object_capacity`), room for a sixteenth of all objects is made besides, and
-/// the next frame uploads all to larger buffers. Where they are as many as the objects that are
-/// there, everything is built again: some seconds per 1,000,000.
+/// The time depends on the number of added objects. If they do not fit
+/// (`AntumbraSceneDesc::object_capacity`), the scene grows to hold them and a further sixteenth of
+/// all objects, and the next frame uploads all objects to larger buffers. If their number reaches
+/// the number of existing objects, everything is rebuilt: some seconds per 1,000,000 objects.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -98,7 +98,7 @@ pub unsafe extern "C" fn antumbra_scene_add(
     }
 }
 
-/// Removes objects. After an error those before the one that the message names were removed.
+/// Removes objects. After an error the objects before the one in the message have been removed.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -119,9 +119,8 @@ pub unsafe extern "C" fn antumbra_scene_remove(
     }
 }
 
-/// Moves objects: object `objects[i]` has the box `boxes[i]` from now on. Where draws read its new
-/// place is the concern of the host. After an error those before the one that the message names
-/// have moved.
+/// Moves objects: object `objects[i]` has the box `boxes[i]` from now on. The host itself gives the
+/// new transform to its draws. After an error the objects before the one in the message have moved.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -166,7 +165,7 @@ pub unsafe extern "C" fn antumbra_scene_set_draws(
     }
 }
 
-/// Creates a view of a scene, which knows nothing yet.
+/// Creates a view of a scene, without a history.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -187,7 +186,7 @@ pub unsafe extern "C" fn antumbra_view_create(
     }
 }
 
-/// Destroys a view. A handle of 0 is no error.
+/// Destroys a view. A handle of 0 is not an error.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -229,8 +228,8 @@ pub unsafe extern "C" fn antumbra_view_stats(
     }
 }
 
-/// Writes where the draws of a view in the newest frame are, for a scene with
-/// `ANTUMBRA_DRAWS_BY_LISTS`. There are none before the first frame.
+/// Writes the draw lists of a view in the newest frame, for a scene with `ANTUMBRA_DRAWS_BY_LISTS`.
+/// Before the first frame there are no lists.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -256,20 +255,20 @@ pub unsafe extern "C" fn antumbra_view_lists(
 }
 
 /// Records a frame of a scene into a command buffer of the host: changes of the scene, then draws
-/// and tests of all views. Never waits, and never submits. Where the host draws from lists, tests
-/// alone: each image is entered with the visible draws in it.
+/// and tests of all views. Never waits, and never submits. If the host draws from lists, only tests
+/// are recorded: the images must contain the visible draws when the command buffer executes.
 ///
-/// The host submits frames in the order of their numbers, each of them once. What else it may do:
-/// never submit a frame, which changes nothing: its answers are ignored. Submit one twice, the
-/// second run behind the first by a barrier or a semaphore, unless the scene has
-/// `ANTUMBRA_RESUBMISSION_NEVER`: both draw right images. Submit one behind a later one, which
-/// shows changed objects as the later frame left them. After an error the command buffer must not
-/// be submitted, and the next frame needs a higher number.
+/// The host submits each frame once, in the order of the frame numbers. Exceptions are allowed. A
+/// frame that is never submitted has no effect: its answers are ignored. A frame may be submitted
+/// twice, unless the scene has `ANTUMBRA_RESUBMISSION_NEVER`: both runs draw correct images if a
+/// barrier or a semaphore orders them. A frame may be submitted after a later frame: it then shows
+/// changed objects as the later frame left them. After an error the command buffer must not be
+/// submitted, and the next frame needs a higher number.
 ///
 /// # Safety
-/// The rules of the interface. The command buffer is of the scene's device, for the queue family
-/// that was named; all frames up to `safe` are over. When it executes, the images are in the states
-/// that were named, and nothing else uses them until it is over.
+/// The rules of the interface. The command buffer belongs to the scene's device and to the queue
+/// family of its `AntumbraDeviceDesc`. All frames up to `safe` are over. When the command buffer
+/// executes, the images are in their `entry` states, and nothing else uses them until it is over.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn antumbra_scene_record(
     context: *const AntumbraContext,

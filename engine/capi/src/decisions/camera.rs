@@ -11,9 +11,9 @@ pub const ANTUMBRA_DEPTH_REVERSED: u32 = 0;
 /// Depth is 0 at the near plane and 1 at the far plane, or infinitely far away.
 pub const ANTUMBRA_DEPTH_STANDARD: u32 = 1;
 
-/// The y of clip space points down, as Vulkan's.
+/// The y axis of clip space points down, as in Vulkan.
 pub const ANTUMBRA_CLIP_Y_DOWN: u32 = 0;
-/// The y of clip space points up: the host turns images over by a viewport of negative height.
+/// The y axis of clip space points up: the host flips images by a viewport of negative height.
 pub const ANTUMBRA_CLIP_Y_UP: u32 = 1;
 
 /// The camera of one frame: the host's matrix, with its jitter, and the image that is drawn.
@@ -22,15 +22,16 @@ pub const ANTUMBRA_CLIP_Y_UP: u32 = 1;
 pub struct AntumbraCamera {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// The steps per pixel, as a power of two, that the rasteriser moves vertices by:
-    /// `subPixelPrecisionBits` of `VkPhysicalDeviceLimits`. A rasteriser that moves none to a grid
-    /// takes the bits behind the point that its positions have for sure: with 32-bit floats 22 less
-    /// those of the image's larger side, so 12 for up to 1,024 pixels and 11 for up to 2,048; with
-    /// 64-bit floats 24. Fewer are always right, since boxes are tested a little larger; too many
-    /// may lose a sample. Up to 24, and more count as 24. Default: 4, the fewest of Vulkan.
+    /// The number of fractional bits in the rasteriser's vertex positions (pixels):
+    /// `subPixelPrecisionBits` of `VkPhysicalDeviceLimits`. A rasteriser that does not snap
+    /// vertices to a grid takes the number of fractional bits that its positions always have. With
+    /// 32-bit floats this is 22 minus the bits of the image's larger side: 12 for up to 1,024
+    /// pixels, 11 for up to 2,048. With 64-bit floats it is 24. A smaller number is always safe,
+    /// since boxes are then tested a little larger; a number that is too large may lose a sample.
+    /// Values above 24 count as 24. Default: 4, the minimum of Vulkan.
     pub sub_pixel_bits: u32,
-    /// Required: world to clip space as shaders multiply it with positions, column by column;
-    /// depth from 0 to 1.
+    /// Required: the matrix from world to clip space, column by column, by which shaders multiply
+    /// positions. Depth is from 0 to 1.
     pub clip_from_world: [f32; 16],
     /// Required: width of the image (pixels).
     pub width: u32,
@@ -57,7 +58,7 @@ impl AntumbraCamera {
             .map_err(|error| Failure::argument(format_args!("camera.clip_from_world: {error}")))
     }
 
-    /// Returns the matrix and what it means.
+    /// Returns the matrix with its conventions.
     pub(crate) fn projection(&self) -> Result<ViewProjection, Failure> {
         let depth = match self.depth {
             ANTUMBRA_DEPTH_REVERSED => DepthConvention::Reversed,

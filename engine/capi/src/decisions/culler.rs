@@ -10,7 +10,7 @@ use crate::error::Failure;
 use crate::layout::{layout, versioned};
 use crate::table::handle;
 
-/// The culler of one view of one hierarchy, with what it knows from earlier frames.
+/// The culler of one view of one hierarchy, with its history of earlier frames.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AntumbraCuller {
@@ -19,18 +19,18 @@ pub struct AntumbraCuller {
 }
 handle!(AntumbraCuller = "culler");
 
-/// Tests by flags that fragments set: they take no queries.
+/// The host can test by flags that fragments set. These tests take no queries.
 pub const ANTUMBRA_HAS_FLAGS: u32 = 1;
-/// Tests by a compute shader that reads the depth buffer.
+/// The host can test by a compute shader that reads the depth buffer.
 pub const ANTUMBRA_HAS_COMPUTE: u32 = 2;
 
-/// Late answers, made exact by tests in the same frame.
+/// Answers of earlier frames decide what is drawn first; tests in the same frame make it exact.
 pub const ANTUMBRA_STRATEGY_ANTUMBRA: u32 = 0;
 /// Everything in the view frustum is drawn, nothing is tested: the reference.
 pub const ANTUMBRA_STRATEGY_FRUSTUM: u32 = 1;
 
-/// A budget of no occlusion queries: what no other tester tests is drawn. `cbindgen.toml` declares
-/// it, since cbindgen leaves out constants of this type.
+/// A budget of no occlusion queries: leaves that no other tester tests are drawn. `cbindgen.toml`
+/// declares it, since cbindgen leaves out constants of this type.
 pub const ANTUMBRA_NO_QUERIES: usize = usize::MAX;
 
 /// The occlusion queries of a plan whose budget is 0 (`AntumbraPlanDesc::query_budget`).
@@ -47,11 +47,11 @@ pub(crate) fn queries(budget: usize) -> usize {
 pub struct AntumbraCullerDesc {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// The ways to test boxes that the host has besides occlusion queries: a set of
-    /// `ANTUMBRA_HAS_..`. Default: 0, none.
+    /// The testers that the host has besides occlusion queries: a set of `ANTUMBRA_HAS_..`.
+    /// Default: 0, none.
     pub testers: u32,
-    /// The most samples with which a box or an object counts as hidden. Above 0 the image is not
-    /// exact, and all tests are queries that count. Any number. Default: 0.
+    /// A box or an object counts as hidden if at most this number of samples pass. Above 0 the
+    /// image is not exact, and all tests are precise occlusion queries. Any number. Default: 0.
     pub sample_threshold: u32,
     /// Must be 0.
     pub reserved: u32,
@@ -73,8 +73,8 @@ pub struct AntumbraPlanDesc {
     pub strategy: u32,
     /// Required: the camera.
     pub camera: *const AntumbraCamera,
-    /// The most occlusion queries of the plan, any number, or `ANTUMBRA_NO_QUERIES`; leaves for
-    /// which none is left are drawn. Default: 4096.
+    /// The most occlusion queries of the plan, any number, or `ANTUMBRA_NO_QUERIES`. Leaves for
+    /// which no query is left are drawn. Default: 4096.
     pub query_budget: usize,
 }
 layout!(AntumbraPlanDesc: struct_size, strategy, camera, query_budget);
@@ -99,7 +99,7 @@ impl ViewCuller {
             queries: true,
             flags: testers & ANTUMBRA_HAS_FLAGS != 0,
             compute: testers & ANTUMBRA_HAS_COMPUTE != 0,
-            // A plan would have boxes of leaves that the plan does not list.
+            // Tests by leaf need the boxes of leaves, which a plan for C does not contain.
             leaf_tests: false,
             draw_phases: DrawPhases::PerRound,
         };
@@ -112,7 +112,7 @@ impl ViewCuller {
         self.culler.reset();
     }
 
-    /// Takes answers, or none of them if one is none.
+    /// Takes answers. If one of them is invalid, returns an error and takes no answer.
     pub fn ingest(
         &mut self,
         hierarchy: &Hierarchy,
@@ -127,7 +127,7 @@ impl ViewCuller {
         Ok(())
     }
 
-    /// Plans a frame, and returns the plan with pointers into this.
+    /// Plans a frame, and returns the plan with pointers into `self`.
     pub fn plan(
         &mut self,
         hierarchy: &Hierarchy,

@@ -7,7 +7,7 @@ use crate::error::Failure;
 use crate::layout::{Versioned, layout, versioned};
 use crate::table::handle;
 
-/// The object of a leaf that has none.
+/// The object number of a leaf without an object.
 pub const ANTUMBRA_NO_OBJECT: u32 = u32::MAX;
 
 /// A hierarchy of bounding volumes.
@@ -56,16 +56,16 @@ pub struct AntumbraHierarchyDesc {
     pub boxes: *const AntumbraAabb,
     /// The number of boxes, up to 2^30. Default: 0.
     pub box_count: usize,
-    /// The number of objects for which there is room before more must be made, up to 2^30; less
-    /// than `box_count` counts as `box_count`. Default: 0.
+    /// The number of objects that fit before the hierarchy must grow, up to 2^30. A value below
+    /// `box_count` counts as `box_count`. Default: 0.
     pub capacity: usize,
 }
 layout!(AntumbraHierarchyDesc: struct_size, reserved, boxes, box_count, capacity);
 
 versioned!(AntumbraHierarchyDesc: 4, required: [], defaults: {});
 
-/// The leaves of a hierarchy in the order of plans: objects near each other in space are so here,
-/// and what one test decides about is one range of leaves.
+/// The leaves of a hierarchy, in the order that plans refer to. Objects near each other in space
+/// are near each other in this order, and a test decides about one range of leaves.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct AntumbraLeaves {
@@ -73,24 +73,24 @@ pub struct AntumbraLeaves {
     pub struct_size: u32,
     /// Must be 0.
     pub reserved: u32,
-    /// The object of each leaf; `ANTUMBRA_NO_OBJECT` where there is none. Valid until objects are
-    /// added or removed, or the hierarchy is updated or built again: a move changes nothing here.
+    /// The object of each leaf; `ANTUMBRA_NO_OBJECT` for a leaf without one. Valid until objects
+    /// are added or removed, or the hierarchy is updated or rebuilt. Moves change nothing.
     pub objects: *const u32,
     /// The number of leaves.
     pub count: usize,
-    /// A number that changes with any entry of `objects`.
+    /// A number that changes whenever an entry of `objects` changes.
     pub revision: u64,
 }
 layout!(AntumbraLeaves: struct_size, reserved, objects, count, revision);
 
 versioned!(AntumbraLeaves: 5, required: [], defaults: {});
 
-/// A hierarchy that makes room by itself, and the objects of its leaves as C reads them.
+/// A hierarchy that grows when needed, and the objects of its leaves as C reads them.
 pub(crate) struct BoxHierarchy {
     pub hierarchy: Hierarchy,
     leaf_objects: Vec<u32>,
     revision: u64,
-    /// Kept to allocate nothing.
+    /// Scratch memory, kept to avoid allocations.
     reordered: Vec<LeafRange>,
 }
 
@@ -113,7 +113,7 @@ impl BoxHierarchy {
         Ok(new)
     }
 
-    /// Returns the objects of the leaves, as pointers into this.
+    /// Returns the objects of the leaves, as a pointer into `self`.
     pub fn leaves(&self) -> AntumbraLeaves {
         AntumbraLeaves {
             objects: self.leaf_objects.as_ptr(),
@@ -150,7 +150,7 @@ impl BoxHierarchy {
         self.revision += 1;
     }
 
-    /// Notes the object of one object's leaf.
+    /// Notes an object in the entry of its leaf.
     fn list_leaf_of(&mut self, object: ObjectId) {
         if let Some(leaf) = self.hierarchy.leaf_of(object) {
             self.list_leaves(leaf.0 as usize..leaf.0 as usize + 1);
@@ -193,7 +193,7 @@ impl BoxHierarchy {
     }
 }
 
-/// Returns a box that an object can have.
+/// Checks that an object can have a box, and returns the box.
 pub(crate) fn usable(number: usize, bounds: AntumbraAabb) -> Result<Aabb, Failure> {
     let usable = Some(Aabb::from(bounds)).filter(Aabb::is_usable);
     usable.ok_or_else(|| {

@@ -25,14 +25,14 @@ pub const ANTUMBRA_TESTER_FLAG: u32 = 1;
 /// The mechanism that tests a box: a comparison with the depth buffer in a compute shader.
 pub const ANTUMBRA_TESTER_COMPUTE: u32 = 2;
 
-/// The number of a draw's query if it has none.
+/// The value of `AntumbraDraw::query` for a draw without a query.
 pub const ANTUMBRA_NO_QUERY: u32 = u32::MAX;
 
-/// The identity of a query, to be given back with its answer as it is.
+/// The identity of a query. The host returns it unchanged with the answer.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AntumbraQueryTag {
-    /// The frame of the query, as the culler counts.
+    /// The number of the frame, as the culler counts.
     pub frame: u64,
     /// The node that is tested.
     pub node: u32,
@@ -40,13 +40,13 @@ pub struct AntumbraQueryTag {
     pub generation: u32,
     /// An `ANTUMBRA_QUERY_..`.
     pub kind: u32,
-    /// The most samples that count as none.
+    /// The box or object counts as hidden if at most this number of samples pass.
     pub sample_threshold: u32,
 }
 layout!(AntumbraQueryTag: frame, node, generation, kind, sample_threshold);
 
 impl AntumbraQueryTag {
-    /// Returns a tag of a plan; kinds that plans for C do not have become proxies.
+    /// Converts a tag of a plan. Kinds that plans for C do not have become proxies.
     fn new(tag: &QueryTag) -> Self {
         let kind = match tag.kind {
             QueryKind::PullUpQuery => ANTUMBRA_QUERY_PULL_UP,
@@ -64,13 +64,14 @@ impl AntumbraQueryTag {
     }
 }
 
-/// The result of a query. It may come late, never, twice, and in any order.
+/// The result of a query. Results may come late, twice, in any order, or never.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AntumbraAnswer {
     /// The tag, as in the plan.
     pub tag: AntumbraQueryTag,
-    /// Samples that passed; where queries are not precise, any number but 0 for "some".
+    /// The number of samples that passed. If queries are not precise, any number above 0 means
+    /// "some".
     pub samples: u32,
     /// Must be 0.
     pub reserved: u32,
@@ -112,7 +113,7 @@ pub struct AntumbraDraw {
     pub leaf: u32,
     /// Its object.
     pub object: u32,
-    /// The number of its query in `queries`: draw it within one. `ANTUMBRA_NO_QUERY` for none.
+    /// The index in `queries` of the occlusion query around the draw; `ANTUMBRA_NO_QUERY` for none.
     pub query: u32,
 }
 layout!(AntumbraDraw: leaf, object, query);
@@ -123,20 +124,20 @@ layout!(AntumbraDraw: leaf, object, query);
 pub struct AntumbraTest {
     /// The identity of its query.
     pub tag: AntumbraQueryTag,
-    /// The box, enlarged by what rounding may lose.
+    /// The box, enlarged to make up for rounding errors.
     pub bounds: AntumbraAabb,
     /// The first of the leaves to draw in this frame if the box shows.
     pub first_leaf: u32,
     /// The number of these leaves; may be 0.
     pub leaf_count: u32,
-    /// An `ANTUMBRA_TESTER_..`: the mechanism that the plan counts with. All give the same result.
+    /// An `ANTUMBRA_TESTER_..`: the mechanism that the plan assumes. All give the same result.
     pub tester: u32,
     /// The depth of the node in the hierarchy, for debug views.
     pub level: u32,
 }
 layout!(AntumbraTest: tag, bounds, first_leaf, leaf_count, tester, level);
 
-/// A range of tests that are made before the draws that they reveal.
+/// A range of tests that can run together, before the draws that they reveal.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AntumbraRound {
@@ -149,10 +150,11 @@ layout!(AntumbraRound: first_test, test_count);
 
 /// The draws and tests of a frame.
 ///
-/// In this order: clear the depth; draw `draws`, those with a query within an occlusion query; then
-/// for each of `rounds`: test its boxes against the depth so far, front faces only, without writing
-/// depth; a box shows if more samples than its `sample_threshold` pass; draw the leaves of the
-/// boxes that show. Every object whose box meets the frustum is in exactly one place.
+/// The host clears the depth and draws `draws`, those with a query inside an occlusion query. Then,
+/// for each of `rounds`, it tests the boxes of the round against the depth so far, and draws the
+/// leaves of the boxes that show. A test renders front faces only and does not write depth. A box
+/// shows if more samples than its `sample_threshold` pass. Every object whose box meets the frustum
+/// appears once, in `draws` or as a leaf of a test.
 ///
 /// The arrays belong to the culler and are valid until the next call with it.
 #[repr(C)]
@@ -160,11 +162,11 @@ layout!(AntumbraRound: first_test, test_count);
 pub struct AntumbraFramePlan {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// Nodes that the plan looked at: its work.
+    /// The number of nodes that planning visited, a measure of its work.
     pub nodes_visited: u32,
     /// The planned frame: 1 for the first of a culler.
     pub frame: u64,
-    /// The leaves to draw at once, front to back.
+    /// The leaves to draw without a test, front to back.
     pub draws: *const AntumbraDraw,
     /// The number of `draws`.
     pub draw_count: usize,
@@ -176,7 +178,7 @@ pub struct AntumbraFramePlan {
     pub tests: *const AntumbraTest,
     /// The number of `tests`.
     pub test_count: usize,
-    /// Ranges of `tests`, one after the other.
+    /// Consecutive ranges of `tests`.
     pub rounds: *const AntumbraRound,
     /// The number of `rounds`.
     pub round_count: usize,
@@ -256,7 +258,8 @@ pub(crate) fn tester_number(tester: VisibilityTest) -> u32 {
     }
 }
 
-/// Returns a test as C reads it. Cullers for C have no tests by leaf, so no test shares another's.
+/// Returns a test as C reads it. Cullers for C have no tests by leaf, so no test shares the proxy
+/// of another test.
 fn test(test: &ProxyTest) -> AntumbraTest {
     AntumbraTest {
         tag: AntumbraQueryTag::new(&test.tag),

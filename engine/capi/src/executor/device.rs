@@ -1,4 +1,4 @@
-//! The device of a host: what it must turn on, and its adoption.
+//! The device of a host: its requirements and its adoption.
 
 use std::ffi::{CStr, CString, c_char};
 
@@ -20,7 +20,7 @@ pub type AntumbraInstanceProcAddr =
 
 pointers!(AntumbraInstanceProcAddr);
 
-/// The device of a host, adopted.
+/// An adopted device of a host.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AntumbraDevice {
@@ -35,7 +35,7 @@ handle!(AntumbraDevice = "device");
 pub struct AntumbraAdapterDesc {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// The version of Vulkan that the instance was made for, at least that. Default:
+    /// The version of Vulkan in the `VkApplicationInfo` of the instance, at least 1.3. Default:
     /// `VK_API_VERSION_1_3`.
     pub api_version: u32,
     /// Required: `vkGetInstanceProcAddr`, through which the instance was made.
@@ -60,11 +60,11 @@ pub struct AntumbraFeatures {
     pub reserved: u32,
     /// The features of Vulkan 1.0. Default: null.
     pub core: *mut vk::PhysicalDeviceFeatures,
-    /// Those of Vulkan 1.2, with their `sType`. Default: null.
+    /// The features of Vulkan 1.2, with their `sType`. Default: null.
     pub vulkan_12: *mut vk::PhysicalDeviceVulkan12Features<'static>,
-    /// Those of Vulkan 1.3, with their `sType`. Default: null.
+    /// The features of Vulkan 1.3, with their `sType`. Default: null.
     pub vulkan_13: *mut vk::PhysicalDeviceVulkan13Features<'static>,
-    /// That of `VK_EXT_conditional_rendering`, with its `sType`. Default: null.
+    /// The features of `VK_EXT_conditional_rendering`, with their `sType`. Default: null.
     pub conditional_rendering: *mut vk::PhysicalDeviceConditionalRenderingFeaturesEXT<'static>,
 }
 layout!(AntumbraFeatures: struct_size, reserved, core, vulkan_12, vulkan_13,
@@ -72,16 +72,16 @@ layout!(AntumbraFeatures: struct_size, reserved, core, vulkan_12, vulkan_13,
 
 versioned!(AntumbraFeatures: 6, required: [], defaults: {});
 
-/// The most extensions that the library asks for.
+/// The largest number of extensions that the library requests.
 pub const ANTUMBRA_EXTENSIONS_MAX: usize = 8;
 
-/// The needs of the library on a physical device, besides features.
+/// The requirements of the library on a physical device, besides features.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct AntumbraRequirements {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// The least version of Vulkan for instance and device.
+    /// The lowest version of Vulkan for instance and device.
     pub api_version: u32,
     /// The flags of the queue family whose command buffers are recorded into, or that a renderer
     /// submits to.
@@ -92,7 +92,7 @@ pub struct AntumbraRequirements {
     pub extension_count: u32,
     /// Is 0.
     pub reserved: u32,
-    /// Their names, valid as long as the library is loaded.
+    /// The names of the extensions, valid as long as the library is loaded.
     pub extensions: [*const c_char; ANTUMBRA_EXTENSIONS_MAX],
 }
 layout!(AntumbraRequirements: struct_size, api_version, queue_flags, queue_family,
@@ -100,7 +100,7 @@ layout!(AntumbraRequirements: struct_size, api_version, queue_flags, queue_famil
 
 versioned!(AntumbraRequirements: 7, required: [], defaults: {});
 
-/// A device that a host made and goes on to own.
+/// A device that a host created and still owns.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct AntumbraDeviceDesc {
@@ -115,16 +115,16 @@ pub struct AntumbraDeviceDesc {
     pub device: vk::Device,
     /// Required: the features that are on.
     pub features: *const AntumbraFeatures,
-    /// The names of the extensions that are on, and of the instance's `VK_EXT_debug_utils`, with
-    /// which everything has a name for debuggers. Names that the library does not know are ignored.
-    /// Default: null, with an `extension_count` of 0.
+    /// The names of the extensions that are on, and `VK_EXT_debug_utils` if the instance has it:
+    /// then all Vulkan objects get names for debuggers. Names that the library does not know are
+    /// ignored. Default: null, with an `extension_count` of 0.
     pub extensions: *const *const c_char,
     /// The number of extensions. Default: 0.
     pub extension_count: usize,
-    /// The callbacks for the memory of the CPU that Vulkan objects take, called on any thread until
-    /// the device and all that was made on it are destroyed. Default: null, for none.
+    /// The callbacks for the host memory of Vulkan objects, called on any thread until the device
+    /// and everything that was created on it are destroyed. Default: null, for none.
     pub allocation_callbacks: *const vk::AllocationCallbacks<'static>,
-    /// A cache for pipelines. Default: `VK_NULL_HANDLE`, for one of the library's own.
+    /// The pipeline cache. Default: `VK_NULL_HANDLE`, for a cache of the library.
     pub pipeline_cache: vk::PipelineCache,
     /// The queue that a renderer submits to, of the family `queue_family`. Default: null, for a
     /// device on which scenes are recorded into command buffers of the host.
@@ -147,7 +147,7 @@ impl Adapter {
     /// Loads the functions of an instance.
     ///
     /// # Safety
-    /// The handles are valid, and the function is that of their loader.
+    /// The handles are valid, and the function belongs to their loader.
     unsafe fn load(desc: &AntumbraAdapterDesc) -> Result<Self, Failure> {
         let AntumbraAdapterDesc { api_version, instance, physical_device, .. } = *desc;
         let Some(get_instance_proc_addr) = desc.instance_proc_addr else {
@@ -167,7 +167,8 @@ impl Adapter {
     }
 }
 
-/// Writes the needs of a part of the engine, and turns the features on that it needs or can use.
+/// Returns the requirements of a part of the engine, and turns on the features that it needs or can
+/// use.
 ///
 /// # Safety
 /// As the rules of the interface, for handles and structs of Vulkan, too.
@@ -250,7 +251,7 @@ pub(crate) unsafe fn adopt(desc: &AntumbraDeviceDesc) -> Result<Device, Failure>
 /// Returns the features that are on in the structs of a host.
 ///
 /// # Safety
-/// The pointers are null, or to structs of their types.
+/// The pointers are null, or point to structs of their types.
 unsafe fn features_of(features: &AntumbraFeatures) -> Result<Features, Failure> {
     let mut on = FeatureStructures::default();
     // SAFETY: the caller's promise.
@@ -276,7 +277,7 @@ unsafe trait FeatureBits {
 /// Declares the features of a struct, up to its last one.
 macro_rules! feature_bits {
     ($type:ty, $head:expr, $last:ident) => {
-        // SAFETY: so says the specification of Vulkan. There may be padding behind the last one.
+        // SAFETY: as the specification of Vulkan says. Padding may follow the last one.
         unsafe impl FeatureBits for $type {
             const FIRST: usize = $head;
             const END: usize = std::mem::offset_of!($type, $last) + size_of::<vk::Bool32>();
@@ -293,16 +294,16 @@ feature_bits!(
     inherited_conditional_rendering
 );
 
-/// Turns on in `target` what is on in `source`, unless one is null.
+/// Turns on the features in `target` that are on in `source`, unless a pointer is null.
 ///
 /// # Safety
-/// Both are null, or point to structs that nobody else uses.
+/// Each is null, or points to a struct that has no other user.
 unsafe fn turn_on<T: FeatureBits>(target: *mut T, source: *const T) -> Result<(), Failure> {
     if target.is_null() || source.is_null() {
         return Ok(());
     }
     let type_of = |place: *const T| place.cast::<vk::StructureType>();
-    // SAFETY: the caller's promise, and that of `FeatureBits`.
+    // SAFETY: the caller's promise, and the promise of `FeatureBits`.
     unsafe {
         if T::FIRST > 0 && type_of(target).read() != type_of(source).read() {
             let [one, other] =

@@ -45,9 +45,10 @@ pub struct AntumbraRendering {
 }
 layout!(AntumbraRendering: struct_size, is_first, commands, view);
 
-/// Binds pipeline, descriptors, vertex and index buffers for the indexed indirect draws of a
-/// bucket that follow. Viewport and scissor cover the target, with y down: a host whose y points
-/// up, or who draws to a part, sets its own here. No query and no condition may be left open.
+/// Binds the pipeline, descriptor sets, vertex and index buffers for the indexed indirect draws of
+/// a bucket that follow. Viewport and scissor cover the target, with y down. A host whose y axis
+/// points up, or that draws to a part of the target, sets its own viewport and scissor here. The
+/// callback must not leave a query or a conditional rendering open.
 pub type AntumbraBindCallback =
     Option<unsafe extern "C" fn(user: *mut c_void, binding: *const AntumbraBinding)>;
 
@@ -71,8 +72,8 @@ pub struct AntumbraViewFrame {
     pub camera: *const AntumbraCamera,
     /// Required: its images.
     pub target: *const AntumbraTargetDesc,
-    /// The most occlusion queries, any number, or `ANTUMBRA_NO_QUERIES`; leaves for which none is
-    /// left are drawn. Default: 4096.
+    /// The most occlusion queries, any number, or `ANTUMBRA_NO_QUERIES`. Leaves for which no query
+    /// is left are drawn. Default: 4096.
     pub query_budget: usize,
 }
 layout!(AntumbraViewFrame: struct_size, strategy, view, camera, target, query_budget);
@@ -95,12 +96,12 @@ pub struct AntumbraFrameDesc {
     /// Required: a primary command buffer that is being recorded, outside of renderings and
     /// queries.
     pub commands: vk::CommandBuffer,
-    /// Required: the number of this frame, above that of all frames before on the device.
+    /// Required: the number of this frame, above the numbers of all earlier frames on the device.
     pub current: u64,
-    /// The newest frame that is over on the GPU with all before it, or will never be submitted.
-    /// Default: 0, none.
+    /// The number of a frame: it and all earlier frames are over on the GPU, or will never be
+    /// submitted. The newest such frame is best. Default: 0, none.
     pub safe: u64,
-    /// Binds what draws need. Default: null, for a host that draws from lists: others must give it.
+    /// Binds the state that draws need. Default: null, only for a host that draws from lists.
     pub bind: AntumbraBindCallback,
     /// The first argument of all callbacks. Default: null.
     pub user: *mut c_void,
@@ -108,8 +109,9 @@ pub struct AntumbraFrameDesc {
     pub begin_rendering: AntumbraRenderingCallback,
     /// Ends a rendering. Default: null, as `begin_rendering`.
     pub end_rendering: AntumbraRenderingCallback,
-    /// The most occlusion queries of all views together, any number, or `ANTUMBRA_NO_QUERIES`: what
-    /// a view leaves goes to those with more to test. Default: 0, for the budgets of each.
+    /// The most occlusion queries of all views together, any number, or `ANTUMBRA_NO_QUERIES`.
+    /// Views with more to test get the queries that other views leave. Default: 0, for a budget per
+    /// view.
     pub query_budget: usize,
 }
 layout!(AntumbraFrameDesc: struct_size, view_count, views, commands, current, safe, bind, user,
@@ -185,7 +187,7 @@ impl ObjectRenderer for HostObjects<'_> {
     }
 }
 
-/// A view of a frame as C gave it, checked.
+/// A view of a frame in C, checked.
 struct ViewFrame {
     view: AntumbraView,
     eye: CullView,

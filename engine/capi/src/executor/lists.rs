@@ -7,7 +7,7 @@ use crate::layout::{Versioned, layout, versioned};
 
 /// The executor draws: it calls the host to bind what the draws of a bucket need.
 pub const ANTUMBRA_DRAWS_BY_CALLBACK: u32 = 0;
-/// The host draws from lists, before and behind the tests that the executor records.
+/// The host draws from lists, before and after the tests that the executor records.
 pub const ANTUMBRA_DRAWS_BY_LISTS: u32 = 1;
 
 /// The indexed indirect draws of one bucket: for `vkCmdDrawIndexedIndirectCount`, or
@@ -17,14 +17,14 @@ pub const ANTUMBRA_DRAWS_BY_LISTS: u32 = 1;
 pub struct AntumbraDrawList {
     /// The bucket.
     pub bucket: u32,
-    /// The most commands that there may be, above 0: `VkDrawIndexedIndirectCommand`s without gaps.
+    /// The largest number of commands, above 0: `VkDrawIndexedIndirectCommand`s without gaps.
     pub most: u32,
     /// The buffer of the commands.
     pub commands: vk::Buffer,
     /// The offset of the first command in bytes.
     pub commands_offset: u64,
-    /// The buffer of the number of commands, 32 bits. Null where the device counts no draws: some
-    /// of all commands are empty then.
+    /// The buffer of the number of commands, 32 bits. Null if the device does not support draw
+    /// counts: then all `most` commands are drawn, and some of them are empty.
     pub count: vk::Buffer,
     /// The offset of the number in bytes.
     pub count_offset: u64,
@@ -47,7 +47,7 @@ impl From<&DrawList> for AntumbraDrawList {
 /// The draws of a view in the newest frame, a list per bucket, in the order of their buckets.
 ///
 /// The order on the queue is: the visible draws, in renderings of the host that clear; the command
-/// buffer of the frame; the revealed draws, in renderings that keep what is there. The buffers live
+/// buffer of the frame; the revealed draws, in renderings that keep the contents. The buffers live
 /// until the frame is over.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
@@ -56,11 +56,11 @@ pub struct AntumbraDrawLists {
     pub struct_size: u32,
     /// Must be 0.
     pub reserved: u32,
-    /// The draws that are taken as visible; as long as the view is not recorded again.
+    /// The draws that are assumed to be visible. Valid until the view is recorded again.
     pub visible: *const AntumbraDrawList,
     /// The number of their lists.
     pub visible_count: usize,
-    /// The draws that the tests of the frame reveal; as long as the view is not recorded again.
+    /// The draws that the tests of the frame reveal. Valid until the view is recorded again.
     pub revealed: *const AntumbraDrawList,
     /// The number of their lists.
     pub revealed_count: usize,
@@ -77,7 +77,7 @@ pub(crate) struct KeptLists {
 }
 
 impl KeptLists {
-    /// Forgets the lists of a frame before.
+    /// Removes the lists of an earlier frame.
     pub fn clear(&mut self) {
         self.visible.clear();
         self.revealed.clear();
@@ -92,7 +92,7 @@ impl KeptLists {
         }
     }
 
-    /// Returns them as C reads them.
+    /// Returns the lists, as pointers into `self`.
     pub fn described(&self) -> AntumbraDrawLists {
         let Self { visible, revealed } = self;
         AntumbraDrawLists {

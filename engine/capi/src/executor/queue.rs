@@ -10,7 +10,7 @@ use crate::error::Failure;
 use crate::layout::{layout, pointers, versioned};
 use crate::pointers::read;
 
-/// Takes or gives back the host's lock around a queue. It is called on the thread that renders, and
+/// Takes or releases the host's lock of a queue. The callback runs on the thread that renders, and
 /// must not call the library.
 pub type AntumbraQueueLockCallback = Option<unsafe extern "C" fn(user: *mut c_void)>;
 
@@ -26,10 +26,10 @@ pub struct AntumbraQueueDesc {
     pub reserved: u32,
     /// Required: the queue.
     pub queue: vk::Queue,
-    /// Returns when nobody else uses the queue; called before each submit. Default: null, where the
-    /// host uses it on the thread that renders alone.
+    /// Called before each submit; returns when no other thread uses the queue. Default: null, if
+    /// the host uses the queue only on the thread that renders.
     pub lock: AntumbraQueueLockCallback,
-    /// Lets others use the queue again; called after each submit. Default: null, as `lock`.
+    /// Called after each submit; lets other threads use the queue again. Default: null, as `lock`.
     pub unlock: AntumbraQueueLockCallback,
     /// The first argument of both. Default: null.
     pub user: *mut c_void,
@@ -40,7 +40,7 @@ versioned!(AntumbraQueueDesc: 3, required: [queue], defaults: {});
 
 type Callback = unsafe extern "C" fn(*mut c_void);
 
-/// The lock of a host, by its callbacks.
+/// The lock of a host, taken through its callbacks.
 struct CallbackLock {
     callbacks: Option<[Callback; 2]>,
     user: *mut c_void,
@@ -62,7 +62,7 @@ impl HostQueueLock for CallbackLock {
     }
 }
 
-/// Returns the queue of a host, if it names one.
+/// Returns the queue of a host, if it gave one.
 ///
 /// # Safety
 /// As the rules of the interface.

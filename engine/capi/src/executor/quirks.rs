@@ -4,25 +4,25 @@ use occlusion::DriverAssumption;
 
 use crate::error::Failure;
 
-/// Occlusion queries tell what shows from what is hidden, and count exactly.
+/// Occlusion queries distinguish visible from hidden geometry, and count exactly.
 pub const ANTUMBRA_ASSUMPTION_QUERY_COUNTS: u32 = 1 << 0;
 /// The results of a frame are in mapped memory when the frame is over.
 pub const ANTUMBRA_ASSUMPTION_LATE_RESULTS: u32 = 1 << 1;
 /// A proxy covers every sample that its object covers.
 pub const ANTUMBRA_ASSUMPTION_PROXY_COVERAGE: u32 = 1 << 2;
-/// No fragment of a proxy is farther than that of its object at the same sample.
+/// A fragment of a proxy is never farther away than the object's fragment at the same sample.
 pub const ANTUMBRA_ASSUMPTION_PROXY_DEPTH: u32 = 1 << 3;
 /// Fragment shaders with early tests write nothing where the depth test fails.
 pub const ANTUMBRA_ASSUMPTION_EARLY_TESTS: u32 = 1 << 4;
-/// The writes of fragment shaders are there for later commands.
+/// Later commands see the writes of fragment shaders.
 pub const ANTUMBRA_ASSUMPTION_FLAG_WRITES: u32 = 1 << 5;
 /// Compute shaders read the depth that was drawn.
 pub const ANTUMBRA_ASSUMPTION_COMPUTED_DEPTHS: u32 = 1 << 6;
 /// Conditional rendering skips draws whose predicate is zero, and no others.
 pub const ANTUMBRA_ASSUMPTION_CONDITIONAL_RENDERING: u32 = 1 << 7;
-/// Draw counts out of a buffer are heeded.
+/// Draws obey draw counts in a buffer.
 pub const ANTUMBRA_ASSUMPTION_DRAW_COUNTS: u32 = 1 << 8;
-/// Instance counts that a compute shader wrote are heeded.
+/// Draws obey instance counts that a compute shader wrote.
 pub const ANTUMBRA_ASSUMPTION_INSTANCE_COUNTS: u32 = 1 << 9;
 /// Lists of commands that compute shaders wrote are drawn in their order.
 pub const ANTUMBRA_ASSUMPTION_COMPACTED_LISTS: u32 = 1 << 10;
@@ -30,11 +30,11 @@ pub const ANTUMBRA_ASSUMPTION_COMPACTED_LISTS: u32 = 1 << 10;
 pub const ANTUMBRA_ASSUMPTION_DRAW_ORDER: u32 = 1 << 11;
 /// Two passes give the same vertex the same depth.
 pub const ANTUMBRA_ASSUMPTION_REPEATED_DEPTH: u32 = 1 << 12;
-/// A walk with occlusion queries has the images of frustum culling.
+/// A walk with occlusion queries draws the same images as frustum culling.
 pub const ANTUMBRA_ASSUMPTION_QUERIED_WALK: u32 = 1 << 13;
-/// A walk with flags has the images of frustum culling.
+/// A walk with flags draws the same images as frustum culling.
 pub const ANTUMBRA_ASSUMPTION_FLAGGED_WALK: u32 = 1 << 14;
-/// A walk with the compute tester has the images of frustum culling.
+/// A walk with the compute tester draws the same images as frustum culling.
 pub const ANTUMBRA_ASSUMPTION_COMPUTED_WALK: u32 = 1 << 15;
 
 /// Each bit with its assumption.

@@ -26,7 +26,7 @@ pub struct AntumbraScene {
 }
 handle!(AntumbraScene = "scene");
 
-/// A view of a scene, with what it knows from earlier frames.
+/// A view of a scene, with its history of earlier frames.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AntumbraView {
@@ -35,7 +35,7 @@ pub struct AntumbraView {
 }
 handle!(AntumbraView = "view");
 
-/// Hidden draws are skipped by the best way that the device has: with costs the cheapest.
+/// Hidden draws are skipped in the device's best way, or in the cheapest way if costs are given.
 pub const ANTUMBRA_PREDICATION_BEST: u32 = 0;
 /// Hidden draws are skipped by conditional rendering.
 pub const ANTUMBRA_PREDICATION_CONDITIONAL: u32 = 1;
@@ -43,10 +43,10 @@ pub const ANTUMBRA_PREDICATION_CONDITIONAL: u32 = 1;
 pub const ANTUMBRA_PREDICATION_COUNTS: u32 = 2;
 /// Hidden draws are skipped by instance counts.
 pub const ANTUMBRA_PREDICATION_INSTANCES: u32 = 3;
-/// Hidden draws are skipped by lists of those that show, one per bucket and round, with counts.
+/// Compacted lists hold only draws that show: one list per bucket and round, with a draw count.
 pub const ANTUMBRA_PREDICATION_COMPACTED: u32 = 4;
 
-/// Returns the number of an executor in C.
+/// Returns the number of a predication mode in C.
 pub(crate) fn predication_number(predication: PredicationMode) -> u32 {
     match predication {
         PredicationMode::Conditional => ANTUMBRA_PREDICATION_CONDITIONAL,
@@ -56,7 +56,7 @@ pub(crate) fn predication_number(predication: PredicationMode) -> u32 {
     }
 }
 
-/// Returns the executor of a number in C; `None` for the best.
+/// Returns the predication mode of a number in C; `None` for the best.
 fn predication(number: u32) -> Result<Option<PredicationMode>, Failure> {
     match number {
         ANTUMBRA_PREDICATION_BEST => Ok(None),
@@ -68,9 +68,9 @@ fn predication(number: u32) -> Result<Option<PredicationMode>, Failure> {
     }
 }
 
-/// A host may submit a frame again before it is safe: each run resets its queries by commands.
+/// The host may submit a frame again before it is safe: commands reset its queries in each run.
 pub const ANTUMBRA_RESUBMISSION_ALLOWED: u32 = 0;
-/// A host submits each frame once at most. Its queries are reset by the CPU where the device's
+/// The host submits each frame at most once. The CPU resets its queries if the device's
 /// `hostQueryReset` is on, since some drivers wait once per query that a command resets.
 pub const ANTUMBRA_RESUBMISSION_NEVER: u32 = 1;
 
@@ -80,18 +80,18 @@ pub const ANTUMBRA_RESUBMISSION_NEVER: u32 = 1;
 pub struct AntumbraSceneDesc {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// The most frames that are begun and not known to be over, up to 64. Default: 2.
+    /// The most frames that may have begun and are not known to be over, up to 64. Default: 2.
     pub frames_in_flight: u32,
     /// Required: the device.
     pub device: AntumbraDevice,
     /// Required: the attachments of all views.
     pub attachments: *const AntumbraAttachments,
-    /// The number of buckets, up to 65536: pipelines in passes. They are drawn in the order of
-    /// their numbers. Default: 1.
+    /// The number of buckets, up to 65536. A bucket is a pipeline in a pass, in which draws of
+    /// objects are drawn together. Buckets are drawn in the order of their numbers. Default: 1.
     pub bucket_count: u32,
-    /// The number of objects for which there is room before more must be made. Default: 0.
+    /// The number of objects that fit before the scene must grow. Default: 0.
     pub object_capacity: u32,
-    /// The number of draws for which there is room before they are uploaded again. Default: 0.
+    /// The number of draws that fit before they are uploaded again to larger buffers. Default: 0.
     pub draw_capacity: u32,
     /// An `ANTUMBRA_PREDICATION_..`. Default: `ANTUMBRA_PREDICATION_BEST`.
     pub predication: u32,
@@ -104,9 +104,9 @@ pub struct AntumbraSceneDesc {
     pub disabled: u32,
     /// Must be 0.
     pub reserved: u32,
-    /// The measured costs of the same physical device: the way to skip hidden draws that costs
-    /// least for `object_capacity` objects is taken, and tests that cost more than they are
-    /// expected to save are left out. Default: 0, none: all that may be hidden is tested.
+    /// The measured costs of the same physical device. With them, the scene skips hidden draws in
+    /// the cheapest way for `object_capacity` objects, and leaves out tests that cost more than
+    /// they are expected to save. Default: 0, none: everything that may be hidden is tested.
     pub costs: AntumbraDeviceCosts,
 }
 layout!(AntumbraSceneDesc: struct_size, frames_in_flight, device, attachments, bucket_count,
@@ -121,9 +121,9 @@ versioned!(AntumbraSceneDesc: 6,
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AntumbraObject {
-    /// The box around all that it draws.
+    /// The box around everything that the object draws.
     pub bounds: AntumbraAabb,
-    /// The first of its draws in the array of draws.
+    /// The index of its first draw in the array of draws.
     pub first_draw: u32,
     /// The number of its draws.
     pub draw_count: u32,
@@ -136,15 +136,15 @@ layout!(AntumbraObject: bounds, first_draw, draw_count);
 pub struct AntumbraObjectDraw {
     /// The bucket.
     pub bucket: u32,
-    /// As of `VkDrawIndexedIndirectCommand`.
+    /// As in `VkDrawIndexedIndirectCommand`.
     pub index_count: u32,
-    /// As of `VkDrawIndexedIndirectCommand`; any number.
+    /// As in `VkDrawIndexedIndirectCommand`; any number.
     pub instance_count: u32,
-    /// As of `VkDrawIndexedIndirectCommand`.
+    /// As in `VkDrawIndexedIndirectCommand`.
     pub first_index: u32,
-    /// As of `VkDrawIndexedIndirectCommand`.
+    /// As in `VkDrawIndexedIndirectCommand`.
     pub vertex_offset: i32,
-    /// As of `VkDrawIndexedIndirectCommand`.
+    /// As in `VkDrawIndexedIndirectCommand`.
     pub first_instance: u32,
 }
 layout!(AntumbraObjectDraw: bucket, index_count, instance_count, first_index, vertex_offset,
@@ -176,11 +176,11 @@ pub struct AntumbraViewStats {
     pub frame: u64,
     /// The objects that the GPU drew.
     pub objects: u64,
-    /// The objects among them that were drawn because a box showed.
+    /// The objects among them that a test revealed.
     pub revealed: u64,
     /// The occlusion queries in the newest plan of the view, which may be of a later frame.
     pub queries: u64,
-    /// The boxes that are tested in that plan.
+    /// The boxes that the newest plan tests.
     pub tests: u64,
     /// An `ANTUMBRA_PREDICATION_..`: the way that hidden draws are skipped, unless the host draws
     /// from lists.
@@ -195,7 +195,7 @@ versioned!(AntumbraViewStats: 5, required: [], defaults: {});
 
 /// A view of a scene.
 pub(crate) struct HostedView {
-    /// The history; made for the first target.
+    /// The history, which is created for the first target.
     pub state: Option<OcclusionState>,
     pub target: CachedTarget,
     pub lists: KeptLists,
@@ -230,7 +230,7 @@ pub(crate) struct HostedScene {
     pub scene: CulledScene,
     pub frames: FrameRing,
     pub attachments: Attachments,
-    /// Two where the host draws from lists.
+    /// [`DrawPhases::Two`] if the host draws from lists.
     pub draw_phases: DrawPhases,
     pub views: Table<HostedView, AntumbraView>,
     objects: Vec<ObjectId>,
@@ -338,7 +338,7 @@ impl HostedScene {
         Ok(self.scene.set_draws(ObjectId(object), &draws)?)
     }
 
-    /// Creates a view that knows nothing yet.
+    /// Creates a view without a history.
     pub fn add_view(&self) -> Result<AntumbraView, Failure> {
         let target = CachedTarget::default();
         let predication = predication_number(self.scene.culling_setup().predication);

@@ -13,12 +13,12 @@ use crate::pointers::slice;
 /// The most colour images of a view.
 pub const ANTUMBRA_COLOURS_MAX: usize = 8;
 
-/// The state of an image between its user and the executor.
+/// The state of an image where its use changes between another user and the executor.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AntumbraImageState {
-    /// The layout, which is not checked. `VK_IMAGE_LAYOUT_UNDEFINED` on entry drops the contents;
-    /// on exit it leaves the image as an attachment.
+    /// The layout, which is not checked. `VK_IMAGE_LAYOUT_UNDEFINED` on entry discards the
+    /// contents; on exit it leaves the image in its layout as an attachment.
     pub layout: vk::ImageLayout,
     /// Must be 0.
     pub reserved: u32,
@@ -41,16 +41,16 @@ impl AntumbraImageState {
 pub struct AntumbraImage {
     /// The image.
     pub image: vk::Image,
-    /// A 2D view of it with all aspects of the format.
+    /// A 2D view of the image with all aspects of the format.
     pub view: vk::ImageView,
     /// The format of the view.
     pub format: vk::Format,
-    /// The usage that it was created with. `VK_IMAGE_USAGE_TRANSFER_SRC_BIT` of a depth image
-    /// allows tests by compute shaders.
+    /// The usage that the image was created with. `VK_IMAGE_USAGE_TRANSFER_SRC_BIT` of a depth
+    /// image allows tests by compute shaders.
     pub usage: vk::ImageUsageFlags,
     /// The state before the first command of the executor.
     pub entry: AntumbraImageState,
-    /// The state after its last one.
+    /// The state after the last command of the executor.
     pub exit: AntumbraImageState,
 }
 layout!(AntumbraImage: image, view, format, usage, entry, exit);
@@ -69,14 +69,15 @@ impl AntumbraImage {
 pub struct AntumbraTargetDesc {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// The number of colour images: those of the scene's attachments, or none if the host begins
-    /// its renderings itself. Default: 0.
+    /// The number of colour images: the number of the scene's colour attachments, or 0 if the host
+    /// begins its renderings itself. Default: 0.
     pub colour_count: u32,
     /// Required: the depth.
     pub depth: AntumbraImage,
     /// The colours. Default: null, with a `colour_count` of 0.
     pub colours: *const AntumbraImage,
-    /// Required: width of all images (pixels). That the images are no smaller cannot be checked.
+    /// Required: width of all images (pixels). The library cannot check that the images are that
+    /// large.
     pub width: u32,
     /// Required: height of all images (pixels), as the width.
     pub height: u32,
@@ -95,8 +96,8 @@ pub struct AntumbraAttachments {
     pub depth_format: vk::Format,
     /// Samples per pixel of all attachments. Default: `VK_SAMPLE_COUNT_1_BIT`.
     pub samples: vk::SampleCountFlags,
-    /// The direction in which depths grow: an `ANTUMBRA_DEPTH_..`, the same as that of cameras.
-    /// Default: `ANTUMBRA_DEPTH_REVERSED`.
+    /// The direction in which depths grow: an `ANTUMBRA_DEPTH_..`, the same as in cameras. Default:
+    /// `ANTUMBRA_DEPTH_REVERSED`.
     pub depth: u32,
     /// The number of colour attachments, up to `ANTUMBRA_COLOURS_MAX`. Default: 0.
     pub colour_count: u32,
@@ -150,7 +151,7 @@ pub(crate) fn near_depth(depth: u32) -> Result<NearDepth, Failure> {
     }
 }
 
-/// The target of a view, made again only if the host's images are others than in the last frame.
+/// The target of a view, which is created again only if the host's images change.
 #[derive(Default)]
 pub(crate) struct CachedTarget {
     depth: Option<AntumbraImage>,
@@ -197,7 +198,7 @@ impl CachedTarget {
     }
 }
 
-/// Refuses images of other formats than those of the scene's pipelines.
+/// Refuses images with other formats than the scene's attachments.
 fn check_formats(
     desc: &AntumbraTargetDesc,
     colours: &[AntumbraImage],

@@ -31,7 +31,7 @@ pub struct AntumbraVertex {
 }
 layout!(AntumbraVertex: position, normal, colour);
 
-/// A mesh, which any number of objects may have. It is copied.
+/// A mesh that any number of objects may use. The library copies it.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct AntumbraMeshDesc {
@@ -56,7 +56,7 @@ versioned!(AntumbraMeshDesc: 6, required: [vertices, vertex_count, indices, inde
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AntumbraTransform {
-    /// The images of the x, y and z axis, then the place of the origin (metres).
+    /// The images of the x, y and z axis, then the position of the origin (metres).
     pub columns: [f32; 12],
 }
 layout!(AntumbraTransform: columns);
@@ -67,17 +67,17 @@ impl From<&AntumbraTransform> for Affine3A {
     }
 }
 
-/// A mesh somewhere in the world.
+/// An object: a mesh with a transform.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AntumbraMeshObject {
-    /// The mesh: its place among those of the `AntumbraRendererDesc`, or the id that
+    /// The mesh: its index in `AntumbraRendererDesc::meshes`, or the id that
     /// `antumbra_renderer_add_meshes` wrote.
     pub mesh: u32,
-    /// Linear red, green and blue of 8 bits each, red in the lowest byte: a factor of the colour of
-    /// vertices, by their share.
+    /// Linear red, green and blue of 8 bits each, red in the lowest byte. Multiplies the colours of
+    /// vertices, according to the share of each vertex.
     pub tint: u32,
-    /// The place.
+    /// The transform.
     pub transform: AntumbraTransform,
 }
 layout!(AntumbraMeshObject: mesh, tint, transform);
@@ -151,15 +151,15 @@ pub struct AntumbraRendererDesc {
     pub meshes: *const *const AntumbraMeshDesc,
     /// The number of meshes. Default: 0.
     pub mesh_count: usize,
-    /// The objects, neighbours near each other. Their ids are their places. Default: null, with an
-    /// `object_count` of 0.
+    /// The objects. Their ids are their indices. Neighbours in the array should be near each other.
+    /// Default: null, with an `object_count` of 0.
     pub objects: *const AntumbraMeshObject,
     /// The number of objects. Default: 0.
     pub object_count: usize,
     /// The light. Default: null, for a clear afternoon.
     pub light: *const AntumbraSunlight,
-    /// The most occlusion queries of a frame, any number, or `ANTUMBRA_NO_QUERIES`; objects for
-    /// which none is left are drawn. Default: 8192.
+    /// The most occlusion queries of a frame, any number, or `ANTUMBRA_NO_QUERIES`. Objects for
+    /// which no query is left are drawn. Default: 8192.
     pub query_budget: usize,
     /// An `ANTUMBRA_COST_MODEL_..`. Default: `ANTUMBRA_COST_MODEL_BUILT_IN`.
     pub cost_model: u32,
@@ -167,20 +167,20 @@ pub struct AntumbraRendererDesc {
     pub spare_objects: u32,
     /// Room for meshes that are added later. Default: 0.
     pub spare_meshes: u32,
-    /// Room for their vertices. Default: 0.
+    /// Room for the vertices of meshes that are added later. Default: 0.
     pub spare_vertices: u32,
-    /// Room for their indices. Default: 0.
+    /// Room for the indices of meshes that are added later. Default: 0.
     pub spare_indices: u32,
     /// The most bytes of added meshes that a frame copies to the GPU, any number. Default: 1048576.
     pub upload_bytes_per_frame: u32,
-    /// Samples per pixel, 1 or 4. With 4, edges are smooth. A device that takes the depth of a
-    /// sample from another place than its coverage then has `ANTUMBRA_STRATEGY_FRUSTUM` alone.
+    /// Samples per pixel, 1 or 4. With 4, edges are smooth. A device that evaluates depth and
+    /// coverage of a sample at different positions then supports only `ANTUMBRA_STRATEGY_FRUSTUM`.
     /// Default: 1.
     pub samples: u32,
     /// Must be 0.
     pub reserved: u32,
-    /// The shadows of the sun. With `ANTUMBRA_SHADOWS_OFF` there can be some later:
-    /// `antumbra_renderer_set_shadows`. Default: null, for a renderer that never has any.
+    /// The shadows of the sun. With `ANTUMBRA_SHADOWS_OFF` they can be turned on later:
+    /// `antumbra_renderer_set_shadows`. Default: null, for a renderer that never has shadows.
     pub shadows: *const AntumbraShadowDesc,
     /// A set of `ANTUMBRA_ASSUMPTION_..` that a self-test found broken: what rests on them is not
     /// used. Default: 0, none.
@@ -247,7 +247,7 @@ impl AntumbraRendererDesc {
         })
     }
 
-    /// Returns the scene, which may be one that cannot be drawn.
+    /// Returns the scene, without a check that it can be drawn.
     ///
     /// # Safety
     /// As the rules of the interface.

@@ -8,7 +8,7 @@ use crate::executor::quirks::assumptions;
 use crate::layout::{layout, versioned};
 use crate::renderer::description::sample_count;
 
-/// The image that costs are measured on.
+/// The device and the image for which costs are measured.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct AntumbraDeviceCostsDesc {
@@ -33,7 +33,7 @@ layout!(AntumbraDeviceCostsDesc: struct_size, disabled, device, width, height, s
 versioned!(AntumbraDeviceCostsDesc: 7, required: [width, height], defaults: { samples: 1 });
 
 impl AntumbraDeviceCostsDesc {
-    /// Returns the options of a renderer of such images.
+    /// Returns the options of a renderer with such an image.
     pub(crate) fn options(&self) -> Result<RendererOptions, Failure> {
         Ok(RendererOptions {
             size: [self.width, self.height],

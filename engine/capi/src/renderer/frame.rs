@@ -33,21 +33,22 @@ handle!(AntumbraRenderer = "renderer");
 pub struct AntumbraRenderDesc {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// An `ANTUMBRA_STRATEGY_..`, which may be another one in each frame: frustum culling alone
-    /// draws the same image. Default: `ANTUMBRA_STRATEGY_ANTUMBRA`.
+    /// An `ANTUMBRA_STRATEGY_..`, which may change in each frame: all strategies draw the same
+    /// image. Default: `ANTUMBRA_STRATEGY_ANTUMBRA`.
     pub strategy: u32,
-    /// Required: the camera, with reversed depth. Its `sub_pixel_bits` have no meaning here.
+    /// Required: the camera, with reversed depth. Its `sub_pixel_bits` are ignored.
     pub camera: *const AntumbraCamera,
 }
 layout!(AntumbraRenderDesc: struct_size, strategy, camera);
 
 versioned!(AntumbraRenderDesc: 3, required: [camera], defaults: {});
 
-/// The image of the newest frame. It is the renderer's until that is resized or destroyed.
+/// The image of the newest frame. The renderer owns the image, until the renderer is resized or
+/// destroyed.
 ///
-/// Commands that are submitted to the same queue after the frame use it behind a barrier from
-/// `state`. On other queues they first wait for `value` of the semaphore `timeline`. Before the
-/// next frame is rendered, a barrier on the queue of the renderer brings it back to `state`.
+/// Commands that are submitted to the same queue after the frame use the image after a barrier from
+/// `state`. Commands on other queues first wait for `value` of the semaphore `timeline`. Before the
+/// next frame is rendered, a barrier on the queue of the renderer must return the image to `state`.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct AntumbraFinishedImage {
@@ -58,13 +59,13 @@ pub struct AntumbraFinishedImage {
     pub format: vk::Format,
     /// The image, of 8 bits per channel, which may be sampled and copied.
     pub image: vk::Image,
-    /// A view of it.
+    /// A view of the image.
     pub view: vk::ImageView,
     /// Width (pixels).
     pub width: u32,
     /// Height (pixels).
     pub height: u32,
-    /// The state that the frame leaves it in.
+    /// The state in which the frame leaves the image.
     pub state: AntumbraImageState,
     /// The timeline semaphore of the device, which the library owns.
     pub timeline: vk::Semaphore,
@@ -91,13 +92,13 @@ impl From<FinishedImage> for AntumbraFinishedImage {
     }
 }
 
-/// The counts of the newest frame whose results are known, and of meshes on their way.
+/// The counts of the newest frame whose results are known, and the state of uploads.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct AntumbraRendererStats {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// 1 while some mesh is on its way to the GPU: its objects are not drawn yet. Else 0.
+    /// 1 while meshes are being uploaded, whose objects are not drawn yet; else 0.
     pub is_uploading: u32,
     /// The frame, counted from 1; 0 if none is known.
     pub frame: u64,
@@ -105,11 +106,11 @@ pub struct AntumbraRendererStats {
     pub total: u64,
     /// The objects among them that the GPU drew.
     pub drawn: u64,
-    /// The objects among those that were drawn because a box showed.
+    /// The objects among the drawn ones that a test revealed.
     pub revealed: u64,
     /// The boxes that were tested.
     pub tests: u64,
-    /// An `ANTUMBRA_PREDICATION_..`: the way that hidden draws are skipped. It costs least by the
+    /// An `ANTUMBRA_PREDICATION_..`: the way that hidden draws are skipped, the cheapest one by the
     /// costs that were measured when the renderer was created.
     pub predication: u32,
     /// An `ANTUMBRA_TESTER_..`: the tester that was expected to cost least.

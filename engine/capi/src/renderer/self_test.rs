@@ -5,19 +5,20 @@ use render::{CheckResult, DriverAssumption, SelfTest};
 use crate::executor::quirks::BITS;
 use crate::layout::{Versioned, layout, versioned};
 
-/// The outcome of a self-test: sets of `ANTUMBRA_ASSUMPTION_..`. What is in none of them holds.
+/// The outcome of a self-test: sets of `ANTUMBRA_ASSUMPTION_..`. Assumptions in neither set hold.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct AntumbraSelfTest {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// Those that do not hold, for `AntumbraRendererDesc::disabled` and
+    /// The assumptions that do not hold, for `AntumbraRendererDesc::disabled` and
     /// `AntumbraSceneDesc::disabled`.
     pub broken: u32,
-    /// Those that could not be tested, since the device lacks what rests on them.
+    /// The assumptions that could not be tested, since the device lacks the features that rely on
+    /// them.
     pub not_tested: u32,
-    /// 1 if a tester and a way to skip draws are left; 0 if only `ANTUMBRA_STRATEGY_FRUSTUM` is
-    /// right, which renderers then draw by.
+    /// 1 if a tester and a way to skip draws are left. 0 if only `ANTUMBRA_STRATEGY_FRUSTUM` draws
+    /// correct images, which renderers then use.
     pub can_cull: u32,
 }
 layout!(AntumbraSelfTest: struct_size, broken, not_tested, can_cull);

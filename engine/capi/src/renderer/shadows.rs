@@ -12,7 +12,7 @@ use crate::layout::{Versioned, layout, versioned};
 pub const ANTUMBRA_SHADOWS_OFF: u32 = 0;
 /// Shadow maps, which are kept until something in them changes.
 pub const ANTUMBRA_SHADOWS_MAPS: u32 = 1;
-/// Stencil shadow volumes: hard edges, right to the pixel. They need one sample per pixel, and the
+/// Stencil shadow volumes: hard edges, exact to the pixel. They need one sample per pixel, and the
 /// features `depthClamp` and `fragmentStoresAndAtomics` of the device.
 pub const ANTUMBRA_SHADOWS_VOLUMES: u32 = 2;
 
@@ -22,7 +22,7 @@ pub const ANTUMBRA_SHADOW_FILTER_ADAPTIVE: u32 = 0;
 pub const ANTUMBRA_SHADOW_FILTER_SINGLE: u32 = 1;
 /// Three by three samples.
 pub const ANTUMBRA_SHADOW_FILTER_PCF3: u32 = 2;
-/// A width that follows from the distance to what blocks: 8 samples find it, 12 filter.
+/// PCSS, whose width depends on the distance to the blocker: 8 samples find it, 12 filter.
 pub const ANTUMBRA_SHADOW_FILTER_PCSS12: u32 = 3;
 /// All 64 samples of the disk, at every pixel.
 pub const ANTUMBRA_SHADOW_FILTER_FIXED64: u32 = 4;
@@ -42,7 +42,7 @@ pub const ANTUMBRA_SHADOW_CACHING_CACHED: u32 = 0;
 pub const ANTUMBRA_SHADOW_CACHING_UNCACHED: u32 = 1;
 
 /// Casters whose shadow cannot fall on something visible are left out. Needs one sample per pixel;
-/// else all are drawn.
+/// otherwise all casters are drawn.
 pub const ANTUMBRA_CASTER_CULLING_CULLED: u32 = 0;
 /// All casters are drawn.
 pub const ANTUMBRA_CASTER_CULLING_UNCULLED: u32 = 1;
@@ -63,21 +63,21 @@ pub struct AntumbraShadowDesc {
     pub caching: u32,
     /// An `ANTUMBRA_CASTER_CULLING_..`. Default: `ANTUMBRA_CASTER_CULLING_CULLED`.
     pub culling: u32,
-    /// Maps of the sun, 1 to 8, each of which reaches three times as far as the one before.
-    /// Default: 4.
+    /// The number of maps of the sun, 1 to 8. Each map reaches three times as far as the previous
+    /// one. Default: 4.
     pub cascades: u32,
-    /// The side of such a map in texels, a power of two from 16 on. Default: 2048.
+    /// The side of a map of the sun in texels, a power of two of at least 16. Default: 2048.
     pub map_side: u32,
-    /// The most layers of maps, each as large as one of 512 texels a side at least, and with
-    /// volumes of the masks of lights. Default: 8.
+    /// The most layers of maps, each with a side of `map_side`, but at least 512 texels. With
+    /// volumes, the most layers of the mask of lights, each as large as the image. Default: 8.
     pub layers_max: u32,
-    /// The distance from the eye to which the sun has shadows (metres), below 1e6. Default: 0, by
-    /// the scene: 200, and farther where its objects are larger than houses.
+    /// The distance from the eye to which the sun has shadows (metres), below 1e6. Default: 0, for
+    /// a distance that suits the scene: 200, and more if its objects are larger than houses.
     pub distance: f32,
     /// The width of penumbras (metres), below 1e3. Default: 0, a hard edge.
     pub penumbra: f32,
-    /// The share of half the side of a cascade in which it blends into the next, up to 0.5.
-    /// Default: 0, none.
+    /// The width of the band in which a cascade blends into the next one, as a share of half its
+    /// side, up to 0.5. Default: 0, none.
     pub cascade_blend: f32,
 }
 layout!(AntumbraShadowDesc: struct_size, method, filter, bias, caching, culling, cascades,
@@ -88,14 +88,14 @@ versioned!(AntumbraShadowDesc: 12,
     defaults: { cascades: 4, map_side: 2048, layers_max: 8 }
 );
 
-/// Returns the value of a constant of a kind, by its place.
+/// Returns the value of a constant, which is its index in `values`.
 fn chosen<T: Copy>(kind: &str, values: &[T], number: u32) -> Result<T, Failure> {
     let unknown = || Failure::argument(format_args!("there is no {kind} {number}"));
     values.get(number as usize).copied().ok_or_else(unknown)
 }
 
 impl AntumbraShadowDesc {
-    /// Returns the options, which may be ones that no device can fulfil.
+    /// Returns the options, without a check that a device supports them.
     pub(crate) fn options(&self) -> Result<ShadowOptions, Failure> {
         use ShadowFilter as F;
         let filters = [F::Adaptive, F::Single, F::Pcf3, F::Pcss12, F::Fixed64, F::Pcss64];
@@ -137,13 +137,13 @@ pub struct AntumbraShadowStats {
     pub drawn_maps: u32,
     /// The maps among these whose casters are culled.
     pub culled_maps: u32,
-    /// The casters in maps that are drawn, culled or not, or of volumes.
+    /// The casters in drawn maps, culled or not, or the casters of volumes.
     pub casters: u32,
     /// The tests that decide about culled casters.
     pub tests: u32,
-    /// The volumes that are counted by z-fail, since the eye may be in them.
+    /// The volumes that are counted by z-fail, since the eye may be inside them.
     pub z_fail_volumes: u32,
-    /// The lights without shadows, since there was no room.
+    /// The lights that have no shadows for lack of room.
     pub unshadowed_lights: u32,
     /// 0.
     pub reserved: u32,

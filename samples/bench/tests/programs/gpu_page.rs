@@ -1,4 +1,4 @@
-//! Runs `gpu_page` as `ci/gpu` does, with little of everything, on both software drivers.
+//! Runs `gpu_page` as `ci/gpu` does, with small inputs, on both software drivers.
 
 use std::fs;
 use std::process::Command;
@@ -13,7 +13,7 @@ fn gpu_page(scratch: &Scratch, arguments: &[&str]) -> Command {
     command
 }
 
-/// Walks with a few small frames, into a report of the folder `reports`.
+/// Walks with a few small frames, and writes a report to the folder `reports`.
 fn walk(scratch: &Scratch, device: &str, name: &str, more: &[&str]) {
     let report = format!("reports/{name}.json");
     let common = ["--frames=4", "--size=64x48", "--quiet", "--device", device];
@@ -66,7 +66,7 @@ fn a_page_of_each_driver_is_made() {
             assert!(page.contains(part), "{part} is missing in\n{page}");
         }
         assert_eq!(page.contains("| draws taken by conditional |"), device == "llvmpipe");
-        // SwiftShader takes the depth of a sample from another place than its coverage.
+        // SwiftShader evaluates depth and coverage of a sample at different positions.
         assert_eq!(page.contains("without `antumbra`, `ideal`: "), device == "swiftshader");
     }
 }

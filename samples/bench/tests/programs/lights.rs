@@ -1,5 +1,5 @@
-//! Runs `walkthrough` under lights with shadows: every combination is there and exact, and what
-//! cannot be is refused.
+//! Runs `walkthrough` under lights with shadows: every possible combination is exact, and
+//! impossible ones are refused.
 
 use harness::Scratch;
 use serde_json::Value;
@@ -18,7 +18,7 @@ const SMALL: [&str; 9] = [
     "--quiet",
 ];
 
-/// Walks through a small city on `device`, every frame compared, and returns the report.
+/// Walks through a small city on `device`, compares every frame, and returns the report.
 fn walk(scratch: &Scratch, device: &str, more: &[&str]) -> Value {
     let arguments = [&SMALL[..], &["--device", device], more].concat();
     succeeded(&mut walkthrough(&scratch.0, &arguments));

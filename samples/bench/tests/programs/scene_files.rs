@@ -1,4 +1,4 @@
-//! Runs `walkthrough` over scenes out of files: valid ones and bad ones.
+//! Runs `walkthrough` with valid and invalid scene files.
 
 use std::fs;
 
@@ -13,7 +13,7 @@ fn scratch(name: &str) -> Scratch {
     scratch
 }
 
-/// Runs a walk of which every frame is compared, and returns its report.
+/// Runs a walk, compares every frame, and returns the report.
 fn walk(scratch: &Scratch, device: &str, more: &[&str]) -> Value {
     let small = ["--quiet", "--frames=24", "--size=128x72", "--validation=sync", "--verify=every"];
     let rest =
@@ -124,7 +124,7 @@ fn without_a_name_it_is_the_first_camera_and_a_still_one_stands() {
     let more = ["--path=still", "--strategy=antumbra", "--out=still", "--images=24"];
     walk(&scratch, "llvmpipe", &more);
     let image = |frame: u32| pixels(&scratch.0.join(format!("still/frame_{frame:05}.png")));
-    // Only the door moves, sixty frames per second.
+    // Only the door moves, at sixty frames per second.
     assert!(image(0) != image(23));
 }
 

@@ -1,4 +1,4 @@
-//! Runs the programs in terminals and outside of them: colours, widths, progress, names.
+//! Runs the programs inside and outside terminals: colours, widths, progress, names.
 
 use harness::terminal::{
     assert_names_give_no_orders, assert_readers_may_go, help_that_fits, in_terminal,
@@ -41,7 +41,7 @@ fn help_and_table_fit_the_terminal() {
 fn colours_are_for_terminals_that_want_them() {
     let scratch = Scratch::new("terminal-colours");
     let help = format!("{} --help", WALKTHROUGH);
-    // A cache that cannot be written is a warning on the log.
+    // A cache that cannot be written causes a warning in the log.
     let walk = format!("XDG_CACHE_HOME=/proc/nowhere {} {SMALL}", WALKTHROUGH);
     let escape = |text: &str| text.contains("\u{1b}[");
     for (variables, is_coloured) in [
@@ -56,13 +56,13 @@ fn colours_are_for_terminals_that_want_them() {
         assert!(said.contains("WARN"), "{said}");
         assert_eq!(escape(&said), is_coloured, "{variables:?}: {said}");
     }
-    // A bar is drawn again and again: not where lines cannot be.
+    // A bar is redrawn, so it is left out if lines cannot be rewritten.
     let said = in_terminal(&scratch, 80, &[("TERM", "dumb")], &walk);
     assert!(!escape(&said) && said.contains("12 of 12 frames"), "{said}");
     let mut piped = walkthrough(&scratch.0, &SMALL.split(' ').collect::<Vec<_>>());
     piped.env("TERM", "xterm-256color").env("XDG_CACHE_HOME", "/proc/nowhere");
     let said = stderr(&piped.output().expect("it starts"));
-    // A sentence for people: no time and no module before it.
+    // A sentence for people, without a time or a module in front.
     assert!(said.lines().any(|line| line.trim_start().starts_with("WARN ")), "{said}");
     assert!(!escape(&said) && !said.contains("bench::"), "{said}");
 }
@@ -71,7 +71,8 @@ fn colours_are_for_terminals_that_want_them() {
 fn progress_counts_and_does_not_guess() {
     let scratch = Scratch::new("terminal-progress");
     let program = WALKTHROUGH;
-    // A bar is drawn at most 20 times per second: a walk of a few frames may be over before.
+    // A bar is drawn at most 20 times per second, so a walk of a few frames may end before the
+    // first bar.
     let long = SMALL.replace("--frames=12", "--frames=1000");
     let walk = format!("{program} {long} --strategy=ideal,antumbra");
     let said = in_terminal(&scratch, 120, &[], &walk);

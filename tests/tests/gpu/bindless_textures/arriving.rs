@@ -1,4 +1,4 @@
-//! Hundreds of textures that come to a running renderer, and the table that they have numbers in.
+//! Hundreds of textures that are added to a running renderer, and the table of their numbers.
 
 use gpu::{MipGeneration, Readback, TextureArrayInfo, TextureTable, TextureUploads, vk};
 use render::{FrameRequest, SpareCapacity};
@@ -9,7 +9,7 @@ use super::*;
 const EACH_FRAME: u32 = 4;
 const FRAMES: u32 = 50;
 
-/// Returns a texture of its own size and colour.
+/// Returns a texture whose size and colour depend on its number.
 fn texture_of(number: u32) -> PreparedTexture {
     let size = [1 + number % 9, 1 + number / 9 % 14];
     let texel = [(number * 7) as u8, (number * 13) as u8, (number * 29) as u8, 255];
@@ -83,7 +83,7 @@ fn hundreds_of_textures_come_while_frames_are_in_flight() {
             let numbers = frame * EACH_FRAME..(frame + 1) * EACH_FRAME;
             let textures = renderer.add_textures(numbers.clone().map(texture_of).collect());
             let textures = textures.unwrap();
-            // One of four is not needed in the end: its number is another's then.
+            // One of four textures is not used in the end, so that another texture gets its number.
             let (last, kept) = textures.split_last().unwrap();
             let materials: Vec<Material> = kept.iter().map(|kept| material_of(*kept)).collect();
             let materials = renderer.add_materials(&materials).unwrap();
@@ -119,7 +119,7 @@ fn hundreds_of_textures_come_while_frames_are_in_flight() {
         let streamed = image.rgba8().unwrap().to_vec();
         let fresh = drawn_at_once(device, &scene, &shown, camera);
         assert_eq!(pixels_that_differ(&streamed, &fresh), 0);
-        // Most of them are in the picture, each in its colour.
+        // Most textures are in the image, each in its colour.
         let colour = |number: u32| texture_of(number).image().rgba8()[..4].to_vec();
         let is_shown =
             |number: &&u32| streamed.chunks_exact(4).any(|pixel| pixel == colour(**number));
@@ -128,7 +128,7 @@ fn hundreds_of_textures_come_while_frames_are_in_flight() {
     });
 }
 
-/// Draws the same by a renderer that is made with all of it.
+/// Draws the same image by a renderer that is created with everything.
 fn drawn_at_once(device: &Device, scene: &Scene, shown: &[u32], camera: Camera) -> Vec<u8> {
     let mut scene = scene.clone();
     let surfaces = scene.surfaces.as_mut().unwrap();

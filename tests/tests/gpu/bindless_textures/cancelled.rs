@@ -1,5 +1,5 @@
-//! A renderer that is given up while its scene is uploaded: it ends within a few pieces of the
-//! upload, whichever is the first that is not wanted, and leaves nothing behind.
+//! A renderer whose creation is cancelled while its scene is uploaded. The upload ends within a few
+//! pieces after the request, at any piece, and leaves nothing behind.
 
 use gpu::{CancellationToken, Device, DeviceOptions};
 use render::surfaces::TextureStorage;
@@ -11,10 +11,11 @@ use super::{options, scene};
 
 const SUBMIT: &std::ffi::CStr = c"vkQueueSubmit2";
 
-/// The most submits after the request: buffers that lie between two checks.
+/// The most submits after the request: the buffers between two checks.
 const FEW: usize = 5;
 
-/// Makes a renderer, given up during its submit of that number; returns the number of submits.
+/// Creates a renderer, and cancels the creation during the submit `given_up`. Returns the number of
+/// submits.
 fn submits(device: &Device, storage: TextureStorage, given_up: Option<usize>) -> usize {
     let cancellation = CancellationToken::new();
     let impatience = given_up.map(|number| Impatience {
@@ -47,7 +48,7 @@ fn an_upload_ends_within_a_few_pieces_of_the_request() {
             .map(|number| submits(&device, storage, Some(number)).saturating_sub(number + 1))
             .collect();
         assert!(beyond.iter().all(|submits| *submits <= FEW), "{storage:?}: {beyond:?}");
-        // The textures are most of it, and there each piece is checked.
+        // Most pieces belong to textures, whose upload checks for the request at each piece.
         let images = scene().surfaces.map_or(0, |surfaces| surfaces.images.len());
         let at_once = beyond.iter().filter(|submits| **submits == 0).count();
         assert!(at_once >= images, "{storage:?}: {beyond:?}");

@@ -1,4 +1,4 @@
-//! The boxes of a host: their pipelines and images, and what it records itself.
+//! The boxes of a host: their pipelines and images, and the commands that the host records.
 
 use cull::{Aabb, CullView};
 use gpu::{
@@ -26,7 +26,7 @@ void main() {
 /// The first bucket of draws that blend.
 pub const GLASS: u32 = 1000;
 
-/// Vertices of a box as `box.glsl` makes them up: three faces of two triangles.
+/// Vertices of a box as `box.glsl` generates them: three faces of two triangles.
 const BOX_INDICES: u32 = 18;
 
 /// A draw: boxes that are its instances.
@@ -121,7 +121,7 @@ impl Boxes {
     ) {
         let Some(boxes) = self.boxes else { return };
         commands.bind(pipeline, &[boxes]);
-        // The shader makes up its vertices: any vertex buffer does.
+        // The shader generates its vertices, so any vertex buffer will do.
         commands.bind_geometry(self.indices.whole(), Some(self.indices.whole()));
         let mut constants = [0.0; 21];
         constants[..16].copy_from_slice(&view.view_proj.to_cols_array());
@@ -184,8 +184,7 @@ pub fn write_boxes(boxes: &mut [ProxyBox], first: u32, parts: &[Part]) {
     places.zip(new).for_each(|(place, bounds)| *place = ProxyBox::from(*bounds));
 }
 
-/// Draws what is listed, as a host does between commands of the engine, and copies the counts of
-/// the lists.
+/// Draws the lists, as a host does between commands of the engine, and copies their counts.
 pub fn draw_lists(
     commands: &Commands,
     boxes: &mut Boxes,

@@ -1,5 +1,4 @@
-//! More objects than there is room for, and no memory for more: nothing is lost, and nothing wrong
-//! is drawn.
+//! More objects than fit, and no memory for more: nothing is lost, and images stay right.
 
 use ash::vk;
 use cull::{Aabb, Strategy};
@@ -13,7 +12,7 @@ use super::boxes::Part;
 use super::host::{Host, Recorder};
 use super::{camera, wall};
 
-/// Returns a grid of objects of a draw each, behind and beside the wall.
+/// Returns a grid of objects with one draw each, behind and beside the wall.
 pub fn grid(count: usize) -> Vec<Vec<Part>> {
     let part = |number: usize| {
         let low = vec3((number % 40) as f32 * 0.5 - 10.0, (number / 40) as f32 * 0.5 - 3.0, -9.0);
@@ -73,7 +72,7 @@ fn growth_that_fails_is_tried_again_and_loses_nothing() {
         } else {
             assert_eq!(made, number, "a call that failed was no error");
         }
-        // What changes in between is there as well.
+        // Changes between the frames are drawn, too.
         host.remove(&added[..20]);
         for side in 0..6 {
             host.draw(Strategy::ANTUMBRA, &camera(side as f32 / 3.0 - 1.0, 0.0));
@@ -85,7 +84,7 @@ fn growth_that_fails_is_tried_again_and_loses_nothing() {
             break;
         }
     }
-    // Boxes, first draws, commands and links.
+    // The buffers of boxes, first draws, commands and links.
     assert_eq!(failed, 4);
     let log = instance.validation_log().clone();
     drop((device, instance));

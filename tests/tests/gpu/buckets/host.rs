@@ -1,4 +1,4 @@
-//! A host with its own pipeline state per bucket, and a plain renderer of all draws beside it.
+//! A host with its own pipeline state per bucket, next to a plain renderer of all draws.
 
 use std::collections::BTreeMap;
 
@@ -15,24 +15,24 @@ use super::boxes::{
     write_boxes,
 };
 
-/// The boxes that the host has room for in its own buffer.
+/// The number of boxes that fit into the host's buffer.
 const BOXES: usize = 1 << 12;
 
-/// The way that draws are recorded.
+/// The way to record draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Recorder {
-    /// By the engine, which calls the host back.
+    /// The engine records the draws, and calls the host back.
     Engine,
-    /// By the engine, depth first.
+    /// The engine records the draws, depth first.
     EngineDepthFirst,
-    /// By the host, from lists.
+    /// The host records the draws from lists.
     Host,
-    /// By the host, which asks the plan for visible objects and draws what tests reveal frames
+    /// The host reads the visible objects from the plan, and draws revealed objects some frames
     /// later: the image is not exact.
     HostLate,
 }
 
-/// Everything that a host keeps to draw its objects by our answers, and to draw all of them.
+/// Everything that a host needs to draw its objects with our culling, and to draw all of them.
 pub struct Host {
     device: Device,
     frames: FrameRing,
@@ -45,14 +45,14 @@ pub struct Host {
     next_box: usize,
     parts: BTreeMap<ObjectId, (u32, Vec<Part>)>,
     pub wall: ObjectId,
-    /// Transparent objects, and the first of the boxes of each.
+    /// Transparent objects, each with the index of its first box.
     glass: Vec<(u32, Vec<Part>)>,
     list: TransparentList,
     bucket_count: u32,
     recorder: Recorder,
-    /// The numbers of revealed draws in the lists of each frame, where the device counts them.
+    /// The numbers of revealed draws in the lists of each frame, if the device counts them.
     listed: Vec<Buffer>,
-    /// The images of each frame: by our answers, and of all draws.
+    /// The images of each frame: with our culling, and of all draws.
     pub images: Vec<[Readback; 2]>,
 }
 
@@ -67,7 +67,7 @@ impl Host {
         Self::with_quirks(device, bucket_count, predication, recorder, DriverQuirks::default())
     }
 
-    /// Creates the same on a driver that is trusted with this.
+    /// Creates a host as [`Self::new`] does, on a driver with these quirks.
     pub fn with_quirks(
         device: &Device,
         bucket_count: u32,
@@ -121,7 +121,7 @@ impl Host {
         self.parts.keys().copied()
     }
 
-    /// Adds objects in bulk.
+    /// Adds several objects at once.
     pub fn add(&mut self, things: Vec<Vec<Part>>) -> Vec<ObjectId> {
         let firsts: Vec<u32> = things.iter().map(|parts| self.take_boxes(parts)).collect();
         let draws: Vec<Vec<BucketDraw>> =
@@ -179,7 +179,7 @@ impl Host {
         first as u32
     }
 
-    /// Draws a frame by our answers, and all draws to another image. Nothing waits in between.
+    /// Draws a frame with our culling, and all draws to another image, without a wait in between.
     pub fn draw(&mut self, strategy: Strategy, camera: &Camera) {
         let view =
             CullView::new(camera, SIZE, self.device.adapter().limits.sub_pixel_precision_bits);
@@ -238,8 +238,8 @@ impl Host {
         scope.submit(None).unwrap();
     }
 
-    /// Draws a frame of a view of `state`, which has another size than the target if it is large,
-    /// and gives it up. Returns the error.
+    /// Draws a frame of a view of `state` and gives the frame up. The view's size differs from the
+    /// target if it is large. Returns the error.
     pub fn refused(&mut self, view: &CullView, state: &mut OcclusionState) -> Error {
         let mut scope = self.scene.begin(self.frames.begin().unwrap()).unwrap();
         scope.draw(state, view, &mut self.culled).unwrap_err()
@@ -262,7 +262,7 @@ impl Host {
         counts.map(|count: &u32| u64::from(*count)).sum()
     }
 
-    /// Returns the fewest draws of a frame, and those of the scene.
+    /// Returns the smallest number of draws in a frame, and the number of draws of the scene.
     pub fn fewest_and_all(&mut self) -> (u64, u64) {
         self.state.collect(self.device.completed().unwrap(), &self.scene);
         let hierarchy = self.scene.hierarchy();

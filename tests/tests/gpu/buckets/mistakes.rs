@@ -1,4 +1,4 @@
-//! Plans and scenes that cannot be: each is refused by its name, and the frames after it are right.
+//! Impossible plans and scenes: the refusal of each names it, and later frames are right.
 
 use cull::{Aabb, CullView, HierarchyError, Strategy};
 use gpu::{Attachments, PredicationMode, vk};

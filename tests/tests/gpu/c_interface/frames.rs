@@ -40,12 +40,12 @@ struct FrameOptions {
     costs: Costs,
 }
 
-/// The costs that decide in a scene.
+/// The costs in the options of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Costs {
-    /// None.
+    /// No costs.
     None,
-    /// Those that are measured before, on the device with its queue.
+    /// Costs that were measured on the device with its queue.
     Measured,
 }
 
@@ -65,8 +65,8 @@ impl Default for FrameOptions {
     }
 }
 
-/// Draws a walk in which objects go and change their buckets, and returns the most queries of a
-/// frame.
+/// Draws a walk in which objects are removed and change their buckets. Returns the largest number
+/// of queries in a frame.
 fn compare(driver: Driver, options: &FrameOptions) -> u64 {
     let host = Host::new(driver, Purpose::Executor);
     let mut drawing = DrawingHost::new(&host, options);
@@ -127,7 +127,7 @@ fn render_passes_of_the_host_are_exact_in_c() {
 fn depth_of_16_and_24_bits_and_beside_a_stencil_is_exact_in_c() {
     for driver in Driver::ALL {
         let mut formats = vec![vk::Format::D16_UNORM, vk::Format::D32_SFLOAT_S8_UINT];
-        // Google's has no depth of 24 bits.
+        // Google's driver does not support depths of 24 bits.
         formats.extend((driver == Driver::Lavapipe).then_some(vk::Format::D24_UNORM_S8_UINT));
         for depth in formats {
             compare(driver, &FrameOptions { depth, ..FrameOptions::default() });

@@ -1,4 +1,4 @@
-//! A device that is lost, as C learns it, and the one after it.
+//! The loss of a device as C reports it, and the next device.
 
 use std::ptr::null;
 
@@ -32,7 +32,7 @@ fn a_lost_device_is_told_and_another_one_draws() {
         let camera = camera();
         let target = lost.target();
         let lost_view = view(&lost, &camera, &target);
-        // The first frame of a view makes its objects.
+        // The first frame of a view creates its objects.
         let call = c"vkCreateBuffer";
         let code = vk::Result::ERROR_DEVICE_LOST;
         let faults = vec![Fault { call, fails: 0..usize::MAX, code }];
@@ -42,7 +42,7 @@ fn a_lost_device_is_told_and_another_one_draws() {
             expect(recorded, DeviceLost, "vkCreateBuffer", &lost.error);
         }
         assert!(calls(call) > 0);
-        // All goes without a wait for the GPU, which will never be idle.
+        // Everything is destroyed without a wait for the GPU, which will never be idle.
         lost.finish();
         assert_eq!(calls(c"vkDeviceWaitIdle"), 0);
         FaultInjection::default().install();

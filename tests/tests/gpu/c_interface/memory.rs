@@ -1,4 +1,4 @@
-//! Callbacks of a host for the memory that objects of Vulkan take, which count.
+//! Allocation callbacks of a host for Vulkan objects, which count blocks.
 #![allow(unsafe_code, reason = "Vulkan calls them")]
 
 use std::ffi::c_void;
@@ -6,12 +6,12 @@ use std::sync::atomic::{AtomicI64, Ordering};
 
 use ash::vk;
 
-/// The memory that Vulkan's objects have of the CPU, by callbacks of a host.
+/// The host memory of Vulkan objects, allocated by callbacks of a host.
 #[derive(Default)]
 pub struct Memory {
-    /// Blocks that were given and not freed.
+    /// Blocks that were allocated and not freed.
     pub blocks: AtomicI64,
-    /// Blocks that were given.
+    /// Blocks that were allocated.
     pub made: AtomicI64,
 }
 
@@ -68,7 +68,7 @@ unsafe extern "system" fn free(user: *mut c_void, block: *mut c_void) {
 }
 
 impl Memory {
-    /// Returns callbacks that count here.
+    /// Returns callbacks that count in `self`.
     pub fn callbacks(&self) -> vk::AllocationCallbacks<'static> {
         vk::AllocationCallbacks {
             p_user_data: std::ptr::from_ref(self).cast_mut().cast(),

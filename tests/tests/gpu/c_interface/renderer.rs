@@ -1,5 +1,5 @@
-//! The renderer in C, on a device and a queue of the host: its images are those of the renderer in
-//! Rust, and of frustum culling; what is in flight outlives its renderer.
+//! The renderer in C, on a device and a queue of the host. Its images equal the images of the
+//! renderer in Rust and of frustum culling. Frames in flight outlive their renderer.
 
 mod loss;
 mod mistakes;
@@ -38,7 +38,7 @@ const SIZE: [u32; 2] = [96, 64];
 /// The wall and the boxes behind it.
 const OBJECTS: usize = 101;
 
-/// The lock of the host: each call of it, and a renderer that it calls while it holds the queue.
+/// The lock of the host, with its calls and a renderer that it calls while it holds the queue.
 #[derive(Default)]
 struct Queue {
     held: bool,
@@ -134,7 +134,7 @@ impl<'a> CHost<'a> {
         self.host.copy(&Mutex::new(()), &finished)
     }
 
-    /// Returns the images with and without occlusion culling, which are the same.
+    /// Returns the image, which is the same with and without occlusion culling.
     #[track_caller]
     fn same_image(&mut self, renderer: AntumbraRenderer) -> Vec<u8> {
         let strategies = [ANTUMBRA_STRATEGY_FRUSTUM, ANTUMBRA_STRATEGY_ANTUMBRA];
@@ -156,7 +156,7 @@ impl<'a> CHost<'a> {
     }
 
     fn finish(mut self) {
-        // SAFETY: nobody uses it any more.
+        // SAFETY: the context is no longer used.
         let destroyed = unsafe { antumbra_context_destroy(self.context, &mut self.error) };
         assert_eq!(destroyed, Ok, "{}", text(&self.error));
         assert!(!self.queue.held);
@@ -191,7 +191,7 @@ fn box_of(colour: [f32; 3]) -> Mesh {
     Mesh::of_triangles("box", &corners)
 }
 
-/// Returns the vertices of a mesh as C has them.
+/// Returns the vertices of a mesh in C.
 fn vertices_of(mesh: &Mesh) -> Vec<AntumbraVertex> {
     let vertex = |vertex: &scene::Vertex| AntumbraVertex {
         position: vertex.position,
@@ -291,7 +291,7 @@ fn images_in_c_are_those_in_rust_and_those_with_all_drawn() {
         assert!(stats.drawn < 20 && stats.tests > 0, "{stats:?}");
         assert_ne!(stats.predication, ANTUMBRA_PREDICATION_BEST, "one of them is in use");
 
-        // Another mesh comes, with two objects in front of the wall.
+        // Another mesh is added, with two objects in front of the wall.
         let x = c.context;
         let error = &raw mut c.error;
         let other = box_of([0.1, 0.2, 0.9]);
@@ -327,7 +327,7 @@ fn images_in_c_are_those_in_rust_and_those_with_all_drawn() {
             assert_eq!(result, Ok, "{}", text(&*error));
         }
         assert_eq!((added_mesh, ids[0].min(ids[1]), ids[0].max(ids[1])), (1, 101, 102));
-        // One frame brings the mesh to the GPU, the next one draws it.
+        // One frame copies the mesh to the GPU, the next one draws it.
         assert_eq!(c.stats(renderer).is_uploading, 1);
         assert!(c.image(renderer, ANTUMBRA_STRATEGY_ANTUMBRA) == of_wall);
         let of_two = c.same_image(renderer);
@@ -335,7 +335,7 @@ fn images_in_c_are_those_in_rust_and_those_with_all_drawn() {
         let stats = c.stats(renderer);
         assert_eq!((stats.total, stats.is_uploading), (103, 0));
 
-        // The wall goes aside, one of the two goes, and the hidden boxes show.
+        // The wall moves aside, one of the two objects is removed, and the hidden boxes show.
         let places = [at(-1.0), at(30.0)];
         let gone = [ids[1]];
         let moved = [ids[0], 0];

@@ -1,4 +1,4 @@
-//! Scenes that cannot be, and views of other scenes.
+//! Impossible scenes, and views of other scenes.
 
 use std::ptr::null;
 

@@ -1,4 +1,4 @@
-//! Another thread calls while a frame is being recorded: it is told that the scene is busy.
+//! Calls of another thread while a frame is being recorded: the result is that the scene is busy.
 
 use std::ffi::c_void;
 use std::ptr::{null, null_mut};
@@ -24,7 +24,7 @@ struct Handles {
     view: AntumbraView,
 }
 
-/// The renderings of a host, in each of which another thread calls.
+/// The renderings of a host. During each of them, another thread calls.
 struct Renderings<'a> {
     handles: Handles,
     rendering: Rendering<'a>,

@@ -1,5 +1,5 @@
-//! Levels of detail by visible samples: what is mostly hidden gets coarser and comes back, without
-//! flicker, and every strategy chooses the same.
+//! Levels of detail by visible samples: mostly hidden objects become coarser and fine again,
+//! without flicker, and every strategy chooses the same levels.
 
 use cull::{Camera, DetailBySamples, DetailPolicy, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
@@ -17,8 +17,8 @@ const WALL: ObjectId = ObjectId(1);
 /// Triangles of the two levels of a cube.
 const FINE: u64 = 12;
 const COARSE: u64 = 6;
-/// Frames after which a change of what is visible has its effect: two in flight, the next call, and
-/// the one after that.
+/// The number of frames until a change of visibility has its effect: two in flight, the next call,
+/// and the call after it.
 const LATE: usize = 4;
 
 const POLICY: DetailPolicy = DetailPolicy {
@@ -32,15 +32,15 @@ fn placed(mesh: u32, low: Vec3, size: Vec3) -> Object {
     Object { mesh: MeshId(mesh), transform, tint: u32::MAX }
 }
 
-/// Returns where the wall is that leaves so many columns of pixels of the hero free.
+/// Returns the transform of a wall that leaves this number of columns of the hero's pixels free.
 fn wall(columns: f32) -> Affine3A {
-    // The hero's near side begins 80 / 7 columns left of the middle, and a metre is 20 at the
-    // wall.
+    // The hero's near side begins 80 / 7 columns left of the middle. A metre at the wall is 20
+    // columns.
     let left = (columns - 80.0 / 7.0) / 20.0;
     placed(1, vec3(left, -4.0, -4.2), vec3(9.0, 8.0, 0.2)).transform
 }
 
-/// Returns a cube that fills 23 by 23 pixels, a wall before it, and smaller cubes around.
+/// Returns a cube that fills 23 by 23 pixels, a wall in front of it, and smaller cubes around it.
 fn scene() -> Scene {
     let mut objects = vec![placed(0, vec3(-1.0, -1.0, -9.0), Vec3::splat(2.0))];
     objects.push(Object { transform: wall(100.0), ..placed(1, Vec3::ZERO, Vec3::ONE) });
@@ -81,8 +81,8 @@ impl Side {
     }
 }
 
-/// Draws frames with each strategy, each with counts of its own, and checks that all agree. Returns
-/// the triangles of the hero in each frame.
+/// Draws frames with each strategy, with separate counts, and checks that all agree. Returns the
+/// triangles of the hero in each frame.
 fn film(device: &Device, frames: &[(Camera, f32)]) -> Vec<u64> {
     let strategies = [Strategy::FRUSTUM, Strategy::ANTUMBRA, methods::HZB];
     let mut sides = strategies.map(|strategy| Side::new(device, strategy));
@@ -121,8 +121,8 @@ fn what_is_mostly_hidden_gets_coarser_and_comes_back() {
 #[test]
 fn nothing_flickers_at_the_threshold() {
     run_on_all(|device| {
-        // A column of its 23 rows is below 49 samples, where it turns coarse; two or three are
-        // above, and below 77, where it turns fine again.
+        // One column of 23 rows is below 49 samples, the limit for the coarse level. Two or three
+        // columns lie between 49 and 77 samples, the limit for the fine level.
         let film_of = |columns: &dyn Fn(usize) -> f32| {
             let mut frames = vec![(square_camera(), 100.0); 6];
             frames.extend((0..40).map(|frame| (square_camera(), columns(frame))));
@@ -164,7 +164,7 @@ fn without_counts_the_distance_decides() {
             side.frame(square_camera(), 1.0);
         }
         assert_eq!(side.frame(square_camera(), 1.0).1[0], COARSE);
-        // A view that forgets its past knows nothing for as long as results take.
+        // A view with a cleared history knows nothing until results arrive.
         side.view.reset();
         assert_eq!(side.frame(square_camera(), 1.0).1[0], FINE);
         side.renderer.wait_idle(&mut side.view).unwrap();

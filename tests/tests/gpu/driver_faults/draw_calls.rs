@@ -1,4 +1,4 @@
-//! The draws of rounds, as Vulkan is called: a call per range, or one per bucket and rendering.
+//! The draws of rounds as Vulkan calls: one call per range, or one per bucket and rendering.
 
 use cull::Strategy;
 use gpu::{Device, DeviceOptions, PredicationMode, Readback};
@@ -9,7 +9,7 @@ use tests::{Driver, instance_with};
 
 const FRAMES: u32 = 30;
 
-/// The calls that drew by a count in a walk, the ranges that its tests decided about, and its last
+/// The calls with draw counts in a walk, the ranges that its tests decided about, and its last
 /// image.
 struct Walked {
     calls: u64,
@@ -17,7 +17,7 @@ struct Walked {
     image: Vec<u8>,
 }
 
-/// Walks through a city, from the first frame on with the results of the frame before.
+/// Walks through a city. Each frame knows the results of the previous frame.
 fn walk(predication: PredicationMode) -> Walked {
     let GeneratedScene { scene, routes } = city(1500, 1).unwrap();
     let path = CameraPath::new(PathKind::Cut, &routes).unwrap();
@@ -58,7 +58,7 @@ fn compacted_rounds_are_drawn_by_one_call_each() {
     let [counted, compacted] = [PredicationMode::Counts, PredicationMode::Compacted].map(walk);
     assert!(counted.image == compacted.image);
     assert_eq!(counted.ranges, compacted.ranges);
-    // What is visible is drawn by as many calls in both.
+    // Both draw the visible objects by the same number of calls.
     let of_visible = counted.calls - counted.ranges;
     let of_lists = compacted.calls - of_visible;
     let most = RENDERINGS_MAX * u64::from(FRAMES);

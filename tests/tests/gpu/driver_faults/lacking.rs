@@ -1,4 +1,4 @@
-//! Machines that lack something, or do not start: each is refused with a sentence.
+//! Machines that lack something, or do not start: each is refused with a message.
 
 use ash::vk;
 use cull::Strategy;

@@ -1,5 +1,5 @@
-//! Representative fragments: taken for flags where the device has them, and never where fragments
-//! are counted.
+//! Representative fragments: used for flags if the device supports them, and never if fragments are
+//! counted.
 
 use cull::Strategy;
 use gpu::{Device, DeviceOptions, OptionalFeature, Readback};
@@ -8,8 +8,8 @@ use scenes::{CameraPath, GeneratedScene, PathKind, city};
 use tests::fault_injection::{FaultInjection, OTHER_PIPELINES, REPRESENTATIVE_PIPELINES, calls};
 use tests::{Driver, instance_with};
 
-/// Draws a few frames, and returns the image, and the pipelines for representative fragments and
-/// for all.
+/// Draws a few frames. Returns the image, and the numbers of pipelines for representative fragments
+/// and for all fragments.
 fn drawn(faults: FaultInjection) -> (Vec<u8>, [usize; 2]) {
     let has_them = faults.is_representative;
     let GeneratedScene { scene, routes } = city(200, 1).unwrap();
@@ -36,7 +36,7 @@ fn drawn(faults: FaultInjection) -> (Vec<u8>, [usize; 2]) {
     let options = CostListOptions { size: [32, 16], most: 10, rounds: 1, longest_ms: 100.0 };
     let costs = render::cost_list(&device, &options).unwrap();
     let is_of_all = |cost: &&ItemCost| matches!(cost.item, CostItem::BoxesOfAllFragments(_));
-    // 1 and 10 of either size.
+    // 1 and 10 boxes of each of two sizes.
     assert_eq!(costs.iter().filter(is_of_all).count(), if has_them { 4 } else { 0 });
     let pixels = image.rgba8().unwrap().to_vec();
     drop((image, renderer, device));
@@ -57,7 +57,7 @@ fn representative_fragments_are_for_flags_and_not_for_counts() {
         drawn(FaultInjection { is_representative: true, ..FaultInjection::default() });
     let (without, [none, all]) = drawn(FaultInjection::default());
     assert!(with == without);
-    // Proxies of nodes, and of leaves with one draw and with lists of them.
+    // Pipelines for proxies of nodes, of leaves with one draw, and of leaves with lists of draws.
     assert_eq!((flags, none), (3, 0));
     assert_eq!(flags + others, all);
 }

@@ -1,5 +1,5 @@
-//! Shadow maps on machines that fail: a frame that is lost between its plan and its submit leaves
-//! them right, and where there is no memory for more maps lights get smaller ones.
+//! Shadow maps on failing machines. A frame that is lost between its plan and its submit leaves the
+//! maps right, and without memory for more maps, lights get smaller ones.
 
 use cull::{Aabb, ObjectId, Strategy};
 use glam::{Affine3A, vec3};
@@ -34,8 +34,7 @@ fn renderer(device: &Device, bias: ShadowBias) -> Renderer {
     Renderer::new(device, &shadow_scene::scene(&shadow_scene::boxes(), &[sun]), &options).unwrap()
 }
 
-/// Changes the scene of a frame: two boxes move, at first and again; lights come, one of which
-/// moves.
+/// Changes the scene of a frame: two boxes move twice, and lights are added, one of which moves.
 fn change(renderer: &mut Renderer, frame: u32) {
     let [_, spot, point] = shadow_scene::lights();
     if frame == 2 {
@@ -65,8 +64,8 @@ fn draw(renderer: &mut Renderer, view: &mut RenderView, image: &Readback) -> Opt
     Some(image.rgba8().unwrap().to_vec())
 }
 
-/// Draws all frames with a fault, and the last one again without. Returns the images, and the
-/// counts of the last.
+/// Draws all frames with a fault, and the last one again without it. Returns the images, and the
+/// counts of the last frame.
 fn walk(
     device: &Device,
     bias: ShadowBias,
@@ -173,7 +172,8 @@ fn casters_that_there_was_no_memory_for_are_there_in_the_next_frame() {
         assert!(renderer.shadow_stats().casters > 1024, "{:?}", renderer.shadow_stats());
         renderer.wait_idle(&mut view).unwrap();
     }
-    // Returns the image of the second frame, and the buffers that the first one made.
+    // Returns the image of the second frame, and the number of buffers that the first frame
+    // created.
     let second = |fault: Option<Fault>| {
         FaultInjection::default().install();
         let mut renderer = Renderer::new(&device, &scene, &options).unwrap();

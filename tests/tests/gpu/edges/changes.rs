@@ -1,4 +1,5 @@
-//! Edges of what changes: of poses, of meshes that come later, of objects that move and go.
+//! Edges of changing objects: of poses, of meshes that are added later, and of objects that move or
+//! are removed.
 
 use cull::{ObjectId, Strategy};
 use glam::{Affine3A, Vec3, vec3};

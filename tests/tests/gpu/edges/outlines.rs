@@ -1,4 +1,4 @@
-//! Outlines of objects: around all of their pixels, whatever is before them, and on none of them.
+//! Outlines of objects: around all their pixels, even hidden ones, and never on these pixels.
 
 use cull::{ObjectId, Strategy};
 use glam::vec3;
@@ -20,7 +20,7 @@ fn outline(objects: &[u32], colour: [f32; 3]) -> ObjectOutline {
 
 #[test]
 fn an_outline_goes_around_all_pixels_of_what_is_selected() {
-    // 40 by 40 pixels around the middle, behind a wall; beside it one in sight.
+    // 40 by 40 pixels around the middle, behind a wall, and a visible object beside the wall.
     let wall = box_at(vec3(0.0, 0.0, -5.0), vec3(3.0, 2.0, 0.1));
     let hidden = box_at(vec3(0.0, 0.0, -20.0), vec3(1.0, 1.0, 1.0));
     let beside = box_at(vec3(-2.25, 0.0, -3.0), vec3(0.5, 0.5, 0.5));

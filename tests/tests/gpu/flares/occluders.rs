@@ -1,4 +1,4 @@
-//! Masked, skinned and transparent objects before a light hide it where they are.
+//! Masked, skinned and transparent objects in front of a light hide it.
 
 use cull::Strategy;
 use glam::{Vec3, vec3};
@@ -12,10 +12,10 @@ use tests::surface_fixture::{quad, scene};
 
 use super::{SIDE, STRATEGIES, lamp, moved, settled};
 
-/// The pixels of the lamp's block, across and down.
+/// The first pixel of the lamp's block and the pixel after its last one, across and down.
 const BLOCK: [u32; 2] = [57, 70];
 
-/// Returns the samples of a lamp at a distance of 10 m whose block is 13 pixels large.
+/// Returns the samples of a lamp at a distance of 10 m, whose block has a side of 13 pixels.
 fn samples(renderer: &mut Renderer) -> FlareSamples {
     let middle = lamp(vec3(-0.03, 0.04, -10.0), 1.0);
     renderer.set_flares(&[middle]).unwrap();
@@ -33,7 +33,7 @@ fn samples(renderer: &mut Renderer) -> FlareSamples {
 
 type Quad = (Mesh, SurfaceMesh);
 
-/// Returns a square between columns of pixels, all over the block's rows.
+/// Returns a rectangle between two columns of pixels that covers all rows of the block.
 fn columns(from: u32, to: u32, distance_m: f32, material: u32) -> Quad {
     quad(SIDE, [from, 20], [to, 110], distance_m, [[0.0; 2], [1.0; 2]], material, |_| {})
 }
@@ -52,7 +52,7 @@ fn holes_of_masked_objects_let_light_through() {
             ..Material::default()
         };
         let [left, _] = BLOCK;
-        // Alpha grows from 0 at the left to 1 at the right: it covers from the middle on.
+        // Alpha grows from 0 at the left to 1 at the right, so the right half covers.
         let from = left - 9;
         let to = left + 17;
         let change = |vertex: &mut scene::SurfaceVertex| {
@@ -63,10 +63,11 @@ fn holes_of_masked_objects_let_light_through() {
         let mut scene = with_materials(vec![graded, columns(0, SIDE, 4.0, 1)], materials);
         let mut renderer = Renderer::new(device, &scene, &super::options(2)).unwrap();
         let found = samples(&mut renderer);
-        // Its middle is 4 columns into the block. A column there may be either.
+        // The middle of the square is 4 columns into the block. The column there may be visible or
+        // hidden.
         assert!((4 * 13..=5 * 13).contains(&found.visible), "{found:?}");
         assert_eq!(found.let_through, 1.0);
-        // Without holes it hides the rest.
+        // Without holes the square hides the rest.
         scene.surfaces.as_mut().unwrap().materials[0].alpha = Alpha::Opaque;
         let mut renderer = Renderer::new(device, &scene, &super::options(2)).unwrap();
         assert_eq!(samples(&mut renderer).visible, 0);
@@ -89,7 +90,7 @@ fn skinned_objects_hide_a_light_where_their_pose_is() {
         let skinned = SkinnedMesh { mesh: MeshId(0), skin: Some(skin), targets: Vec::new() };
         scene.surfaces.as_mut().unwrap().skinned_meshes = vec![skinned];
         let mut renderer = Renderer::new(device, &scene, &super::options(2)).unwrap();
-        // A pixel at that distance.
+        // The size of a pixel at the distance of the object.
         let pixel_m = 5.0 * 2.0 / SIDE as f32;
         for aside in [0, 4, -6, 13, 2] {
             let joint = moved(Vec3::X * (aside as f32 * pixel_m));

@@ -1,4 +1,4 @@
-//! The numbers of instances, which grow while frames use fewer of them.
+//! The buffers of instance numbers, which grow while frames in flight use smaller ones.
 
 use glam::Vec3;
 use gpu::{FrameRing, QueryIndex, QueryRing, Target};
@@ -18,12 +18,12 @@ fn numbers_come_while_fewer_are_in_use() {
             [-5.0, 5.0].map(|z| ProxyBox::from(box_at(Vec3::new(0.0, 0.0, z), Vec3::ONE)));
         let mut found = Vec::new();
         for frame_number in 0..4 {
-            // Each of the last is in no buffer of numbers yet.
+            // The buffers do not contain the last numbers yet.
             let lasts = [1, 5_000 << frame_number, 1].map(|count: u32| count - 1);
             let mut frame = ring.begin().unwrap();
             queries.collect(device.completed().unwrap(), |last, count| found.push((last, count)));
             queries.begin(&mut frame, &[lasts[0], lasts[1], lasts[2]]).unwrap();
-            // Only the last box of a list is in front of the eye.
+            // Only the last box of each list is in front of the eye.
             let boxes = lasts.map(|last| {
                 let others = (0..last).map(|_| unseen);
                 let boxes: Vec<ProxyBox> = others.chain([seen]).collect();

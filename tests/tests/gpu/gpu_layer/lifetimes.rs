@@ -1,4 +1,4 @@
-//! Dropped objects are freed as soon as nothing can use them any more, and no sooner.
+//! Dropped objects are freed as soon as they cannot be used any more, and not earlier.
 
 use gpu::{Buffer, Device, FrameRing, MemoryKind, Tick, Timeline, vk};
 use tests::run_on_all;
@@ -23,7 +23,7 @@ fn what_is_dropped_lives_until_its_tick() {
         let usage = vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST;
         let from = device.upload("from", &[5u32; 1024], usage).unwrap();
         let to = Buffer::new(device, "to", 4096, usage, MemoryKind::ReadBack).unwrap();
-        // The upload's staging memory has retired, too.
+        // The staging memory of the upload is retired, too.
         device.wait_idle().unwrap();
         let (_, in_use) = device.memory_bytes();
         let frame = ring.begin().unwrap();
@@ -52,7 +52,7 @@ fn what_is_dropped_outlives_the_commands_being_recorded() {
         let frame = ring.begin().unwrap();
         frame.commands().copy_buffer(from.whole(), to.whole());
         drop(from);
-        // Other submits, and what they free, do not matter to this frame.
+        // Other submits, and the objects that they free, do not affect this frame.
         drop(device.upload("another", &[1u32; 1024], BOTH_WAYS).unwrap());
         other_ring.begin().unwrap().submit(None).unwrap();
         device.wait_idle().unwrap();

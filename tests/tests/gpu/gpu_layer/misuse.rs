@@ -1,4 +1,4 @@
-//! Commands that cannot be run: an error says so, and nothing of the recording reaches the driver.
+//! Impossible commands: an error reports them, and the recording does not reach the driver.
 
 use gpu::{
     Access, BlockingQueryPool, Buffer, BufferSlice, Commands, ComputePipeline, Counting, Device,
@@ -7,8 +7,8 @@ use gpu::{
 };
 use tests::{Driver, open, run, run_on_all};
 
-/// Creates a pipeline that turns predicates into counts: the predicates, the draws that they
-/// decide, the counts.
+/// Creates a pipeline that turns predicates into counts. Its buffers are the predicates, the draws
+/// that they decide about, and the counts.
 fn compute(device: &Device) -> ComputePipeline {
     let shader = shaders::PREDICATE_COUNTS;
     let spirv = Spirv::from_bytes(shader.name, shader.spirv).unwrap();
@@ -56,7 +56,7 @@ fn commands_that_run_once_bind_what_they_read() {
         };
         for (threshold, shown) in [(0, [5, 1]), (8, [5, 1]), (9, [0, 0]), (u32::MAX, [0, 0])] {
             device.run_once("counts", |commands| record(commands, threshold)).unwrap();
-            // Of a range, and of the one command for boxes.
+            // The counts of a range, and of the single command for boxes.
             assert_eq!(readback.read::<u32>(0..2), shown, "{threshold}");
         }
     });
@@ -79,7 +79,7 @@ fn commands_that_run_once_say_what_failed() {
     });
 }
 
-/// Returns the message of the error of recording a command that cannot be run.
+/// Returns the error message of a recording with an impossible command.
 fn sentence(device: &Device, record: impl FnOnce(&Commands)) -> String {
     let before = device.submitted();
     let error = device.run_once("wrong", record).expect_err("an error");
@@ -160,7 +160,7 @@ fn a_query_is_recorded_once_and_its_result_only_wanted_then() {
                 assert!(sound || matches!(result, Err(Error::WrongCommands(_))), "{result:?}");
             }
         }
-        // Queries that were begun for a frame that never was are not asked in the next one.
+        // Queries that were begun for a frame that was given up are not issued in the next frame.
         let mut frame = ring.begin().unwrap();
         queries.begin(&mut frame, &[(); 2]).unwrap();
         drop(frame);

@@ -1,4 +1,4 @@
-//! Times of passes belong to the labels they come with, for any history of the frames in between.
+//! Times of passes belong to their labels, whatever happened to the frames in between.
 
 use gpu::{Commands, Device, Frame, FrameRing};
 use tests::run_on_all;
@@ -19,7 +19,7 @@ fn nothing(_: &Commands) {}
 fn a_frame_that_was_given_up_leaves_no_times() {
     run_on_all(|device| {
         let mut ring = timed_ring(device);
-        // Given up before there are any stamps, and after.
+        // Frames that are given up before and after any timestamps exist.
         for _ in 0..2 {
             let frame = ring.begin().unwrap();
             assert_eq!(labels(&frame), [""; 0]);
@@ -35,7 +35,7 @@ fn a_frame_that_was_given_up_leaves_no_times() {
         frame.flush(None).unwrap();
         frame.commands().pass("given up", nothing);
         drop(frame);
-        // Those of the last whole frame stay.
+        // The times of the last complete frame stay.
         let frame = ring.begin().unwrap();
         assert_eq!(labels(&frame), ["first"]);
         frame.commands().pass("second", nothing);
@@ -75,7 +75,8 @@ fn of_several_frames_one_is_timed() {
             frame.commands().pass("pass", nothing);
             frame.submit(None).unwrap();
         }
-        // Frames 0, 3, 6 and 9 are, which is known when their slots come round: two frames later.
+        // Frames 0, 3, 6 and 9 are timed. The times are known when the slots are reused, two frames
+        // later.
         let expected: Vec<bool> = (0..12).map(|frame| frame >= 2 && (frame - 2) % 3 == 0).collect();
         assert_eq!(timed, expected);
         ring.stop_timing_passes();

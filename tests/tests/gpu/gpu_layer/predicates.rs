@@ -1,5 +1,4 @@
-//! The effect of predicates, with every executor: nothing, everything, and more than one dispatch
-//! takes.
+//! The effect of predicates with every predication mode: none, all, and more than fit one dispatch.
 
 use glam::Vec3;
 use gpu::{
@@ -18,8 +17,9 @@ fn executors(device: &Device) -> Vec<PredicationMode> {
     all.into_iter().filter(|p| Predicates::new(device, Some(*p), &[], 1).is_ok()).collect()
 }
 
-/// Returns the results of two decisions per frame, one as a whole and one box by box: true if the
-/// frame has predicates (which hide all), true if it is by boxes, and true if something is drawn.
+/// Returns the results of two decisions per frame, one as a whole and one per box. Each is true if
+/// the frame has predicates (which hide everything), true for decisions per box, and true if
+/// something is drawn.
 fn drawn(device: &Device, predication: PredicationMode) -> Vec<(bool, bool, bool)> {
     let proxies = proxy_pass(device);
     let view = square_view(device, 64);
@@ -144,7 +144,7 @@ fn more_decisions_than_a_dispatch_has_workgroups() {
         let results = Some(results.whole());
         predicates.begin(&mut frame, SOURCE, results, decided.iter().copied()).unwrap();
         let commands = frame.commands();
-        // Decisions that do not exist decide nothing.
+        // Decisions that do not exist have no effect.
         predicates.resolve(commands, &[(SOURCE, 1..COUNT + 9)], 0);
         commands.copy_buffer(predicates.draws(), readback.whole());
         commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &[Access::HostRead]));

@@ -1,4 +1,5 @@
-//! Devices with less than the engine can use: refused by name, or done without.
+//! Devices without some features that the engine can use: the engine works without them, or its
+//! refusal names them.
 
 use std::ffi::CString;
 use std::sync::{Arc, Mutex};
@@ -31,7 +32,7 @@ fn what_is_required_and_not_on_is_refused_by_its_name() {
                     description.features = description.features.without(feature.features());
                 }
             });
-            // Those of the physical device, which a host cannot leave out.
+            // These belong to the physical device, so a host cannot leave them out.
             let is_chosen =
                 !matches!(required, RequiredFeature::Depth32 | RequiredFeature::StorageBuffers);
             let expected = required.is_for(purpose) && is_chosen;
@@ -60,7 +61,7 @@ fn what_is_optional_and_not_on_is_done_without() {
         let description = HostDevice { queue, features, extensions, ..host.describe() };
         let device = host.try_adopt(description).unwrap();
         let mut optional = device.capabilities().optional.clone();
-        // Nothing to turn on.
+        // Features that need not be turned on.
         let is_found = [OptionalFeature::SampleDepths, OptionalFeature::SectionBuffers];
         optional.retain(|optional| !is_found.contains(optional));
         assert_eq!(optional, [OptionalFeature::Timestamps]);

@@ -69,7 +69,7 @@ pub fn target_of(
         view: own.view,
         format: own.format,
         usage: own.usage,
-        // What the frame before did with it.
+        // The use of the image by the previous frame.
         entry: ImageState { layout: vk::ImageLayout::UNDEFINED, stages, access },
         exit: None,
     };
@@ -91,6 +91,6 @@ pub fn target_of(
         views: 1,
         size: SIZE,
     };
-    // SAFETY: the images live until all frames are over, and nothing else uses them in between.
+    // SAFETY: the images live until all frames are over, and have no other user in between.
     unsafe { Target::of_host(device, &images) }.unwrap()
 }

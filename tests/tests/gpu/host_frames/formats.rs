@@ -83,8 +83,8 @@ fn every_projection_and_direction_of_depth_is_exact() {
     }
 }
 
-/// Returns every tester that can be with depth of this format, each with another way to skip draws
-/// where the driver has several.
+/// Returns every tester that supports depths of this format, with different ways to skip draws if
+/// the driver supports several.
 fn ways(driver: Driver, depth: vk::Format) -> Vec<(Strategy, Option<PredicationMode>)> {
     let counts = match driver {
         Driver::Lavapipe => PredicationMode::Counts,

@@ -1,4 +1,4 @@
-//! A host with boxes: its images, its command buffers, its submits, and our answers in between.
+//! A host with boxes, with its own images, command buffers and submits, and our culling in between.
 #![allow(unsafe_code, reason = "a host calls Vulkan itself")]
 
 use ash::vk;
@@ -43,9 +43,9 @@ pub struct HostOptions {
 /// The owner of the render passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Passes {
-    /// Dynamic rendering, opened by the engine.
+    /// The engine begins dynamic rendering.
     Engine,
-    /// A render pass object of the host.
+    /// The host begins its render pass object.
     Host,
 }
 
@@ -73,7 +73,7 @@ pub enum Submits {
     Once,
     Never,
     Twice,
-    /// Behind the next frame.
+    /// Submitted after the next frame.
     Late,
 }
 
@@ -84,7 +84,7 @@ pub struct Draws {
     pub culled: u64,
 }
 
-/// A host, and what it keeps for the engine.
+/// A host with its objects of the engine.
 pub struct HostLoop<'a> {
     pub host: &'a Host,
     pub device: Device,
@@ -101,7 +101,7 @@ pub struct HostLoop<'a> {
     lens: Lens,
     next: u64,
     first: u64,
-    /// A frame that is submitted behind the next one.
+    /// A frame that is submitted after the next one.
     late: Option<(vk::CommandBuffer, vk::Fence)>,
 }
 
@@ -118,7 +118,7 @@ pub fn compare(driver: Driver, options: &HostOptions, submits: impl Fn(u64) -> S
             culled.draw(options.strategy, &camera, submits(frame)).unwrap();
         }
         let [all, few] = [&mut plain, &mut culled].map(HostLoop::finish_draws);
-        // What runs behind a later frame shows boxes where that one left them.
+        // A frame that runs after a later frame shows boxes where the later frame left them.
         let ran = |frame: &u64| matches!(submits(*frame), Submits::Once | Submits::Twice);
         for frame in (0..FRAMES).filter(ran) {
             let [plain, culled] = [&plain, &culled].map(|images| images.image(frame));
@@ -193,11 +193,11 @@ impl<'a> HostLoop<'a> {
         }
     }
 
-    /// Moves some boxes, other ones from frame to frame: each change comes with one frame alone.
+    /// Moves some boxes, which differ between frames: each change is made in a single frame.
     fn move_boxes(&mut self, frame: u64) {
         let moved = (1..1_000).filter(|number| number % 5 == frame % 5).map(|number| {
             let bounds = boxes()[number as usize];
-            // Out of sight and back, all by the same way: boxes do not meet.
+            // Out of sight and back, all along the same way, so that boxes do not meet.
             let by = Vec3::Y * if (frame / 5).is_multiple_of(2) { 40.0 } else { 0.0 };
             (ObjectId(number as u32), Aabb::new(bounds.min + by, bounds.max + by))
         });
@@ -221,8 +221,8 @@ impl<'a> HostLoop<'a> {
         }
     }
 
-    /// Begins a frame of these numbers that is given up at once, and returns the refusal, if any.
-    /// The GPU is idle.
+    /// Begins a frame with these numbers, gives it up, and returns the refusal, if any. The GPU
+    /// must be idle.
     pub fn refusal(&mut self, current: u64, safe: u64) -> Option<gpu::Error> {
         let raw = self.begin_commands();
         let numbers = FrameNumbers { current: Tick(current), safe: Tick(safe) };
@@ -291,7 +291,7 @@ impl<'a> HostLoop<'a> {
         }
     }
 
-    /// Copies the finished image to a buffer of its own, by the host's commands.
+    /// Copies the finished image to its own buffer, by the host's commands.
     fn copy_image(&mut self, raw: vk::CommandBuffer) {
         let [width, height] = SIZE;
         let buffer = OwnBuffer::new(self.host, u64::from(width * height * 4));

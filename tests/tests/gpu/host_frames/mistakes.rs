@@ -1,4 +1,4 @@
-//! The mistakes of hosts: each is refused by its name, and the frames after it are drawn.
+//! The mistakes of hosts: the refusal of each names it, and later frames are drawn.
 #![allow(unsafe_code, reason = "a host calls Vulkan itself")]
 
 use cull::Strategy;
@@ -40,7 +40,7 @@ fn a_frame_of_a_host_needs_a_device_without_a_queue() {
     tests::run_on_all(|device| {
         let mut frames = gpu::FrameRing::new(device, 2).unwrap();
         let numbers = gpu::FrameNumbers { current: gpu::Tick(1), safe: gpu::Tick::ZERO };
-        // SAFETY: refused before the command buffer is looked at.
+        // SAFETY: refused before the command buffer is used.
         let refused = unsafe { frames.begin_in(vk::CommandBuffer::null(), numbers) };
         assert!(matches!(refused.err(), Some(Error::HasQueue)));
         let frame = frames.begin().unwrap();

@@ -1,4 +1,4 @@
-//! Updates cost what changed, in time and in memory.
+//! The costs of updates depend on the changes, in time and in memory.
 
 use cull::{ObjectId, Strategy};
 use glam::{Affine3A, Vec3};
@@ -41,7 +41,7 @@ fn an_update_costs_what_changed_and_not_what_there_is() {
                     render(&mut renderer, &mut view, Strategy::ANTUMBRA, camera, &image);
                 }
             }
-            // Nothing changed, nothing is uploaded.
+            // Without changes nothing is uploaded.
             assert_eq!(renderer.update(&[]).unwrap().dirty_leaves, 0);
             device.wait_idle().unwrap();
         }

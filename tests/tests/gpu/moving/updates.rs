@@ -25,7 +25,7 @@ fn a_motion_that_could_not_be_shown_is_shown_later() {
         let moving = Moving::new(SceneKind::City.build(300), PathKind::Street, 100);
         let mut renderer = Renderer::new(device, &moving.scene, &options(2)).unwrap();
         let mut cast = Cast::new(&moving.motion);
-        // Somebody took the room of one who is to come back.
+        // Another object takes the room of an object that will return.
         let away = |frame| {
             moving.scene.objects.len() - moving.motion.scene_at(&moving.scene, frame).objects.len()
         };
@@ -66,7 +66,7 @@ fn changes_are_made_all_or_none_and_the_first_that_cannot_be_is_named() {
             (moved(21, far), "object 21 is not in the hierarchy"),
             (moved(99, far), "object 99 is not in the hierarchy"),
             (removed(22), "object 22"),
-            // Removed, and the new object of this id is not known yet.
+            // The object is removed, and the new object with this id is not known yet.
             (removed(5), "object 5"),
             (moved(5, far), "object 5"),
             (ObjectChange::Add { object: Object { mesh: MeshId(7), ..someone } }, "no such mesh"),
@@ -82,7 +82,7 @@ fn changes_are_made_all_or_none_and_the_first_that_cannot_be_is_named() {
         let error = renderer.update(&[add, removed(4), add, add, add]).unwrap_err().to_string();
         assert!(error.contains("change 4 ") && error.contains("no free leaf"), "{error}");
         assert_eq!(boxes(&renderer), before);
-        // Room for two more, and for those that go.
+        // There is room for two more objects, and for each object that is removed.
         let report = renderer.update(&[add, add]).unwrap();
         assert_eq!(report.added.len(), 2);
         let error = renderer.update(&[add]).unwrap_err().to_string();

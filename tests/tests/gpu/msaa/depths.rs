@@ -1,5 +1,5 @@
-//! The depth that is copied of a pixel with several samples: the farthest of all, where any is
-//! behind an edge.
+//! The copied depth of a pixel with several samples: the farthest sample, if any sample is behind
+//! an edge.
 
 use cull::{Camera, CullView};
 use glam::{Vec2, Vec3, vec2, vec3};
@@ -10,11 +10,11 @@ use tests::shapes::{DepthBoxes, square_camera};
 
 const SIDE: u32 = 64;
 
-/// The places of four samples in a pixel (Vulkan, "Multisampling", `standardSampleLocations`).
+/// The positions of four samples in a pixel (Vulkan, "Multisampling", `standardSampleLocations`).
 const PLACES: [[f32; 2]; 4] = [[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]];
 
-/// Copies the depth of a wall ten metres away that fills the left of the image of a rolled camera,
-/// from `origin` on.
+/// Copies the depth of a wall, ten metres away, that fills the left of the image of a rolled
+/// camera. The image begins at `origin`.
 fn copied(device: &Device, view: &CullView, origin: [u32; 2], size: [u32; 2]) -> Vec<f32> {
     let samples = SampleCount::Four;
     let mut target = Target::multisampled(device, [SIDE; 2], samples, "samples").unwrap();
@@ -65,7 +65,7 @@ fn a_pixel_is_as_far_as_its_farthest_sample() {
             let from_edge = PLACES.map(|place| {
                 (Vec2::from(at.map(|side| side as f32)) + Vec2::from(place) - middle).dot(out)
             });
-            // Vertices are moved by up to a 32nd of a pixel in both directions.
+            // Snapping moves vertices by up to a 32nd of a pixel in both directions.
             if from_edge.iter().any(|distance| distance.abs() < 0.05) {
                 continue;
             }

@@ -1,4 +1,4 @@
-//! Images of several samples per pixel that hosts copy by commands of their own.
+//! Images with several samples per pixel that hosts copy by their own commands.
 
 use std::sync::{Arc, Mutex};
 
@@ -14,7 +14,7 @@ use super::options;
 
 const SIZE: [u32; 2] = [96, 64];
 
-/// Runs on Mesa's driver alone: the other one averages codes, and has no exact culling.
+/// Runs only on Mesa's driver: SwiftShader averages encoded values, and has no exact culling.
 #[test]
 fn lavapipe_hosts_read_averages_of_four_samples() {
     let host = Host::new(Driver::Lavapipe, Purpose::Renderer);
@@ -29,7 +29,7 @@ fn lavapipe_hosts_read_averages_of_four_samples() {
         let mut frame = |number: u32| {
             let [culled, plain] = [Strategy::ANTUMBRA, Strategy::FRUSTUM].map(|strategy| {
                 let view = &mut views[usize::from(strategy == Strategy::FRUSTUM)];
-                // With a copy of the engine's own, and without one.
+                // With and without a copy by the engine.
                 let image = (strategy == Strategy::FRUSTUM).then_some(&own);
                 let request = FrameRequest::new(strategy, path.camera(number * 20));
                 renderer.render(view, FrameRequest { image, ..request }).unwrap();
@@ -37,7 +37,7 @@ fn lavapipe_hosts_read_averages_of_four_samples() {
                 assert_eq!(finished.size, SIZE);
                 host.copy(&*lock, &finished)
             });
-            // The host's copy came behind both on the same queue.
+            // The host's copy was submitted after both to the same queue.
             assert!(plain == *own.rgba8().unwrap(), "frame {number}: not the engine's own image");
             assert!(culled == plain, "frame {number}: culling shows");
             plain

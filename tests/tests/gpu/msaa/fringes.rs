@@ -1,4 +1,4 @@
-//! The edges of surfaces with several samples per pixel: nothing of what lies beyond them.
+//! The edges of surfaces with several samples per pixel: shading must not extrapolate beyond them.
 
 use std::ops::ControlFlow;
 
@@ -13,9 +13,9 @@ use super::{check_exact, options};
 
 const SIZE: [u32; 2] = [320, 240];
 
-/// Nine turned squares, seen from the front: each shows the green half of a picture whose other
-/// half is red, up to the very edge. A pixel whose middle lies outside of a square would be shaded
-/// there, in red.
+/// Nine turned squares, seen from the front. Each shows the green half of a picture whose other
+/// half is red, up to the edge. A pixel whose middle lies outside a square must not be shaded in
+/// red.
 const SQUARES: &[u8] = include_bytes!("fringe.glb");
 
 fn squares() -> (Scene, cull::Camera) {
@@ -28,7 +28,7 @@ fn squares() -> (Scene, cull::Camera) {
     (scene, camera)
 }
 
-/// Returns how many pixels have some red, and how many are green alone.
+/// Returns the number of pixels with some red, and the number of purely green pixels.
 fn red_and_green(
     device: &Device,
     scene: &Scene,
@@ -53,8 +53,8 @@ fn the_neighbour_in_an_atlas_is_not_seen_at_edges() {
     });
 }
 
-/// Draws before decide on some drivers which samples of a pixel a centroid is of. Holes must not
-/// follow it.
+/// Checks holes behind other draws. On some drivers, earlier draws decide which samples of a pixel
+/// a centroid covers, and holes must not depend on it.
 #[test]
 fn holes_are_exact_before_and_behind_each_other() {
     run_on_all(|device| {

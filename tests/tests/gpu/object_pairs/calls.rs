@@ -1,4 +1,4 @@
-//! Calls that return their error: of instances, devices, windows and frames.
+//! Calls of instances, devices, windows and frames that return their error.
 #![allow(unsafe_code, reason = "handles that point nowhere are borrowed from raw ones")]
 
 use std::ptr::NonNull;
@@ -13,7 +13,7 @@ use raw_window_handle::{
 use super::Row;
 use super::side::{EmptyDraws, SIZE, SOURCE, Side, framed};
 
-/// A window with dangling handles: it is refused before they are followed.
+/// A window with dangling handles, which is refused before the handles are used.
 struct NowhereOnWayland;
 
 impl HasDisplayHandle for NowhereOnWayland {

@@ -1,4 +1,4 @@
-//! Calls that record: the recording fails, and with it the submit.
+//! Calls that record commands: the recording fails, and therefore the submit.
 
 use gpu::{Counting, QueryIndex, SampledArrays, TextureRows};
 

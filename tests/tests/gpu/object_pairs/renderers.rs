@@ -26,7 +26,7 @@ fn rendered<'a>(ours: &mut Side, change: impl FnOnce(&mut FrameRequest<'a>)) -> 
     text(ours.renderer.render(&mut ours.view, request))
 }
 
-/// Returns the error of `render_views`, of a view of its own and of another one.
+/// Returns the error of `render_views` with a view of the renderer and a foreign view.
 fn views_rendered(ours: &mut Side, theirs: &mut Side, what: &'static str) -> String {
     let camera = ours.camera;
     let area = Rect::whole(SIZE);

@@ -230,7 +230,7 @@ pub fn framed(
     let mut ring = FrameRing::new(device, 1).unwrap();
     let mut frame = ring.begin().unwrap();
     let recorded = record(&mut frame);
-    // A call that says so itself also fails the frame.
+    // A call that returns its error also makes the frame fail.
     let submitted = frame.submit(None).expect_err("an error").to_string();
     recorded.map_or_else(|error| error.to_string(), |()| submitted)
 }

@@ -1,4 +1,4 @@
-//! The walks catch the faults of other engines: with a shader that makes the same fault, images
+//! The walks detect the faults of other engines: with a shader that has the same fault, images
 //! differ.
 
 use std::fs;
@@ -20,7 +20,7 @@ struct Fault {
     strategy: Strategy,
     /// The file in the folder of shaders.
     file: &'static str,
-    /// Parts of the file, and the faulty ones in their places.
+    /// Parts of the file, and their faulty replacements.
     changes: &'static [[&'static str; 2]],
 }
 
@@ -45,7 +45,7 @@ const FAULTS: [Fault; 7] = [
             ["farthest = min(farthest,", "farthest = max(farthest,"],
         ],
     },
-    // A buffer of cells ends before the edge of an image whose size is not their multiple.
+    // A buffer of cells ends before the edge of an image whose size is not a multiple of the cells.
     Fault {
         kind: Reported::Opening,
         strategy: Strategy::ANTUMBRA_COMPUTE,
@@ -55,7 +55,7 @@ const FAULTS: [Fault; 7] = [
             "min(ivec2(floor(last)), ivec2(size / CELL * CELL) - 1)",
         ]],
     },
-    // A box whose middle is off screen is not looked for.
+    // A box whose middle is off screen is not tested.
     Fault {
         kind: Reported::Edge,
         strategy: Strategy::ANTUMBRA_QUERIES,
@@ -67,14 +67,14 @@ const FAULTS: [Fault; 7] = [
              return is_on_screen && (shows_low || shows_high) ?",
         ]],
     },
-    // Boxes are compared as deeper than they are, behind what they touch.
+    // Boxes are compared at a depth behind the objects that they touch.
     Fault {
         kind: Reported::Tiles,
         strategy: Strategy::ANTUMBRA_QUERIES,
         file: "proxy.vert",
         changes: &[["gl_VertexIndex);", "gl_VertexIndex); gl_Position.z *= 0.998;"]],
     },
-    // A box that holds the eye is compared as any other.
+    // A box that contains the eye is compared like any other box.
     Fault {
         kind: Reported::Inside,
         strategy: methods::HZB,
@@ -90,7 +90,7 @@ const FAULTS: [Fault; 7] = [
     },
 ];
 
-/// Returns the project's shaders with the fault among them.
+/// Returns the project's shaders, including the fault.
 fn shaders_with(fault: &Fault) -> ShaderSet {
     let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders");
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("other_engines");
@@ -111,7 +111,7 @@ fn shaders_with(fault: &Fault) -> ShaderSet {
     ShaderSet::compiled_from(&folder).unwrap()
 }
 
-/// Returns true if a frame of the strategy differs from one in which everything is drawn.
+/// Returns true if a frame of the strategy differs from a frame in which everything is drawn.
 fn is_caught(device: &Device, fault: &Fault) -> bool {
     let provocation = fault.kind.build();
     let options = options(None);

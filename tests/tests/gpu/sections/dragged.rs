@@ -1,4 +1,4 @@
-//! Planes that are dragged through a scene: every strategy draws the bits of frustum culling.
+//! Planes that are dragged through a scene: every strategy draws the same bits as frustum culling.
 
 use cull::{SectionMode, SectionPlane, SectionPlanes, Strategy};
 use gpu::{Device, OptionalFeature, SampleCount};
@@ -64,7 +64,7 @@ fn drag(device: &Device, generated: &GeneratedScene, options: RendererOptions, f
     assert!(culled < whole, "nothing was cut away: {culled} of {whole}");
 }
 
-/// Draws wires, boxes and the view from above, all cut, which only the validation layer judges.
+/// Draws wires, boxes and the view from above, all cut. Only the validation layer checks them.
 fn explain(shown: &mut CutScene, camera: cull::Camera) {
     let has_wireframe = shown.renderer.device().capabilities().has(OptionalFeature::Wireframe);
     let top_down = Some(Rect { origin: [80, 45], size: [80, 45] });

@@ -1,4 +1,4 @@
-//! Edges of what section planes leave: they are cut where their objects are.
+//! Edges of objects that section planes cut: the edges are cut at the same places.
 
 use cull::{SectionMode, SectionPlanes, Strategy};
 use glam::Vec3;
@@ -26,14 +26,14 @@ fn the_edges_of_what_is_left_show_and_those_of_what_is_cut_away_do_not() {
         let count = |lines: &[bool]| lines.iter().filter(|line| **line).count();
         // Four sides of forty pixels, two pixels wide.
         assert!((250..400).contains(&count(&whole)), "{}", count(&whole));
-        // The front is cut away: the back has the same outline, seen along its normal.
+        // The front is cut away, but the back has the same outline, seen along its normal.
         let behind = plane([0.0, 0.0, -1.0], 0.05);
         let section = SectionPlanes::new(&[behind], SectionMode::Intersection).unwrap();
         shown.renderer.set_section(section).unwrap();
         let cut = lines(&mut shown, Strategy::ANTUMBRA);
         assert!((200..400).contains(&count(&cut)), "{} of {}", count(&cut), count(&whole));
         assert!(cut == lines(&mut shown, Strategy::FRUSTUM), "every strategy draws the same");
-        // The upper half is cut away, and its lines.
+        // The upper half and its lines are cut away.
         let below = plane([0.0, -1.0, 0.0], 0.0);
         let section = SectionPlanes::new(&[below], SectionMode::Intersection).unwrap();
         shown.renderer.set_section(section).unwrap();

@@ -1,4 +1,4 @@
-//! Scenes with surfaces, lights and shadows: cut like all others, near the origin and far from it.
+//! Section planes in scenes with surfaces, lights and shadows, near the origin and far from it.
 
 use cull::{Camera, ObjectId, SectionMember, SectionPlanes, Strategy};
 use glam::{DVec3, Vec3, vec3};
@@ -25,7 +25,7 @@ fn options(method: ShadowMethod) -> RendererOptions {
     RendererOptions { size: SIZE, shadows, ..RendererOptions::default() }
 }
 
-/// Returns a ground, two blocks on it, and what stands between them.
+/// Returns a ground with two blocks, and the objects between them.
 fn boxes(blocks: usize) -> Vec<cull::Aabb> {
     let mut boxes = vec![box_at(vec3(0.0, -0.5, 0.0), vec3(16.0, 0.5, 16.0))];
     let block = |x: f32| box_at(vec3(x, 2.0, -3.0), vec3(1.0, 2.0, 1.0));
@@ -42,7 +42,7 @@ fn camera(away: Vec3) -> Camera {
     }
 }
 
-/// Returns the pixels whose red differs much.
+/// Returns the number of pixels whose red differs much.
 fn apart(a: &[[u8; 3]], b: &[[u8; 3]]) -> usize {
     a.iter().zip(b).filter(|(a, b)| a[0].abs_diff(b[0]) > 16).count()
 }
@@ -55,7 +55,7 @@ fn what_is_cut_away_casts_no_shadow_by_maps() {
             let scene = shadow_scene::scene(&boxes(blocks), &[sun]);
             let mut shown = CutScene::new(device, &scene, options(ShadowMethod::Maps));
             shown.renderer.set_section_member(GROUND, SectionMember::Whole);
-            // Before there are planes, so that a kept map must be drawn again.
+            // Drawn before there are planes, so that a cached map must be drawn again.
             shown.pixels(camera(Vec3::ZERO), Strategy::ANTUMBRA);
             shown.renderer.set_section(section).unwrap();
             shown.pixels(camera(Vec3::ZERO), Strategy::ANTUMBRA)
@@ -76,7 +76,7 @@ fn what_is_cut_away_casts_no_shadow_by_maps() {
     });
 }
 
-/// Returns images of a scene that is cut, by several strategies, at a place far away.
+/// Returns images of a cut scene at a distant place, by several strategies.
 fn images(device: &Device, away: Vec3) -> Vec<Vec<[u8; 3]>> {
     let moved = |bounds: cull::Aabb| cull::Aabb::new(bounds.min + away, bounds.max + away);
     let boxes: Vec<cull::Aabb> = boxes(2).into_iter().map(moved).collect();
@@ -108,7 +108,7 @@ fn a_cut_model_far_from_the_origin_looks_the_same() {
         for away in [vec3(35_360.0, 12.0, -35_360.0), vec3(-707_120.0, 300.0, 707_120.0)] {
             for (number, (a, b)) in here.iter().zip(images(device, away)).enumerate() {
                 let wrong = a.iter().zip(&b).filter(|(a, b)| a != b).count();
-                // The border of a cut or of a line may fall to the other side of a pixel's middle.
+                // The border of a cut or a line may move to the other side of a pixel's middle.
                 assert!(wrong <= 12, "{away}, image {number}: {wrong}");
             }
         }

@@ -1,4 +1,4 @@
-//! Picks in a scene that is cut open: they find what is drawn.
+//! Picks in a scene with section planes: they find the drawn surfaces.
 
 use cull::{Camera, ObjectId, SectionMember, SectionMode, SectionPlanes, Strategy};
 use glam::Vec3;
@@ -49,7 +49,7 @@ fn a_click_finds_what_is_drawn_where_a_box_is_cut_open() {
             assert_eq!(pick(&mut shown, 42, 22), Some(2), "an excluded part, {mode:?}");
             shown.renderer.set_section_member(ObjectId(2), SectionMember::Cut);
         }
-        // A union of two halves of a corner: a click finds what the image shows.
+        // A union of two halves of a corner: a pick finds the visible surface.
         let corner = [plane([-1.0, 0.0, 0.0], 0.0), plane([0.0, 0.0, -1.0], 0.04)];
         let section = SectionPlanes::new(&corner, SectionMode::Union).unwrap();
         shown.renderer.set_section(section).unwrap();

@@ -1,4 +1,4 @@
-//! Options and lights that cannot be: a sentence, and nothing has changed.
+//! Impossible options and lights: the error is a sentence, and nothing has changed.
 
 use cull::Strategy;
 use glam::Vec3;
@@ -54,7 +54,7 @@ fn scenes_without_surfaces_have_no_shadows_and_say_so() {
     });
 }
 
-/// Returns the yard under lights that are none, and under many.
+/// Returns the yard under impossible lights, with valid ones up to `count` lights in total.
 pub fn badly_lit(count: usize) -> Scene {
     let [sun, spot, point] = shadow_scene::lights();
     let mut lights = vec![
@@ -85,7 +85,7 @@ fn impossible_lights_and_ten_thousand_of_them_do_no_harm() {
             for _ in 0..2 {
                 image(&mut renderer, &mut view, Strategy::ANTUMBRA, shadow_scene::camera());
             }
-            // Of the seven one is a spot without a width, which is dark and no mistake.
+            // One of the seven is a spot without a width, which is dark but not a mistake.
             let degraded = renderer.degradations();
             assert_eq!(degraded.broken_lights, 6);
             assert!(degraded.texts().iter().any(|text| text.starts_with("6 lights have")));
@@ -114,7 +114,7 @@ fn lights_without_a_shadow_shine_through() {
         let mut lit = Vec::new();
         for _ in 0..2 * renderer.frames_in_flight() {
             lit = image(&mut renderer, &mut view, Strategy::ANTUMBRA, shadow_scene::camera());
-            // A sum of a light and a share of it may be rounded differently in its last place.
+            // The sum of a light and a share of it may be rounded differently in its last bit.
             let is_darker =
                 |(lit, shadowed): &(&u8, &u8)| u16::from(**lit) + 1 < u16::from(**shadowed);
             let darker = lit.iter().zip(&shadowed).filter(is_darker).count();

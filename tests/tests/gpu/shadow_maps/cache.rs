@@ -1,5 +1,5 @@
-//! The cache of shadow maps: images equal those with maps that are drawn afresh in every frame, bit
-//! for bit, whatever moves, comes, goes or changes its shape.
+//! The cache of shadow maps: images equal those with maps that are drawn in every frame, bit for
+//! bit, while objects move, are added or removed, or change their shape.
 
 use cull::{Aabb, ObjectId, Strategy};
 use glam::{Affine3A, Vec3, vec3};
@@ -61,7 +61,7 @@ pub fn scene() -> Scene {
     scene
 }
 
-/// Makes the changes of a frame: some objects always move, others now and then, in phases of rest.
+/// Makes the changes of a frame. Some objects always move, others sometimes move and then rest.
 fn changes(frame: u32, random: &mut Random, added: &mut Vec<ObjectId>) -> SceneUpdate {
     let mut update = SceneUpdate::default();
     if frame % 50 > 35 {
@@ -94,7 +94,7 @@ fn changes(frame: u32, random: &mut Random, added: &mut Vec<ObjectId>) -> SceneU
     update
 }
 
-/// Returns a light of the yard as it is in a frame: one moves at times.
+/// Returns a light of the yard in a frame. One light sometimes moves.
 fn moved_light(frame: u32) -> PunctualLight {
     let [.., point] = shadow_scene::lights();
     let away = (frame / 40) as f32 * 0.3;
@@ -180,7 +180,7 @@ fn at_rest_no_map_is_drawn() {
             side.draw(0, &SceneUpdate::default());
             let first = casters(&side.0);
             assert_eq!((first.drawn_faces, first.lights), (first.faces, 3));
-            // With some of their casters at first, then whole, once.
+            // Maps are drawn with some of their casters at first, then once with all.
             let drawn = (0..20).map(|_| {
                 side.draw(0, &SceneUpdate::default());
                 let stats = casters(&side.0);

@@ -1,5 +1,5 @@
-//! The change from one cascade of a sun to the next: no pixel differs from its neighbour more than
-//! in the maps of either, and beyond the last one shadows fade.
+//! The transition between cascades of a sun: neighbouring pixels do not differ more than with
+//! either cascade alone. Beyond the last cascade, shadows fade.
 
 use cull::{Aabb, Camera, Strategy};
 use glam::{Affine3A, Vec3, vec3};
@@ -10,7 +10,7 @@ use tests::{run_on_all, shadow_scene};
 
 use super::{SIZE, image, renderer, shadows};
 
-/// Returns posts all over the ground, whose shadows coarse maps do not keep apart.
+/// Returns posts all over the ground, whose shadows merge in coarse maps.
 fn posts() -> Scene {
     let mut boxes = vec![shadow_scene::GROUND];
     for post in 0..400 {
@@ -20,7 +20,7 @@ fn posts() -> Scene {
     shadow_scene::scene(&boxes, &shadow_scene::lights()[..1])
 }
 
-/// Returns the light of each pixel's red, 0 to 255.
+/// Returns the linear red of each pixel, 0 to 255.
 fn light(device: &Device, scene: &Scene, shadows: ShadowOptions) -> Vec<f32> {
     let mut renderer = renderer(device, scene, shadows);
     let mut view = renderer.new_view().unwrap();
@@ -29,8 +29,8 @@ fn light(device: &Device, scene: &Scene, shadows: ShadowOptions) -> Vec<f32> {
     pixels.chunks_exact(4).map(|pixel| linear(pixel[0])).collect()
 }
 
-/// Returns how much more neighbours differ in an image than in all of the others, at most, where
-/// they do not differ without shadows.
+/// Returns the largest difference of neighbouring pixels in an image beyond their difference in the
+/// other images. Pixels that differ without shadows do not count.
 fn excess(image: &[f32], others: &[&[f32]], bare: &[f32]) -> f32 {
     let [width, height] = SIZE.map(|side| side as usize);
     let pairs = (0..width * height).flat_map(|at| {
@@ -46,8 +46,8 @@ fn excess(image: &[f32], others: &[&[f32]], bare: &[f32]) -> f32 {
     over.fold(0.0, f32::max)
 }
 
-/// Draws a scene in another unit, which is larger: without a distance, its sun has shadows as far
-/// as it reaches.
+/// Draws a scene in another, larger unit. Without a given distance, shadows of the sun reach as far
+/// as the scene.
 #[test]
 fn a_scene_in_units_of_ten_kilometres_has_the_shadows_of_one_in_metres() {
     run_on_all(|device| {
@@ -97,7 +97,7 @@ fn cascades_blend_into_each_other_and_into_full_light() {
         let parts = [&near[..], &far[..]];
         let [hard, soft] = [hard, soft].map(|both| excess(&both, &parts, &bare));
         assert!(hard > 35.0 && soft < 0.6 * hard, "{hard} {soft}");
-        // The last one fades: light is added only, and somewhere a part of it.
+        // The last cascade fades: light is only added, and in some places partly.
         let fading = of(1, 6.0, 0.4);
         let mut faded = 0;
         for ((near, fading), bare) in near.iter().zip(&fading).zip(&bare) {

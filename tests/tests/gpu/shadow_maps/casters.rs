@@ -1,4 +1,4 @@
-//! Shadows under every strategy, from casters that no view shows, and through holes.
+//! Shadows with every strategy, from casters outside the view, and through holes.
 
 use cull::{Aabb, Camera, Strategy};
 use glam::vec3;

@@ -1,5 +1,5 @@
-//! Culling of casters: images equal those with all casters in all maps, bit for bit, while eye and
-//! lights move through a town, and most casters are left out.
+//! Culling of casters: images equal those with all casters in all maps, bit for bit, although most
+//! casters are left out. The eye and the lights move through a town.
 
 use std::f32::consts::TAU;
 
@@ -31,7 +31,7 @@ fn boxes() -> Vec<Aabb> {
     boxes
 }
 
-/// Returns a low sun, a spot light and lamps, one of them where no path sees its light.
+/// Returns a low sun, a spot light and lamps. The light of one lamp is not visible from any path.
 fn lights(frame: u32) -> Vec<PunctualLight> {
     let [sun, spot, point] = shadow_scene::lights();
     let angle = frame as f32 * 0.02;
@@ -50,7 +50,7 @@ pub fn scene() -> Scene {
     shadow_scene::scene(&boxes(), &lights(0))
 }
 
-/// Returns the camera at street level, which walks and looks around; at last it stands.
+/// Returns the camera at street level, which walks, looks around, and stands at the end.
 fn camera(frame: u32) -> Camera {
     let walked = frame.min(60) as f32;
     let angle = TAU * (0.6 + 0.12 * (walked * 0.07).sin());
@@ -72,7 +72,7 @@ impl Side {
         Self::of(renderer(device, scene, options))
     }
 
-    /// Creates one of a renderer of the town.
+    /// Creates a town from its renderer, with a new view.
     pub fn of(renderer: Renderer) -> Self {
         let view = renderer.new_view().unwrap();
         Self(renderer, view)
@@ -96,8 +96,8 @@ fn options(caching: ShadowCaching, culling: CasterCulling) -> ShadowOptions {
     ShadowOptions { caching, culling, ..shadows() }
 }
 
-/// Draws frames of a town with all casters and with those that matter. Returns the triangles of
-/// casters in both.
+/// Draws frames of a town with and without culled casters. Returns the triangles of casters in
+/// both.
 fn compare(device: &gpu::Device, frames: u32, filter: ShadowFilter) -> [u64; 2] {
     use CasterCulling::{Culled, Unculled};
     use ShadowCaching::{Cached, Uncached};
@@ -198,7 +198,7 @@ fn a_light_that_shines_on_nothing_visible_costs_one_test_and_no_triangle() {
         let mut view = renderer.new_view().unwrap();
         let away = Camera { forward: vec3(-1.0, 0.2, 0.0), ..camera(0) };
         let mut draw = |camera| {
-            // The counts of a frame are read in the next but one.
+            // The counts of a frame are read two frames later.
             for _ in 0..3 {
                 image(&mut renderer, &mut view, Strategy::ANTUMBRA, camera);
             }
@@ -209,7 +209,7 @@ fn a_light_that_shines_on_nothing_visible_costs_one_test_and_no_triangle() {
         assert_eq!((stats.tests, stats.triangles, stats.revealed_triangles), (1, 0, 0));
         let stats = draw(away);
         assert_eq!((stats.tests, stats.triangles, stats.revealed_triangles), (1, 0, 0));
-        // In its light.
+        // The eye is in the light of the lamp.
         let stats = draw(Camera { eye: hidden.position + 0.5, ..camera(0) });
         assert_eq!((stats.tests, stats.revealed_triangles), (0, 0));
         assert!(stats.triangles > 100, "{stats:?}");

@@ -1,5 +1,5 @@
-//! Midpoint depths: closed surfaces do not shadow themselves where the plane of a receiver is no
-//! help, open ones neither, and both cast the shadows that they did.
+//! Midpoint depths: closed and open surfaces do not shadow themselves even where the plane of a
+//! receiver does not help, and both still cast their shadows.
 
 use std::f32::consts::TAU;
 
@@ -18,13 +18,13 @@ use super::{image, renderer, shadows};
 const SIDE_M: f32 = 8.0;
 const CELLS: u32 = 128;
 
-/// Returns the height of waves that no light from far enough above leaves dark.
+/// Returns the height of waves, which any sufficiently high light reaches everywhere.
 fn waves(x: f32, z: f32) -> f32 {
     0.1 * (x * TAU / 0.8).cos() * (z * TAU / 1.1).cos()
 }
 
-/// Returns a sheet at heights in metres over the ground, of a thickness: closed, or of its upper
-/// side alone without one.
+/// Returns a sheet at heights over the ground (metres): closed if it has a thickness, otherwise
+/// only its upper side.
 fn sheet(height: impl Fn(f32, f32) -> f32, thickness_m: Option<f32>) -> Mesh {
     let row = CELLS + 1;
     let mut vertices = Vec::new();
@@ -95,7 +95,7 @@ fn scene(mesh: Mesh, height_m: f32, boxes: &[Aabb], lights: &[PunctualLight]) ->
     scene
 }
 
-/// Returns lights of each kind that leave nothing of the waves dark.
+/// Returns lights of each kind that reach all parts of the waves.
 fn lights_above() -> [PunctualLight; 3] {
     let [sun, spot, point] = shadow_scene::lights();
     [
@@ -116,7 +116,7 @@ fn looking(eye: Vec3, at: Vec3) -> Camera {
     }
 }
 
-/// Draws a frame of a scene with each of some shadows.
+/// Draws a frame of a scene with each of several shadow options.
 fn draw(device: &Device, scene: &Scene, camera: Camera, all: &[ShadowOptions]) -> Vec<Vec<u8>> {
     let mut renderer = renderer(device, scene, ShadowOptions::default());
     let mut view = renderer.new_view().unwrap();
@@ -127,7 +127,8 @@ fn draw(device: &Device, scene: &Scene, camera: Camera, all: &[ShadowOptions]) -
     all.iter().map(draw).collect()
 }
 
-/// Returns the pixels that differ by more than the rounding of passes that are compiled apart.
+/// Returns the number of pixels that differ by more than the rounding of separately compiled
+/// passes.
 fn wrong(expected: &[u8], found: &[u8]) -> usize {
     let pixels = expected.chunks_exact(4).zip(found.chunks_exact(4));
     pixels.filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 1)).count()
@@ -141,7 +142,7 @@ fn hollows_under_wide_filters_are_lit_by_midpoints_and_not_by_first_surfaces() {
         let of = |bias| filters.map(|filter| ShadowOptions { bias, filter, ..wide });
         let mut all = vec![ShadowOptions::default()];
         all.extend([ShadowBias::Plane, ShadowBias::Midpoint].into_iter().flat_map(of));
-        // Of its rim, which grazing light meets, nothing shows.
+        // The rim, which only grazing light reaches, is out of view.
         let camera = looking(vec3(0.3, 2.0, 1.4), vec3(0.0, 0.0, 0.2));
         for light in lights_above() {
             let scene = scene(sheet(waves, Some(0.3)), 0.0, &[], &[light]);
@@ -175,7 +176,7 @@ fn open_meshes_do_not_shadow_themselves_and_keep_their_shadow() {
                 assert_eq!(wrong(&images[0], found), 0, "{options:?} under {light:?}");
             }
         }
-        // Over closed ground, whose under side is the next that faces away.
+        // Over closed ground, whose lower side is the next back face.
         let [sun, ..] = lights_above();
         let sun = PunctualLight { direction: vec3(-1.0, -0.9, -0.3).normalize(), ..sun };
         let mut roof = flat();

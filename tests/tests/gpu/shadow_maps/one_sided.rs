@@ -1,5 +1,5 @@
-//! Casters that show the light their back: a wall stops light whichever side it shows, in maps as
-//! in volumes.
+//! Casters with their back to the light: a wall blocks light from either side, in maps and in
+//! volumes.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -14,7 +14,7 @@ use super::{SIZE, image, renderer, shadows};
 /// A wall of one side with the sun behind it, and a bulb in a box that faces outwards.
 const FILES: [&str; 2] = ["wall_before_sun.gltf", "box_around_bulb.gltf"];
 
-/// Returns the pixels whose red differs much.
+/// Returns the number of pixels whose red differs much.
 fn apart(a: &[u8], b: &[u8]) -> usize {
     a.chunks_exact(4).zip(b.chunks_exact(4)).filter(|(a, b)| a[0].abs_diff(b[0]) > 24).count()
 }
@@ -24,7 +24,7 @@ fn maps_have_the_shadows_that_volumes_have() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/gpu/shadow_maps/one_sided");
     run_on_all(|device| {
         for name in FILES {
-            // The lights as they are: dimmed ones leave shadows of little contrast.
+            // The original lights, since dimmed lights make shadows of little contrast.
             let options = LoadOptions { exposure: Some(1.0), ..LoadOptions::default() };
             let loaded =
                 import::load(&folder.join(name), &options, &mut |_| ControlFlow::Continue(()))
@@ -56,7 +56,7 @@ fn maps_have_the_shadows_that_volumes_have() {
                         sun_side: 1024,
                         ..shadows()
                     });
-                    // Edges are as wide as texels.
+                    // Edges of shadows are as wide as texels.
                     let wrong = apart(&maps, &volumes);
                     assert!(wrong * 10 < dark, "{name}, {bias:?}: {wrong} of {dark}");
                 }

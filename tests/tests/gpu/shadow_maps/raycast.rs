@@ -1,4 +1,4 @@
-//! Shadow maps against ray casting: where no edge of a shadow is near, both say the same.
+//! Shadow maps against ray casting: both agree wherever no edge of a shadow is near.
 
 use cull::{Aabb, Camera, Strategy};
 use glam::{Vec3, vec3};
@@ -9,7 +9,7 @@ use tests::{run_on_all, shadow_scene};
 
 use super::{SIZE, image, renderer, shadows};
 
-/// Returns what a pixel shows, unless an edge is near.
+/// Returns the point at a pixel, unless an edge is near.
 fn shown(boxes: &[Aabb], camera: &Camera, x: u32, y: u32) -> Option<(Vec3, Vec3)> {
     let at = |right: f32, down: f32| {
         shown_at(boxes, camera, SIZE, [x as f32 + 0.5 + right, y as f32 + 0.5 + down])
@@ -24,8 +24,8 @@ fn shown(boxes: &[Aabb], camera: &Camera, x: u32, y: u32) -> Option<(Vec3, Vec3)
     around.into_iter().all(is_same).then_some(middle)
 }
 
-/// The width in metres around a place that must be lit, or dark, as a whole: above the texels of
-/// these maps on these slopes.
+/// The width (metres) around a place that must be lit or dark as a whole, which is larger than the
+/// texels of these maps on these slopes.
 const APART_M: f32 = 0.2;
 
 /// Returns true if a place gets the light, false if it does not, `None` near an edge.
@@ -41,15 +41,16 @@ fn is_lit(boxes: &[Aabb], light: &PunctualLight, place: Vec3, normal: Vec3) -> O
     seen.all(|other| other == first).then_some(first)
 }
 
-/// The pixels of an image that rays decide about.
+/// The number of pixels that are compared with rays.
 pub struct Judged {
     pub checked: u32,
     pub dark: u32,
-    /// Those that are not as rays say, in words.
+    /// Descriptions of the pixels that differ from rays.
     pub wrong: Vec<String>,
 }
 
-/// Compares an image of boxes with rays, where no edge is near: `lit` is the same without shadows.
+/// Compares an image of boxes with rays wherever no edge is near. `lit` is the image without
+/// shadows.
 pub fn judge(
     boxes: &[Aabb],
     camera: &Camera,
@@ -63,14 +64,14 @@ pub fn judge(
         let y = number as u32 / SIZE[0];
         let Some((place, normal)) = shown(boxes, camera, x, y) else { continue };
         let (along, _) = towards(light, place);
-        // Grazing light, and what the light hardly reaches, shows nothing.
+        // Grazing or very weak light does not show.
         let is_bright = lit[0] > 120 && along.normalize().dot(normal) > 0.15;
         let Some(expected) = is_lit(boxes, light, place, normal).filter(|_| is_bright) else {
             continue;
         };
         judged.checked += 1;
         judged.dark += u32::from(!expected);
-        // The two passes are compiled apart: a last place may be rounded differently.
+        // The two passes are compiled separately, so the last bit may be rounded differently.
         let is_lit = lit.iter().zip(found).all(|(lit, found)| lit.abs_diff(*found) <= 1);
         if is_lit != expected {
             judged.wrong.push(format!("{x}, {y} at {place}: {lit:?} became {found:?}"));
@@ -139,7 +140,8 @@ fn nothing_shadows_itself() {
                 ShadowFilter::ALL.into_iter().flat_map(|filter| both.map(|b| (filter, b)))
             {
                 let shadowed = draw(ShadowOptions { filter, bias, ..shadows() });
-                // The two passes are compiled apart: a last place may be rounded differently.
+                // The two passes are compiled separately, so the last bit may be rounded
+                // differently.
                 let wrong = lit.iter().zip(&shadowed).filter(|(a, b)| a.abs_diff(**b) > 1).count();
                 assert_eq!(wrong, 0, "{filter:?}, {bias:?} under {light:?}");
             }

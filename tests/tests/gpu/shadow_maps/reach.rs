@@ -1,4 +1,4 @@
-//! Culled casters where shadows reach farthest: receivers that a lamp grazes, whose filters find
+//! Culled casters whose shadows reach farthest: receivers in grazing light, whose filters find
 //! casters far behind them, and lights without a range.
 
 use cull::{Aabb, Camera, Projection, Strategy};
@@ -9,7 +9,7 @@ use tests::{Driver, run, shadow_scene};
 
 use super::{image, renderer, shadows};
 
-/// Checks that an image is the same with all casters and with those that matter.
+/// Checks that an image is the same with and without culled casters.
 fn compare(
     light: PunctualLight,
     boxes: &[Aabb],
@@ -45,7 +45,7 @@ fn lamp() -> PunctualLight {
     }
 }
 
-/// Returns so many small boxes that the light has a history.
+/// Returns enough small boxes for the light to keep a history.
 fn fillers(low: Vec3) -> impl Iterator<Item = Aabb> {
     (0..100).map(move |number| {
         let low = low + vec3((number % 10) as f32 * 0.2, (number / 10) as f32 * 0.2, 0.0);

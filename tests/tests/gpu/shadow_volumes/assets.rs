@@ -13,7 +13,7 @@ const FILES: [&str; 5] =
 #[test]
 fn every_mesh_of_the_scenes_has_volumes() {
     let Some(folder) = std::env::var_os("ANTUMBRA_ASSETS") else {
-        // Not by `eprintln!`, of which a test that passes shows nothing.
+        // Not by `eprintln!`, whose output is hidden if the test passes.
         let _told =
             writeln!(std::io::stderr(), "SKIPPED: ANTUMBRA_ASSETS names no folder of scenes");
         return;

@@ -1,4 +1,4 @@
-//! Meshes of triangles with corners of their own, good ones and bad ones.
+//! Good and bad meshes of triangles, which do not share corners.
 
 use glam::{Vec3, vec3};
 
@@ -19,7 +19,7 @@ impl Random {
     }
 }
 
-/// Returns a square that shows from above, `half` metres to each side, of quads.
+/// Returns a square of quads that is visible from above, `half` metres to each side.
 pub fn sheet(half: f32, quads: u32) -> Triangles {
     let at = |x: u32, z: u32| {
         let along = |place: u32| half * (2.0 * place as f32 / quads as f32 - 1.0);
@@ -37,7 +37,7 @@ pub fn sheet(half: f32, quads: u32) -> Triangles {
     (0..quads * quads).flat_map(quad).collect()
 }
 
-/// Returns a ball of about a metre; its corners are moved by up to a part of that.
+/// Returns a ball of about a metre, whose corners are moved by up to a part of the radius.
 pub fn bumpy_sphere(seed: u64, bumps: f32) -> Triangles {
     const RINGS: u32 = 6;
     const SECTORS: u32 = 9;
@@ -71,8 +71,8 @@ pub fn bumpy_sphere(seed: u64, bumps: f32) -> Triangles {
     triangles
 }
 
-/// Returns a mesh with a fault: open, turned in places, inside out, met by itself, with surplus
-/// triangles at its edges, or with triangles of no area.
+/// Returns a mesh with a fault: open, turned in places, inside out, self-intersecting, with surplus
+/// triangles at its edges, or with triangles without area.
 pub fn bad_mesh(seed: u64) -> Triangles {
     let mut random = Random(seed ^ 0xBAD);
     let mut mesh = bumpy_sphere(seed, 0.4);

@@ -1,4 +1,4 @@
-//! Rays: which pixels are in shadow, and which are too near to an edge to say.
+//! Rays that find the pixels in shadow, and the pixels too near to an edge for a comparison.
 
 use cull::CullView;
 use glam::{DVec3, Vec2, Vec3, Vec4};
@@ -10,14 +10,14 @@ use super::world::World;
 enum Seen {
     /// Nothing.
     Sky,
-    /// A triangle of an object, and whether the light is hidden from it.
+    /// A triangle of an object, and true if the light is hidden from it.
     Surface { triangle: [usize; 2], is_shaded: bool },
-    /// A surface that faces away from the light and is hidden by nothing but itself.
+    /// A surface that faces away from the light and is hidden only by itself.
     Away,
 }
 
-/// Returns the distance to a triangle in units of the direction, and the side that is hit: above 0
-/// for its front.
+/// Returns the distance to a triangle in units of the direction, and the hit side: above 0 for the
+/// front.
 fn hit(from: DVec3, along: DVec3, corners: &[Vec3; 3]) -> Option<(f64, f64)> {
     let [a, b, c] = corners.map(|corner| corner.as_dvec3());
     let u = b - a;
@@ -34,7 +34,7 @@ fn hit(from: DVec3, along: DVec3, corners: &[Vec3; 3]) -> Option<(f64, f64)> {
     (x >= 0.0 && y >= 0.0 && x + y <= 1.0).then_some((distance, volume))
 }
 
-/// Returns what is seen through the middle of a pixel.
+/// Returns the surface at the middle of a pixel.
 fn look(world: &World, view: &CullView, light: Vec4, pixel: [u32; 2]) -> Seen {
     let ndc = |side: usize| (2.0 * pixel[side] as f32 + 1.0) / view.size[side] as f32 - 1.0;
     let place = Vec2::new(ndc(0), ndc(1));
@@ -57,7 +57,7 @@ fn look(world: &World, view: &CullView, light: Vec4, pixel: [u32; 2]) -> Seen {
     let to_light = World::to_light(light, point.as_vec3()).as_dvec3();
     let normal = (b - a).cross(c - a).as_dvec3().normalize();
     let facing = normal.dot(to_light.normalize());
-    // As far as a thousandth of a metre all is the surface itself.
+    // Hits within a thousandth of a metre belong to the surface itself.
     let least = 1e-3 / to_light.length();
     let mut triangles = world.things.iter().flat_map(|object| &object.triangles);
     let is_shaded = triangles.any(|triangle| {
@@ -69,8 +69,8 @@ fn look(world: &World, view: &CullView, light: Vec4, pixel: [u32; 2]) -> Seen {
     Seen::Surface { triangle, is_shaded }
 }
 
-/// Compares the masks of lights with rays at each pixel farther than one pixel from an edge, of a
-/// shadow or of a triangle; returns how many pixels were lit and shaded.
+/// Compares the masks of lights with rays at each pixel that is farther than one pixel from an edge
+/// of a shadow or a triangle. Returns the numbers of lit and shaded pixels.
 pub fn judge(world: &World, view: &CullView, lights: &[Vec4], mask: &[u32]) -> [u32; 2] {
     let [width, height] = view.size;
     let mut judged = [0; 2];

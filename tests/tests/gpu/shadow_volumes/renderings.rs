@@ -16,12 +16,12 @@ use super::world::World;
 /// Layers of the mask.
 const LAYERS: u32 = 2;
 
-/// The choice of the way of counting.
+/// The choice of the counting method.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Choice {
-    /// The cheaper one where it is right.
+    /// The cheaper method where it is correct.
     ByEye,
-    /// Z-fail for all.
+    /// Z-fail for all casters.
     AllFail,
 }
 
@@ -38,7 +38,7 @@ pub struct Renderings {
     depth: OpaquePass,
     volumes: VolumePass,
     ring: FrameRing,
-    /// Casters so far whose volumes ended at a plane.
+    /// The number of casters so far whose volumes ended at a plane.
     pub ended: u32,
 }
 
@@ -102,7 +102,7 @@ impl Renderings {
         });
         let casters: Vec<_> = casters.collect();
         let lights = lights.iter().zip(&casters).enumerate();
-        // The second light's layer is another one.
+        // The second light is in another layer.
         let lights: Vec<_> = lights
             .map(|(number, (light, (casters, ends)))| {
                 let bits = 1 << number;

@@ -85,7 +85,7 @@ impl World {
         self.instances.push(Row { rows: [x, y, z], tail: [0; 4] });
     }
 
-    /// Returns the direction from a point to a light, as far as the light is.
+    /// Returns the vector from a point to a light.
     pub fn to_light(light: glam::Vec4, point: Vec3) -> Vec3 {
         if light.w > 0.0 { light.xyz() - point } else { light.xyz() * 1.0e3 }
     }

@@ -1,4 +1,4 @@
-//! Meshes and materials that there is no room for, or that a scene cannot show.
+//! Meshes and materials that do not fit, or that a scene cannot show.
 
 use glam::{Affine2, Vec2, Vec3};
 use render::{Renderer, SpareCapacity, TextureCapacity};
@@ -98,7 +98,8 @@ fn a_material_that_cannot_be_drawn_is_refused_by_name_and_changes_nothing() {
         assert!(unknown.to_string().contains("no such material"), "{unknown}");
         renderer.remove_materials(&added).unwrap();
         assert!(renderer.remove_materials(&added[..1]).is_err());
-        // Transforms go with the last material that has them: there is room for 25.
+        // Texture transforms are removed with the last material that uses them: there is room for
+        // 25.
         for round in 0..40 {
             let texture = used(0, 1.5 + round as f32);
             let scaled = Material { base_colour_texture: texture, ..good.clone() };

@@ -1,4 +1,4 @@
-//! The scenes that things come to, and what comes.
+//! The scenes to which meshes and materials are added, and the added meshes and materials.
 
 use cull::DetailPolicy;
 use glam::{Affine2, Affine3A, Vec2, Vec3, vec2, vec3};
@@ -34,8 +34,8 @@ const fn by_distance(error_pixels: f32) -> DetailPolicy {
     DetailPolicy { error_pixels, hysteresis: 0.0, by_samples: None }
 }
 
-/// The scenes: one whose vertices hold the whole appearance, and one with surfaces, whose textures
-/// lie on pages or have an image each.
+/// The kinds of scenes: colours only in vertices, or surfaces whose textures lie on pages or have
+/// an image each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Plain,
@@ -43,7 +43,8 @@ pub(super) enum Kind {
     Images,
 }
 
-/// Returns a mesh of some triangles in a box of two metres; with surfaces it has a coarser level.
+/// Returns a mesh of some triangles in a box of two metres, with a coarser level if it has
+/// surfaces.
 pub(super) fn some_mesh(random: &mut Random, kind: Kind, material: MaterialId) -> PreparedMesh {
     let corner = |random: &mut Random| [0; 3].map(|_| random.below(2_001) as f32 / 1_000.0 - 1.0);
     let triangles = 1 + random.below(30) as usize;
@@ -79,7 +80,7 @@ pub(super) fn rooms() -> Vec<TextureCapacity> {
     std::iter::once(small).chain(large).map(room).collect()
 }
 
-/// Returns a texture of any kind that there is room for.
+/// Returns a texture of any of the kinds that have room.
 pub(super) fn some_texture(random: &mut Random) -> PreparedTexture {
     let rooms = rooms();
     let TextureCapacity { size, encoding, sampler, .. } =
@@ -91,7 +92,7 @@ pub(super) fn some_texture(random: &mut Random) -> PreparedTexture {
     PreparedTexture::new(image, encoding, sampler).unwrap()
 }
 
-/// Returns a material of any kind that does not blend, of colours and numbers in textures.
+/// Returns a material without blending, of any kind, with colours and numbers in textures.
 pub(super) fn some_material(random: &mut Random, textures: [TextureId; 2]) -> Material {
     let part = |random: &mut Random| random.below(256) as f32 / 255.0;
     let colours = [(); 3].map(|()| random.below(3));
@@ -200,7 +201,7 @@ pub(super) fn options_of(kind: Kind, spare: SpareCapacity) -> RendererOptions {
     RendererOptions { textures: Some(textures), ..options(spare) }
 }
 
-/// Returns room for what comes to a scene of a kind.
+/// Returns the spare room of a scene of a kind.
 pub(super) fn spare(kind: Kind) -> SpareCapacity {
     let textures = if kind == Kind::Surfaces { rooms() } else { Vec::new() };
     SpareCapacity { textures, ..SPARE }

@@ -1,5 +1,5 @@
-//! Images of compressed blocks: sampled as they are where the device has their format, unpacked
-//! elsewhere, with the same texels.
+//! Images of compressed blocks: sampled directly if the device supports their format, otherwise
+//! unpacked, with the same texels.
 
 use glam::Vec3;
 use gpu::{
@@ -29,18 +29,18 @@ fn half(random: &mut impl FnMut() -> u8) -> Vec<u8> {
     ends.into_iter().chain((0..6).map(|_| random())).collect()
 }
 
-/// Returns a block with any texels, but none that a decoder may take as it likes.
+/// Returns a random block, but never a block whose decoding is undefined.
 fn block(format: BlockFormat, random: &mut impl FnMut() -> u8) -> Vec<u8> {
     match format {
         BlockFormat::Bc4 => half(random),
         BlockFormat::Bc5 => [half(random), half(random)].concat(),
-        // A block of one colour: ASTC has many others that are no blocks.
+        // A block of one colour, since many random bits are not valid ASTC blocks.
         BlockFormat::Astc(_) => {
             let one = [0xFC, 0xFD, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF];
             let colour = [random(), random(), random(), 255].map(|channel| [channel; 2]);
             [one.as_slice(), colour.as_flattened()].concat()
         }
-        // The number of a mode is that of the lowest bit; there is no ninth.
+        // The lowest set bit is the number of the mode, and a ninth mode does not exist.
         BlockFormat::Bc7 => (0..16).map(|at| random() | u8::from(at == 0) << 5).collect(),
         _ => (0..format.block_bytes()).map(|_| random()).collect(),
     }
@@ -61,7 +61,7 @@ fn blocks(format: BlockFormat, size: [u32; 2], seed: u64) -> Image {
     image
 }
 
-/// Returns the byte that shows a number as light.
+/// Returns the encoded byte of a linear value.
 fn shown(number: u8) -> u8 {
     let light = f64::from(number) / 255.0;
     let encoded =
@@ -74,7 +74,7 @@ fn texels_of_blocks_are_those_that_they_unpack_to() {
     use BlockFormat::*;
     run_on_all(|device| {
         for format in [Bc1, Bc1Alpha, Bc2, Bc3, Bc4, Bc5, Bc7, astc()] {
-            // BC4 and BC5 hold numbers, and are unpacked where they mean colours.
+            // BC4 and BC5 hold numbers, and would be unpacked if they were colours.
             let encoding = if format.has_colours() { Encoding::Srgb } else { Encoding::Linear };
             for seed in 0..4 {
                 let image = blocks(format, SIZE, seed);
@@ -93,7 +93,7 @@ fn texels_of_blocks_are_those_that_they_unpack_to() {
                         Encoding::Srgb => texel,
                         Encoding::Linear => texel.map(shown),
                     };
-                    // Drivers interpolate between the ends of a block in their own precision.
+                    // Drivers interpolate between the ends of a block with different precision.
                     let is_close = (0..3).all(|index| found[index].abs_diff(expected[index]) <= 2);
                     match texel[3] {
                         132.. => assert!(
@@ -109,7 +109,7 @@ fn texels_of_blocks_are_those_that_they_unpack_to() {
     });
 }
 
-/// Returns the differences between two pictures, and the number of their pixels that differ.
+/// Returns the largest difference between two images, and the number of differing pixels.
 fn difference(a: &[[u8; 4]], b: &[[u8; 4]]) -> (u8, usize) {
     let of = |(a, b): (&[u8; 4], &[u8; 4])| (0..4).map(|index| a[index].abs_diff(b[index])).max();
     let all: Vec<u8> = a.iter().zip(b).filter_map(of).collect();
@@ -171,7 +171,7 @@ fn red_alone_is_enough_for_occlusion() {
     });
 }
 
-/// Returns true if the device samples blocks of BC as they are.
+/// Returns true if the device samples BC blocks directly.
 fn samples_bc(device: &Device) -> bool {
     let has = |optional| device.capabilities().has(optional);
     has(OptionalFeature::DescriptorIndexing) && has(OptionalFeature::BcTextures)
@@ -179,7 +179,7 @@ fn samples_bc(device: &Device) -> bool {
 
 /// Returns an image whose mip maps have a colour each.
 fn coloured_levels(count: usize) -> (Image, Vec<[u8; 3]>) {
-    // Five, six and five bits of a colour, as both ends of a block.
+    // A colour of five, six and five bits, as both ends of a block.
     let colours = [[248, 0, 0], [0, 252, 0], [0, 0, 248], [248, 252, 0]];
     let block = |[red, green, blue]: [u8; 3]| {
         let bits = u16::from(red) << 8 | u16::from(green) << 3 | u16::from(blue) >> 3;
@@ -193,7 +193,7 @@ fn coloured_levels(count: usize) -> (Image, Vec<[u8; 3]>) {
     let texels = Texels::Blocks { format: BlockFormat::Bc1, levels: levels.collect() };
     let image = Image { name: "a colour per level".into(), size, texels };
     assert_eq!(image.check(), Ok(()));
-    // As eight bits.
+    // The colour in eight bits.
     let full = |part: u8| if part == 0 { 0 } else { 255 };
     (image, colours.iter().take(count).map(|colour| colour.map(full)).collect())
 }
@@ -205,7 +205,8 @@ fn the_mip_maps_of_an_image_are_its_own() {
         let sampler = Sampler { between_levels: Some(Filter::Nearest), ..SHARP };
         for (count, shift, shown) in [(4, 0, 0), (4, 1, 1), (4, 2, 2), (4, 5, 3), (2, 4, 1)] {
             let (image, colours) = coloured_levels(count);
-            // As many texels per pixel, both ways, as a texel of that level is wide.
+            // The number of texels per pixel, in both directions, is the width of a texel of the
+            // level.
             let [width, height] = image.size.map(|side| (SIDE << shift) as f32 / side as f32);
             let uv = [[0.0; 2], [width, height]];
             let surfaces = one(image, texture(0, Encoding::Srgb, sampler), unlit());
@@ -293,8 +294,8 @@ fn all_blocks_of_astc_have_the_size_that_images_say() {
         for place in 0..14 {
             let block = BlockFormat::Astc(AstcBlock::of_place(place).unwrap());
             let format = vk::Format::ASTC_4X4_UNORM_BLOCK.as_raw() + 2 * place as i32;
-            // One texel more than a row and a column of blocks: three blocks too many or too few
-            // where a size is another.
+            // One texel more than a row and a column of blocks: a wrong block size makes three
+            // blocks too many or too few.
             let size = block.block_size().map(|side| side + 1);
             let info = TextureArrayInfo {
                 size,

@@ -80,7 +80,7 @@ fn the_sky_is_where_nothing_is_and_black_surfaces_stay_black() {
         let black =
             Material { base_colour: [0.0, 0.0, 0.0, 1.0], is_unlit: true, ..Material::default() };
         let surfaces = Surfaces { materials: vec![black], ..Surfaces::default() };
-        // Far away, where depth is nearly that of nothing.
+        // Far away, where the depth is almost the depth of the background.
         let half = surface_fixture::quad(SIDE, [0, 0], [SIDE / 2, SIDE], 1.0e6, ONCE, 0, |_| {});
         let mut scene = scene_of(vec![half], surfaces);
         scene.light.sky = [0.0, 1.0, 0.0];
@@ -163,7 +163,7 @@ fn numbers_out_of_range_leave_images_whole() {
             vertex.tangent = [0; 4];
         });
         let mut scene = scene_of(vec![square], surfaces);
-        // So flat that it has no normal either.
+        // So flat that it has no normal.
         scene.objects[0].transform.matrix3.z_axis *= 1.0e-30;
         scene.objects[0].transform.translation.z = -4.0;
         scene.light.sky = [0.0, 0.0, 1.0];
@@ -194,7 +194,7 @@ fn colour_finds_every_depth_again() {
                 SurfaceMesh { vertices: vec![plain; cube.vertices.len()], material: MaterialId(0) };
             let surfaces = Surfaces { materials: vec![material], ..Surfaces::default() };
             let mut scene = scene_of(vec![(cube, surface)], surfaces);
-            // Crossing each other at all angles, some through the near plane.
+            // Intersecting at all angles, some through the near plane.
             let place = |number: u32| {
                 let turn = |step: f32| number as f32 * step;
                 Affine3A::from_scale_rotation_translation(

@@ -1,4 +1,4 @@
-//! Textures of details: normals, roughness and metallic, occlusion, emission.
+//! Detail textures: normals, roughness and metallic, occlusion, emission.
 
 use glam::{Affine3A, DVec3, Vec3, dvec3};
 use gpu::Device;
@@ -74,13 +74,13 @@ fn bumpy(
         one(image([1, 1], |_, _| texel), texture(0, Encoding::Linear, SHARP), material);
     surfaces.lights = vec![sun()];
     let (mut mesh, mut surface) = whole(ONCE, |vertex| vertex.tangent = snorm16(Vec3::X, sign));
-    // As it is in the world after the transform.
+    // The normal in the world, after the transform.
     let back = transform.inverse();
     for vertex in &mut mesh.vertices {
         vertex.position = back.transform_point3(Vec3::from_array(vertex.position)).to_array();
     }
     mesh.bounds = scene::bounds_of_vertices(&mesh.vertices);
-    // In a mirror the back of a triangle is seen, all of whose directions are turned.
+    // A mirror shows the back of a triangle, with all directions reversed.
     let is_back = has_both_sides && transform.matrix3.determinant() < 0.0;
     let side = if is_back { -1 } else { 1 };
     for vertex in &mut surface.vertices {
@@ -109,7 +109,8 @@ fn normals_lean_along_tangent_and_bitangent() {
                     assert_eq!(found, both, "with both sides, mirrored {mirrored}");
                     let [x, y, z] = stored;
                     let lean = f64::from(scale);
-                    // The bitangent is the object's own, so mirroring the object mirrors it.
+                    // The bitangent belongs to the object, so mirroring the object mirrors the
+                    // bitangent.
                     let up = f64::from(sign) * f64::from(mirrored);
                     let normal = dvec3(x * lean, y * lean * up, z).normalize();
                     let what = format!("sign {sign}, scale {scale}, mirrored {mirrored}");
@@ -173,7 +174,7 @@ fn occlusion_darkens_ambient_light_alone_by_its_strength() {
 fn emission_is_added_with_its_strength() {
     run_on_all(|device| {
         let texel = |x: u32, y: u32| [(x * 80) as u8, (y * 80) as u8, 255, 255];
-        // More than 1, as KHR_materials_emissive_strength allows.
+        // Above 1, as KHR_materials_emissive_strength allows.
         let emission = [3.0, 0.5, 0.25];
         let material = Material { emission, emission_texture: using(0), ..matt() };
         let mut surfaces = one(image([4, 4], texel), texture(0, Encoding::Srgb, SHARP), material);
@@ -192,7 +193,7 @@ fn emission_is_added_with_its_strength() {
 #[test]
 fn textures_of_many_kinds_share_pages_and_each_is_found() {
     run_on_all(|device| {
-        // A texture of every size: more kinds than there are pages, so that some are resampled.
+        // Textures of every size: more kinds than pages, so that some are resampled.
         let count = 16;
         let shade = |number: u32| {
             [(number * 15) as u8, 255 - (number * 15) as u8, (number % 4 * 80) as u8, 255]

@@ -1,4 +1,4 @@
-//! Changes while shadow volumes are drawn: the image is that of a renderer that was made with them.
+//! Changes while shadow volumes are drawn: the image equals a new renderer of the changed scene.
 
 use cull::{Aabb, Camera, ObjectId, Strategy};
 use glam::{Affine3A, Vec3, vec3};
@@ -95,7 +95,8 @@ fn figures_cast_the_volumes_of_their_poses_also_if_no_view_shows_them() {
         let figure = scene.objects[FIGURE.0 as usize];
         let [sun, ..] = shadow_scene::lights();
         scene.surfaces.as_mut().unwrap().lights = vec![sun];
-        // High above the ground ahead, behind and above the eye: only its shadow is seen.
+        // High above the ground ahead, behind and above the eye, so that only the shadow is
+        // visible.
         let high = Affine3A::from_translation(vec3(1.5, 7.5, 3.0)) * figure.transform;
         scene.objects[FIGURE.0 as usize].transform = high;
         let camera = Camera {
@@ -127,7 +128,7 @@ fn figures_cast_the_volumes_of_their_poses_also_if_no_view_shows_them() {
     });
 }
 
-/// Returns the scene with a mesh in the place of the figure, shaped as its pose is.
+/// Returns the scene with a posed mesh in the place of the figure.
 fn posed_as_a_mesh(scene: &Scene, update: &SceneUpdate) -> Scene {
     let mut posed = scene.clone();
     let skinned = &scene.surfaces.as_ref().unwrap().skinned_meshes[0];
@@ -185,7 +186,8 @@ fn meshes_that_come_later_cast_volumes_when_they_are_there() {
         whole.objects.push(object);
         let expected = fresh(device, &whole, volumes(), shadow_scene::camera());
         let without = fresh(device, &first, volumes(), shadow_scene::camera());
-        // Volumes from the start, and switched on, off and on again while the mesh is on its way.
+        // Volumes from the start, and volumes that are switched on, off and on again during the
+        // upload of the mesh.
         for switches in [&[][..], &[1], &[1, 2, 3], &[3, 4, 5]] {
             let begins = if switches.is_empty() { volumes() } else { ShadowOptions::default() };
             let mut renderer = streamed(device, &first, begins);
@@ -228,7 +230,7 @@ fn masked_and_coarse_objects_shade_nothing_that_they_should_not() {
     run_on_all(|device| {
         let mut scene = shadow_scene::scene(&shadow_scene::boxes(), &shadow_scene::lights());
         let surfaces = scene.surfaces.as_mut().unwrap();
-        // A level that is as coarse as can be: another shape that is drawn, and extruded, instead.
+        // The coarsest possible level: a different shape that is drawn and extruded instead.
         let a = 0;
         let b = 1;
         let c = 2;
@@ -294,7 +296,7 @@ fn what_is_transparent_or_drawn_from_elsewhere_has_no_volumes() {
             device.wait_idle().unwrap();
             image.rgba8().unwrap().to_vec()
         });
-        // The two passes are compiled apart: a last place may be rounded differently.
+        // The two passes are compiled separately, so the last bit may be rounded differently.
         let differ = a.iter().zip(&b).filter(|(a, b)| a.abs_diff(**b) > 1).count();
         assert_eq!(differ, 0, "a view without a mask is lit");
     });

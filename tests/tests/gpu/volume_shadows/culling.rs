@@ -1,5 +1,5 @@
 //! Culling of shadow volumes: images equal those with the volumes of all casters, bit for bit,
-//! while eye and lights move through a town, and most volumes are left out.
+//! although most volumes are left out. The eye and the lights move through a town.
 
 use cull::Strategy;
 use gpu::PredicationMode;
@@ -14,8 +14,8 @@ fn options(culling: CasterCulling) -> ShadowOptions {
     ShadowOptions { method: ShadowMethod::Volumes, culling, ..ShadowOptions::default() }
 }
 
-/// Draws frames of the town with all volumes and with those that matter. Returns the triangles of
-/// casters in both, and the tests.
+/// Draws frames of the town with and without culled volumes. Returns the triangles of casters in
+/// both, and the tests.
 fn compare(device: &gpu::Device, frames: u32) -> ([u64; 2], u32) {
     let scene = scene();
     let mut sides = [CasterCulling::Unculled, CasterCulling::Culled]

@@ -1,5 +1,5 @@
-//! Devices with other features: extruded by compute shaders where geometry shaders are missing, and
-//! refused by a sentence where volumes cannot be counted.
+//! Devices with fewer features: without geometry shaders, compute shaders extrude volumes. Devices
+//! that cannot count volumes are refused with a message.
 
 use ash::vk;
 use cull::Strategy;
@@ -13,7 +13,7 @@ use tests::{Driver, instance_with, run, shadow_scene};
 use super::{VOLUMES, fresh, image, renderer, volumes};
 use crate::shadow_maps::casters::walking;
 
-/// Takes features away.
+/// Removes features.
 type Hiding = fn(&mut vk::PhysicalDeviceFeatures);
 
 /// Runs a test on lavapipe without some features.

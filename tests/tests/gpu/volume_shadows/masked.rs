@@ -1,5 +1,5 @@
-//! Casters of masked materials: a stencil knows no holes, so they have no volumes, and that is
-//! told.
+//! Casters of masked materials: volumes cannot have holes, so these casters have no volumes, and
+//! the report says so.
 
 use std::ops::ControlFlow;
 use std::path::Path;

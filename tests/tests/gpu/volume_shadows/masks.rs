@@ -1,4 +1,4 @@
-//! The mask of shadow volumes: as many bits per pixel as lights that a view shows, in layers.
+//! The mask of shadow volumes: one bit per pixel for each light that a view shows, in layers.
 
 use cull::{Aabb, Camera, Projection, Strategy};
 use glam::{Vec3, vec3};
@@ -9,7 +9,7 @@ use tests::{run_on_all, shadow_scene};
 
 use super::{image, renderer, volumes};
 
-/// Plots to a side of the field.
+/// The number of plots along a side of the field.
 const SIDE: u32 = 7;
 
 /// Returns a field of plots, each with a pillar.
@@ -62,14 +62,15 @@ fn more_lights_than_bits_take_another_layer_and_beyond_the_last_shine_through() 
         let mut turned = lamps();
         turned.reverse();
         let (other_bits, _) = draw(&turned, volumes());
-        // Sums of lights in another order may be rounded differently in their last place.
+        // Sums of lights in another order may be rounded differently in their last bit.
         let mut both = two_layers.iter().zip(&other_bits);
         assert!(both.all(|(a, b)| a.abs_diff(*b) <= 1), "all bits are alike");
         let one = ShadowOptions { layers_max: 1, ..volumes() };
         let (one_layer, stats) = draw(&lamps(), one);
         assert_eq!((stats.lights, stats.unshadowed_lights), (32, SIDE * SIDE - 32));
         let row = |image: &[u8], row: usize| {
-            // The rows of the image are as far apart as its side is of that of the field.
+            // The image shows the whole field, so each row of plots is an equal share of the
+            // image's rows.
             let width = super::SIZE[0] as usize;
             let height = super::SIZE[1] as usize;
             let plots = height * row / SIDE as usize..height * (row + 1) / SIDE as usize;

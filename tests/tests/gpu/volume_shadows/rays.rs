@@ -1,5 +1,5 @@
-//! Shadow volumes against ray casting: at every pixel that is farther than one from an edge, both
-//! say the same.
+//! Shadow volumes against ray casting: both agree at every pixel that is farther than one pixel
+//! from an edge.
 
 use cull::{Aabb, Camera, Strategy};
 use glam::{Vec3, vec3};
@@ -10,7 +10,7 @@ use tests::{run_on_all, shadow_scene};
 
 use super::{SIZE, image, renderer, volumes};
 
-/// The place that a pixel shows, its normal, and true if no box lies between it and the light.
+/// The point at a pixel, its normal, and true if no box lies between the point and the light.
 #[derive(Clone, Copy)]
 struct Seen {
     place: Vec3,
@@ -27,7 +27,7 @@ impl Seen {
         Some(Self { place, normal, is_lit: !is_blocked(boxes, from, along, end) })
     }
 
-    /// Returns true for a place on the same face in the same light.
+    /// Returns true for a point on the same face in the same light.
     fn is_as(&self, other: &Self) -> bool {
         let is_face =
             self.normal == other.normal && (self.place - other.place).dot(self.normal).abs() < 1e-3;
@@ -35,8 +35,8 @@ impl Seen {
     }
 }
 
-/// Returns cameras: over the yard, in the shadow of the roof, in that of the wall and close to it,
-/// and with a near plane that reaches across edges of shadows.
+/// Returns cameras over the yard, in the shadow of the roof, in the shadow of the wall and close to
+/// it, and with a near plane across edges of shadows.
 fn cameras() -> [Camera; 5] {
     let look = |eye: Vec3, at: Vec3, near: f32| Camera {
         eye,
@@ -81,7 +81,7 @@ fn volumes_agree_with_ray_casting_one_pixel_from_edges() {
     });
 }
 
-/// Compares an image with rays; returns how many pixels were judged, and how many are in shadow.
+/// Compares an image with rays. Returns the numbers of compared pixels and of pixels in shadow.
 fn judge(
     boxes: &[Aabb],
     camera: &Camera,
@@ -103,13 +103,13 @@ fn judge(
             let (along, _) = towards(light, here.place);
             let place = (y * SIZE[0] + x) as usize * 4;
             let [lit, found] = [lit, shadowed].map(|image| &image[place..place + 4]);
-            // Grazing light, and what the light hardly reaches, shows nothing.
+            // Grazing or very weak light does not show.
             let is_bright = lit[0] > 120 && along.normalize().dot(here.normal) > 0.05;
             if !is_even || !is_bright {
                 continue;
             }
             judged = [judged[0] + 1, judged[1] + u32::from(!here.is_lit)];
-            // The two passes are compiled apart: a last place may be rounded differently.
+            // The two passes are compiled separately, so the last bit may be rounded differently.
             let is_lit = lit.iter().zip(found).all(|(lit, found)| lit.abs_diff(*found) <= 1);
             if is_lit != here.is_lit {
                 wrong.push(format!("{x}, {y} at {}: {lit:?} became {found:?}", here.place));

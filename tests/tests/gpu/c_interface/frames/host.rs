@@ -50,16 +50,16 @@ pub struct DrawingHost<'a> {
     /// The objects, and their draws.
     objects: Vec<(u32, Vec<AntumbraObjectDraw>)>,
     pipeline: BoxPipeline,
-    /// The images of each view, by our answers and of all draws.
+    /// The images of each view: with our culling, and of all draws.
     images: [[ViewImages; 2]; VIEWS],
     commands: HostCommands<'a>,
-    /// The command buffers of draws from lists, before the tests and behind them.
+    /// The command buffers of draws from lists, before and after the tests.
     around_tests: [HostCommands<'a>; 2],
     /// An `ANTUMBRA_DRAWS_..`.
     draws: u32,
     /// The copies of the images of each frame.
     copies: Vec<[[OwnBuffer; 2]; VIEWS]>,
-    /// The fewest objects that the GPU drew in a frame of each view.
+    /// The smallest number of objects in a frame of each view, as drawn by the GPU.
     fewest: [u64; VIEWS],
     /// The budget of queries of all views together, if any.
     query_budget: usize,
@@ -113,7 +113,7 @@ fn halves(bounds: &Aabb) -> [Aabb; 2] {
     [left, right]
 }
 
-/// Returns the draws of an object: its halves in two buckets, or at once in one.
+/// Returns the draws of an object: its halves in two buckets, or both in one draw.
 fn draws_of(number: u32) -> Vec<AntumbraObjectDraw> {
     let draw = |bucket, first_instance, instance_count| AntumbraObjectDraw {
         bucket: bucket % BUCKETS,
@@ -203,7 +203,7 @@ impl<'a> DrawingHost<'a> {
         new
     }
 
-    /// Measures the costs of the device, adopted with its queue for as long.
+    /// Measures the costs of the device, which is adopted with its queue for this.
     fn measure(&mut self) -> AntumbraDeviceCosts {
         let queue = AntumbraQueueDesc { queue: self.host.queue, ..Versioned::INIT };
         let with_queue = |desc: &mut AntumbraDeviceDesc| desc.queue = &queue;
@@ -298,7 +298,7 @@ impl<'a> DrawingHost<'a> {
         self.check(changed);
     }
 
-    /// Draws a frame of all views, and all of it again, and submits.
+    /// Draws a frame of all views, draws all objects again, and submits.
     pub fn draw(&mut self, frame: u64) {
         // SAFETY: a physical device of this instance.
         let limits =
@@ -362,7 +362,7 @@ impl<'a> DrawingHost<'a> {
         self.note_counts();
     }
 
-    /// Draws what the lists of the newest frame hold, around its tests, and all of it again.
+    /// Draws the lists of the newest frame around its tests, and draws all objects again.
     fn draw_lists(&mut self, views: &[CullView; VIEWS]) {
         let lists = self.views.map(|view| {
             let mut lists = AntumbraDrawLists::INIT;
@@ -437,7 +437,7 @@ impl<'a> DrawingHost<'a> {
         self.copies.push(copies);
     }
 
-    /// Notes the number of objects that the last known frame of each view drew, and the queries of
+    /// Notes the number of drawn objects in the last known frame of each view, and the queries of
     /// this frame.
     fn note_counts(&mut self) {
         let mut queries = 0;
@@ -456,8 +456,8 @@ impl<'a> DrawingHost<'a> {
         self.most_queries = self.most_queries.max(queries);
     }
 
-    /// Compares the images of all frames, and destroys everything. Returns the fewest objects in a
-    /// frame of each view, and the most queries in a frame.
+    /// Compares the images of all frames, and destroys everything. Returns the smallest number of
+    /// objects in a frame of each view, and the largest number of queries in a frame.
     pub fn finish(mut self, what: &str) -> ([u64; VIEWS], u64) {
         let host = self.host;
         host.wait_idle();

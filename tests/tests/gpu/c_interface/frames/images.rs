@@ -39,8 +39,8 @@ impl ViewImages {
         Self { colour, depth, resolved, passes }
     }
 
-    /// Returns colour and depth as C names them: fresh before, or with draws of the host in them,
-    /// and the colour to be copied behind, or drawn to.
+    /// Returns colour and depth in C. On entry they are fresh or contain draws of the host; on exit
+    /// the colour is copied or drawn to.
     pub fn described(&self, draws: u32) -> [AntumbraImage; 2] {
         use vk::ImageLayout as L;
         let any = |layout| AntumbraImageState {
@@ -72,7 +72,7 @@ impl ViewImages {
         })
     }
 
-    /// Changes both from anything to attachments.
+    /// Changes both images from any layout to attachments.
     pub fn prepare(&self, host: &Host, commands: vk::CommandBuffer) {
         use vk::ImageLayout as L;
         self.change(host, commands, &self.colour, L::UNDEFINED, L::COLOR_ATTACHMENT_OPTIMAL);
@@ -80,14 +80,15 @@ impl ViewImages {
         self.change(host, commands, &self.depth, L::UNDEFINED, attached);
     }
 
-    /// Changes the colour from an attachment to a source of copies.
+    /// Changes the colour from an attachment to a transfer source.
     pub fn restore(&self, host: &Host, commands: vk::CommandBuffer) {
         use vk::ImageLayout as L;
         let layouts = [L::COLOR_ATTACHMENT_OPTIMAL, L::TRANSFER_SRC_OPTIMAL];
         self.change(host, commands, &self.colour, layouts[0], layouts[1]);
     }
 
-    /// Begins a rendering by a render pass of the host if it has one, else by dynamic rendering.
+    /// Begins a rendering, by a render pass of the host if it has one, otherwise by dynamic
+    /// rendering.
     pub fn begin(&self, host: &Host, commands: vk::CommandBuffer, rendering: Rendering) {
         if let Some(passes) = &self.passes {
             return passes.begin(commands, rendering);
@@ -122,7 +123,7 @@ impl ViewImages {
     pub fn end(&self, host: &Host, commands: vk::CommandBuffer) {
         match &self.passes {
             Some(passes) => passes.end(commands),
-            // SAFETY: closes what was opened.
+            // SAFETY: the rendering was begun.
             None => unsafe { host.device.cmd_end_rendering(commands) },
         }
     }
@@ -132,7 +133,7 @@ impl ViewImages {
         self.colour.record_copy(host, commands, self.resolved.as_ref(), to);
     }
 
-    /// Destroys them. The GPU is done with them.
+    /// Destroys the images. The GPU must not use them any more.
     pub fn destroy(self, host: &Host) {
         self.passes.into_iter().for_each(OwnPasses::destroy);
         [self.colour, self.depth]
@@ -184,7 +185,7 @@ pub fn area() -> vk::Rect2D {
     vk::Rect2D { extent: vk::Extent2D { width, height }, ..Default::default() }
 }
 
-/// Returns true for a depth beside a stencil.
+/// Returns true for a depth with a stencil.
 pub fn has_stencil(format: vk::Format) -> bool {
     matches!(format, vk::Format::D24_UNORM_S8_UINT | vk::Format::D32_SFLOAT_S8_UINT)
 }

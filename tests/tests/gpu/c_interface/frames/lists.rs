@@ -1,5 +1,5 @@
-//! A host in C that draws from lists: the visible draws before the tests, the revealed ones behind
-//! them, in command buffers of its own.
+//! A host in C that draws from lists, in its own command buffers: the visible draws before the
+//! tests, the revealed draws after them.
 
 use std::ptr::null;
 use std::slice::from_raw_parts;
@@ -21,7 +21,7 @@ use super::images::{ViewImages, area};
 use super::pipeline::BoxPipeline;
 use crate::c_interface::{CHost, FORMAT, expect};
 
-/// Returns the lists of the visible draws, or of the revealed ones.
+/// Returns the lists of the visible or of the revealed draws.
 fn listed(lists: &AntumbraDrawLists, rendering: Rendering) -> &[AntumbraDrawList] {
     let (first, count) = match rendering {
         Rendering::First => (lists.visible, lists.visible_count),
@@ -72,7 +72,7 @@ pub fn record(
 fn scenes_that_cannot_hand_out_lists_are_refused_by_name() {
     let host = Host::new(Driver::Lavapipe, Purpose::Executor);
     let mut c = CHost::new(&host, null());
-    // Refused before anybody looks at it.
+    // Refused before it is read.
     let render_pass = vk::RenderPass::from_raw(1);
     let plain = AntumbraAttachments { depth_format: FORMAT, ..Versioned::INIT };
     let with_pass = AntumbraAttachments { render_pass, ..plain };

@@ -32,13 +32,13 @@ layout(location = 0) out vec4 colour;
 void main() { colour = vec4(vec3((uvec3(number) >> uvec3(8, 16, 24)) & 255u) / 255.0, 1.0); }
 ";
 
-/// The corners of the triangles of a box: their bits are x, y and z.
+/// The corners of the triangles of a box, whose bits are x, y and z.
 const CORNERS: [u16; INDICES as usize] = [
     0, 1, 3, 0, 3, 2, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 3,
     7, 1, 7, 5,
 ];
 
-/// Bytes of the indices, and of constants.
+/// The sizes of the indices and the constants in bytes.
 const INDEX_BYTES: u64 = INDICES as u64 * 2;
 const CONSTANT_BYTES: u32 = 76;
 
@@ -51,7 +51,7 @@ pub struct BoxPipeline {
 }
 
 impl BoxPipeline {
-    /// Creates it for renderings to a colour and a depth of these formats, or in a pass.
+    /// Creates the pipeline for renderings to a colour and a depth of these formats, or for a pass.
     pub fn new(
         host: &Host,
         formats: [vk::Format; 2],
@@ -81,7 +81,7 @@ impl BoxPipeline {
         Self { device, pipeline, layout, buffer }
     }
 
-    /// Binds all that the draws of a bucket need.
+    /// Binds everything that the draws of a bucket need.
     pub fn bind(&self, commands: vk::CommandBuffer, view: &CullView, bucket: u32) {
         let floats = view.view_proj.to_cols_array().into_iter().chain(view.snap_steps);
         let words = floats.map(f32::to_bits).chain([bucket]);
@@ -99,9 +99,9 @@ impl BoxPipeline {
         }
     }
 
-    /// Destroys it. The GPU is done with it.
+    /// Destroys the pipeline. The GPU must not use it any more.
     pub fn destroy(self, host: &Host) {
-        // SAFETY: made by this host, which says that it is no longer used.
+        // SAFETY: created by this host, and no longer used, as the caller promises.
         unsafe {
             self.device.destroy_pipeline(self.pipeline, None);
             self.device.destroy_pipeline_layout(self.layout, None);

@@ -1,4 +1,4 @@
-//! A device that is lost, as a host of our renderer in C learns it.
+//! The loss of a device as our renderer in C reports it to a host.
 
 use ash::vk;
 use capi::api::renderer::{antumbra_renderer_destroy, antumbra_renderer_render};
@@ -49,10 +49,10 @@ fn a_lost_device_is_told_by_each_frame_and_the_renderer_goes() {
             expect(told, DeviceLost, "vkQueueSubmit2", &c.error);
         }
         assert!(calls(call) > 0);
-        // SAFETY: nobody uses it any more.
+        // SAFETY: the context is no longer used.
         let gone = unsafe { antumbra_renderer_destroy(c.context, renderer, &mut c.error) };
         assert_eq!(gone, Ok, "{}", text(&c.error));
-        // The loss is a lie: its work goes on, which that of a lost device would not.
+        // The loss is simulated: work on the device goes on, unlike on a lost device.
         FaultInjection::default().install();
         host.wait_idle();
         c.finish();

@@ -1,4 +1,4 @@
-//! Mistakes of a host with a renderer, each named, and the frame after them.
+//! Mistakes of a host with a renderer: errors name each of them, and the next frame works.
 
 use std::ptr::null;
 

@@ -1,5 +1,5 @@
-//! Shadows and samples per pixel in C: the images are those with all drawn, options change between
-//! frames, and impossible ones are refused by name and change nothing.
+//! Shadows and samples per pixel in C. The images equal those with all objects drawn, options
+//! change between frames, and errors name impossible options, which change nothing.
 
 use capi::api::renderer::*;
 use capi::decisions::culler::{ANTUMBRA_STRATEGY_ANTUMBRA, ANTUMBRA_STRATEGY_FRUSTUM};
@@ -25,7 +25,7 @@ static MAPS: AntumbraShadowDesc = AntumbraShadowDesc {
     ..AntumbraShadowDesc::INIT
 };
 
-/// Returns a wall and two boxes before it, whose shadows fall on it.
+/// Returns a wall and two boxes in front of it, whose shadows fall on it.
 fn objects() -> Vec<AntumbraMeshObject> {
     let object = |(min, size): (Vec3, Vec3)| {
         let transform = transform(Affine3A::from_translation(min) * Affine3A::from_scale(size));
@@ -113,7 +113,7 @@ fn shadows_in_c_are_the_same_with_all_drawn_and_options_change_them() {
         let mapped = c.same_image(renderer);
         let shaded = darker(&mapped, &lit);
         assert!(shaded > 40, "{shaded} pixels are in shadow");
-        // With few casters at first, then whole, once.
+        // A map is drawn with few casters at first, then once with all.
         let kept = (0..20).map(|_| {
             assert!(c.same_image(renderer) == mapped, "however many casters are drawn");
             c.shadow_stats(renderer)
@@ -161,7 +161,7 @@ fn four_samples_smooth_edges_and_keep_shadows() {
                 let culled = c.image(renderer, ANTUMBRA_STRATEGY_ANTUMBRA);
                 assert!(plain == culled, "{samples} samples: the images differ");
             } else {
-                // It takes the depth of a sample from another place than its coverage.
+                // This driver evaluates depth and coverage of a sample at different positions.
                 let refused = c.render(renderer, ANTUMBRA_STRATEGY_ANTUMBRA);
                 expect(refused, BadArgument, "one sample per pixel", &c.error);
             }
@@ -173,7 +173,7 @@ fn four_samples_smooth_edges_and_keep_shadows() {
             one.iter().zip(four.iter()).any(|(one, four)| one.abs_diff(*four) > 8)
         };
         let differing = pixels.filter(differs).count();
-        // SwiftShader writes the light of several samples without its code.
+        // SwiftShader resolves several samples without the sRGB encoding.
         if driver == Driver::Lavapipe {
             let edges = 20..one.len() / 16;
             assert!(edges.contains(&differing), "{differing} pixels at edges differ");
