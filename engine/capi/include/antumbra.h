@@ -365,10 +365,10 @@ template <typename T> constexpr T init() {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Tests that cost more than they are expected to save are left out. The costs are measured when
- * the renderer is created.
+ * Tests that cost more than they are expected to save are left out, by a built-in table of costs
+ * that the times of frames correct.
  */
-#define ANTUMBRA_COST_MODEL_MEASURED 0
+#define ANTUMBRA_COST_MODEL_BUILT_IN 0
 #endif
 
 #if defined(ANTUMBRA_VULKAN)
@@ -376,6 +376,14 @@ template <typename T> constexpr T init() {
  * Everything that may be hidden is tested.
  */
 #define ANTUMBRA_COST_MODEL_OFF 1
+#endif
+
+#if defined(ANTUMBRA_VULKAN)
+/**
+ * Tests that cost more than they are expected to save are left out, by costs that are measured
+ * when the renderer is made; they also choose the predication mode.
+ */
+#define ANTUMBRA_COST_MODEL_MEASURED 2
 #endif
 
 #if defined(ANTUMBRA_VULKAN)
@@ -1501,7 +1509,7 @@ typedef struct AntumbraRendererDesc {
      */
     size_t query_budget;
     /**
-     * An `ANTUMBRA_COST_MODEL_..`. Default: `ANTUMBRA_COST_MODEL_MEASURED`.
+     * An `ANTUMBRA_COST_MODEL_..`. Default: `ANTUMBRA_COST_MODEL_BUILT_IN`.
      */
     uint32_t cost_model;
     /**
