@@ -229,9 +229,11 @@ mod tests {
             DVec3::from(seen.map(f64::from)).distance(colour.map(f64::from).into())
         };
         let far: Vec<f64> = seen.iter().zip(pixels.as_chunks::<3>().0).map(far).collect();
-        // A cell of a cube of 256 colours has a side of 40: its corners are 35 from the middle.
-        assert!(far.iter().all(|far| *far < 45.0));
-        assert!(far.iter().sum::<f64>() / far.len() as f64 <= 20.0);
+        // Cut into 256 equal cubes, cells would have a side of 40: their corners would be 35 from
+        // their middles, and their points 19.2 on average. Ours may be a tenth worse.
+        let most = far.iter().copied().fold(0.0, f64::max);
+        let mean = far.iter().sum::<f64>() / far.len() as f64;
+        assert!(most < 45.0 && mean < 21.2, "{most}, {mean}");
     }
 
     #[test]

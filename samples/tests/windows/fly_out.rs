@@ -40,8 +40,8 @@ fn an_animation_has_its_images_and_is_the_same_each_time() {
 fn an_animation_without_a_place_or_a_street_is_refused() {
     let scratch = Scratch::new("fly-out-refused");
     for (more, reason) in [
-        (["--fly-out", "nowhere/a.png", "--objects", "500"], "there is no folder 'nowhere'"),
-        (["--fly-out", "a.png", "--objects", "1"], "no streets"),
+        (["--fly-out", "nowhere/a.png", "--scene", "city"], "there is no folder 'nowhere'"),
+        (["--fly-out", "a.png", "--scene", "waffle"], "no streets"),
     ] {
         let line = [&ARGUMENTS[..], &more].concat();
         let output = program(crate::CITY, &scratch.0, &line).output().unwrap();
