@@ -26,7 +26,7 @@ pub const IMAGES: u32 = 84;
 pub const MAX_IMAGES: u32 = 600;
 const IMAGES_PER_SECOND: u16 = 14;
 
-/// The frame of the path at which the walk begins. On `street` a corner follows, then a long street.
+/// The frame of the path at which the walk begins: on `street` in a corner before a long street.
 const FIRST_FRAME: u32 = 124;
 /// The number of frames of the path from one image to the next.
 const STEP: u32 = 4;
