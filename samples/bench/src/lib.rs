@@ -8,9 +8,11 @@
 //! `charts`; `gpu_page` makes the page of a device.
 #![forbid(unsafe_code)]
 
+pub mod animated_png;
 pub mod args;
 pub mod camera_path;
 pub mod choices;
+pub mod colour_palette;
 #[cfg(feature = "charts")]
 pub mod compare;
 pub mod destination;

@@ -1,12 +1,15 @@
 //! The command line of `city`, and the checks that make it a [`SceneSource`].
 
+use std::path::PathBuf;
+
 use clap::Parser;
 
+use super::fly_out;
 use super::keys_help::help_with_keys;
 use super::show::{ShowArguments, ShowOptions};
 use super::source::SceneSource;
 use bench::args::{MadeArguments, SceneArgument, usage};
-use bench::choices::parse_path;
+use bench::choices::{CameraPathChoice, CostModelChoice, parse_path};
 use bench::options::{PathChoice, UsageError};
 use bench::shadow_choice::ShadowWay;
 use bench::terminal::shown;
@@ -22,6 +25,8 @@ Examples:
       At dusk, with shadows; J, Y and Z change the hour and the shadows.
   city --headless --frames 60 --path street --out images
       The same frames as images, without a window.
+  city --headless --size 480x270 --msaa 4 --fly-out fly_out.png
+      An animation of what the culling leaves out.
   city --path my-path.txt --trace trace.json
       A path recorded with the key R, and a trace for ui.perfetto.dev.
 
@@ -66,6 +71,11 @@ pub struct CityArguments {
     /// all lit evenly; with --shadows an afternoon]
     #[arg(long, alias = "hour", value_name = "HOUR", help_heading = "Lights")]
     pub time_of_day: Option<Hour>,
+    /// Animated PNG to write in place of frames: the camera walks, the culling is frozen, the eye
+    /// flies up to show what is drawn, and back; --frames is the number of its images [default: 84]
+    #[arg(long, value_name = "FILE.png", requires = "headless", help_heading = "Output")]
+    #[arg(conflicts_with_all = ["script", "hud", "out", "trace", "capture", "time_passes"])]
+    pub fly_out: Option<PathBuf>,
     /// The options of showing it.
     #[command(flatten)]
     pub show: ShowArguments,
@@ -76,7 +86,7 @@ impl CityArguments {
     /// arguments: files and devices come later.
     ///
     /// # Errors
-    /// A scene's file.
+    /// A scene's file; an animation that cannot be.
     pub fn options(&self) -> Result<(SceneSource, ShowOptions), UsageError> {
         let made = match &self.scene {
             SceneArgument::Made(scene) => self.made.of(*scene),
@@ -87,10 +97,37 @@ impl CityArguments {
                 ));
             }
         };
-        let show = self.show.options();
+        let mut show = self.show.options();
+        let mut path = self.path.clone();
+        if let Some(file) = &self.fly_out {
+            self.check_fly_out()?;
+            path.get_or_insert(PathChoice::Made(CameraPathChoice::Street));
+            show = ShowOptions {
+                fly_out: Some(file.clone()),
+                frames: self.show.frames.or(Some(fly_out::IMAGES)),
+                // Measured costs differ from run to run, and with them the decisions.
+                cost_model: CostModelChoice::Off,
+                ..show
+            };
+        }
         let casts_shadows = show.shadows.way != ShadowWay::Off;
         let hour = self.time_of_day.or(casts_shadows.then_some(Hour::AFTERNOON));
-        Ok((SceneSource::Made { made, path: self.path.clone(), hour }, show))
+        Ok((SceneSource::Made { made, path, hour }, show))
+    }
+
+    /// Refuses an animation that has too many images, or whose culling cannot be frozen.
+    fn check_fly_out(&self) -> Result<(), UsageError> {
+        let most = fly_out::MAX_IMAGES;
+        if self.show.frames.is_some_and(|images| images > most) {
+            return usage(format!("--frames: with --fly-out there are at most {most} images"));
+        }
+        let strategy = self.show.strategy;
+        if strategy.is_gpu_driven() {
+            return usage(format!(
+                "--fly-out: with {strategy} only the GPU knows what is drawn; choose another strategy"
+            ));
+        }
+        Ok(())
     }
 }
 
@@ -98,7 +135,6 @@ impl CityArguments {
 mod tests {
     use super::*;
     use crate::hud::HudLevel;
-    use bench::choices::CameraPathChoice;
     use bench::options::PathChoice;
     use bench::strategy::Strategy;
 
@@ -144,6 +180,29 @@ mod tests {
         let shadows = parse(&line).unwrap().shadows;
         assert_eq!(shadows.bias.name(), "midpoint");
         assert_eq!((shadows.way.name(), shadows.filter.name()), ("maps_uncached", "pcss"));
+    }
+
+    #[test]
+    fn an_animation_walks_down_a_street_and_decides_the_same_each_time() {
+        let line = ["--headless", "--fly-out", "a.png"];
+        let options = parse(&line).unwrap();
+        assert_eq!(options.fly_out, Some("a.png".into()));
+        assert_eq!((options.frames, options.cost_model), (Some(84), CostModelChoice::Off));
+        assert_eq!(path_of(&line), Some(PathChoice::Made(CameraPathChoice::Street)));
+        let with = |more: &[&str]| parse(&[&line[..], more].concat());
+        assert_eq!(with(&["--frames", "9"]).unwrap().frames, Some(9));
+        for (more, reason) in [
+            (["--frames", "601"], "at most 600 images"),
+            (["--strategy", "hzb"], "only the GPU knows"),
+            (["--script", "a"], "cannot be used with"),
+            (["--hud", "on"], "cannot be used with"),
+            (["--out", "a"], "cannot be used with"),
+        ] {
+            let refused = with(&more).unwrap_err();
+            assert!(refused.contains(reason), "{more:?}: {refused}");
+        }
+        let refused = parse(&["--fly-out", "a.png"]).unwrap_err();
+        assert!(refused.contains("--headless"), "{refused}");
     }
 
     #[test]

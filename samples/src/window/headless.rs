@@ -9,6 +9,7 @@ use antumbra::gpu::{Device, DeviceOptions, Readback};
 use super::actions::Action;
 use super::failures::{check_log, first_error};
 use super::fly_camera::Steering;
+use super::fly_out;
 use super::loaded_scene::{SceneLoader, check_options};
 use super::session::{Files, LightingRequest, Session};
 use super::show::ShowOptions;
@@ -67,6 +68,9 @@ fn draw(
     }
     if let Some(hint) = &loaded.scene_view.hint {
         tracing::info!("{hint}");
+    }
+    if let Some(file) = &options.fly_out {
+        return fly_out::run(device, options, loaded, file, signals);
     }
     let mut session = Session::new(device, options, files, loaded)?;
     let drawn = draw_frames(&loader, &mut session, signals);

@@ -23,6 +23,7 @@ mod exactness_claim;
 pub mod failures;
 pub mod flares;
 pub mod fly_camera;
+mod fly_out;
 pub mod frame_pacing_stats;
 pub mod frame_times;
 pub mod gamepad;
@@ -75,7 +76,8 @@ pub fn run(source: &SceneSource, options: &ShowOptions) -> Result<Option<Signal>
     let files = Files::open(source, options)?;
     options.shaders.as_deref().map_or(Ok(()), check_shaders)?;
     let trace = OutputFile::of("--trace", options.trace.as_deref());
-    let outputs = Outputs::prepare(options.out.as_deref(), trace)?;
+    let fly_out = OutputFile::of("--fly-out", options.fly_out.as_deref());
+    let outputs = Outputs::prepare(options.out.as_deref(), trace.into_iter().chain(fly_out))?;
     let signals = Signals::watch()?;
     let ran = if options.is_headless {
         headless::run(source, options, files, &signals)

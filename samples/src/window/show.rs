@@ -181,6 +181,8 @@ pub struct ShowOptions {
     pub out: Option<PathBuf>,
     /// The file for a trace.
     pub trace: Option<PathBuf>,
+    /// The file for an animation of the culling, drawn in place of the frames.
+    pub fly_out: Option<PathBuf>,
     /// The frame that RenderDoc captures.
     pub capture: Option<u32>,
 }
@@ -231,6 +233,7 @@ impl ShowArguments {
             shaders: self.device.shaders.clone(),
             out: self.out.clone(),
             trace: self.trace.clone(),
+            fly_out: None,
             capture: self.capture,
         }
     }

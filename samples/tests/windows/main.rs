@@ -12,6 +12,7 @@ mod city;
 mod city_keys;
 mod city_script;
 mod city_window;
+mod fly_out;
 mod lights;
 mod running;
 mod scene_images;
