@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds the C interface and installs it: `engine/capi/install.sh PREFIX [CARGO OPTION..]`.
 #
-# Below PREFIX lie then include/antumbra.h, the shared and the static library, a pkg-config file, a
+# Below PREFIX lie then include/antumbra.h and include/antumbra_vulkan.h, the shared and the static library, a pkg-config file, a
 # CMake package, and share/antumbra/snap.glsl for shaders of hosts. What follows PREFIX goes to `cargo build`, `--release` if there is nothing:
 # `install.sh /usr/local`, `install.sh out --profile dev`. Linux only.
 set -euo pipefail
@@ -21,7 +21,7 @@ archive=$(grep '/libantumbra_capi\.a$' <<<"$built")
 version=$(cargo pkgid -p antumbra-capi | sed 's/.*[#@]//')
 
 install -d "$prefix"/share/antumbra "$prefix"/include "$prefix"/lib/pkgconfig "$prefix"/lib/cmake/antumbra
-install -m 644 include/antumbra.h "$prefix/include/"
+install -m 644 include/antumbra.h include/antumbra_vulkan.h "$prefix/include/"
 install -m 644 ../../shaders/snap.glsl "$prefix/share/antumbra/"
 install -m 755 "$library" "$prefix/lib/libantumbra.so.1"
 ln -sf libantumbra.so.1 "$prefix/lib/libantumbra.so"

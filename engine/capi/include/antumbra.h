@@ -33,7 +33,7 @@
 
 #include <stddef.h>
 #include <stdint.h>
-/* Executor and renderer need Vulkan: include <vulkan/vulkan.h> before this header, or define ANTUMBRA_VULKAN. */
+/* Executor and renderer need Vulkan: include <antumbra_vulkan.h>, or <vulkan/vulkan.h> before this header. */
 #if defined(VULKAN_CORE_H_) && !defined(ANTUMBRA_VULKAN)
 #define ANTUMBRA_VULKAN
 #endif

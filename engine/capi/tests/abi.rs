@@ -27,7 +27,7 @@ fn compile(compiler: &str, standard: &str, name: &str, code: &str) {
 
 /// Returns a check of every struct by the compiler.
 fn checks(keyword: &str) -> String {
-    let mut code = "#define ANTUMBRA_VULKAN\n#include <antumbra.h>\n".to_owned();
+    let mut code = "#include <antumbra_vulkan.h>\n".to_owned();
     for layout in STRUCTS {
         let name = layout.name;
         let mut check = |condition: String| {
@@ -76,7 +76,7 @@ fn the_snippets_of_the_page_compile_silently() {
 
 #[test]
 fn structs_begin_silently_in_both_languages() {
-    let mut code = "#define ANTUMBRA_VULKAN\n#include <antumbra.h>\n".to_owned();
+    let mut code = "#include <antumbra_vulkan.h>\n".to_owned();
     let versioned = STRUCTS.iter().filter(|layout| layout.fields[0].name == "struct_size");
     for (number, layout) in versioned.enumerate() {
         let name = layout.name;

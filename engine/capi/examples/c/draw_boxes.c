@@ -2,7 +2,7 @@
  * buffers: `draw_boxes DEVICE`. Each frame is drawn under the executor's answers, and again by brute
  * force: the two depth images must be the same to the bit. */
 #include "plain_vulkan.h"
-#include <antumbra.h>
+#include <antumbra_vulkan.h>
 
 enum { BOXES = 1001, FRAMES = 36, IMAGE = WIDTH * HEIGHT * 4, IMAGES_AT = 128 };
 static const float NEAR = 0.1F, TAN_Y = 0.5F;

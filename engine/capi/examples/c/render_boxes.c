@@ -2,7 +2,7 @@
  * all that is in view and with what is hidden left out: the host copies both images, and they must be the same to
  * the bit. */
 #include "plain_vulkan.h"
-#include <antumbra.h>
+#include <antumbra_vulkan.h>
 
 enum { BOXES = 1001, FRAMES = 36, IMAGE = WIDTH * HEIGHT * 4, IMAGES_AT = 128 };
 static AntumbraError error = ANTUMBRA_INIT(AntumbraError);
