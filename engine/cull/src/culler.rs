@@ -245,7 +245,7 @@ impl Culler {
             now,
             can_flag: tester != VisibilityTest::Query,
             has_leaf_tests,
-            is_turning: self.turned.is_within(now, config.turning_frames),
+            is_turning: self.turned.is_within(now, config.tuning.turning_frames),
             // Begins one step finer than the last frame: each further attempt is another walk.
             coarseness: self.coarseness.saturating_sub(1),
         };
@@ -403,7 +403,7 @@ impl Culler {
     fn watch(&mut self, view: &CullView, now: FrameStamp) {
         if let Some(before) = self.forward.replace(view.rays.forward) {
             let sine = before.cross(view.rays.forward).length();
-            if sine > self.config.turning_sine || before.dot(view.rays.forward) < 0.0 {
+            if sine > self.config.tuning.turning_sine || before.dot(view.rays.forward) < 0.0 {
                 self.turned = now;
             }
         }

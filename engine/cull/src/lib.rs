@@ -111,7 +111,7 @@ pub use hierarchy::{
 pub use history::record::NodeState;
 pub use history::results::{LeafList, PendingTest, ResultReader, TestResult};
 pub use ids::{FrameId, Generation, HierarchyId, LeafIndex, LeafRange, NodeId, ObjectId};
-pub use plan::config::CullConfig;
+pub use plan::config::{CullConfig, CullTuning};
 pub use plan::explain::{Decision, LeafExplanation, NodeHistory, Outcome};
 pub use plan::frame_plan::{
     Answer, DrawPhases, FramePlan, PlanStats, ProxyTest, QueryKind, QueryTag, VisibilityTest,

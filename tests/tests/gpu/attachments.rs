@@ -86,7 +86,7 @@ fn depth_is_stored_for_later_rounds_alone() {
         let generated = SceneKind::City.build(800);
         // The first rendering, one per round, and one for leaves below nodes that showed in the
         // last round.
-        let most = CullConfig::default().rounds_cut as usize + 2;
+        let most = CullConfig::default().tuning.rounds_cut as usize + 2;
         let mut renderer = Renderer::new(device, &generated.scene, &options()).unwrap();
         for strategy in supported(&renderer) {
             walk(&mut renderer, strategy, &cameras(&generated), |frame, traffic| {

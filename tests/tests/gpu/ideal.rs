@@ -1,7 +1,7 @@
 //! The ideal strategy is a correct yardstick: its image equals the full image, and none of its
 //! draws can be left out.
 
-use cull::{Aabb, Camera, CullConfig, ObjectId, Projection, Strategy};
+use cull::{Aabb, Camera, CullConfig, CullTuning, ObjectId, Projection, Strategy};
 use glam::Vec3;
 use gpu::Readback;
 use render::{CostModel, FrameRequest, Rect, Renderer, RendererOptions};
@@ -100,7 +100,8 @@ fn the_ideal_is_whole_where_more_shows_than_can_be_listed() {
         let size = [384, 216];
         // Proxies of up to 32 leaves are shared by tests of leaves that show partly through the
         // gaps.
-        let cull_config = CullConfig { growth_frames_per_leaf: 32, ..CullConfig::default() };
+        let tuning = CullTuning { growth_frames_per_leaf: 32, ..Default::default() };
+        let cull_config = CullConfig { tuning, ..Default::default() };
         // Tests are not left out because of costs.
         let options = RendererOptions {
             methods: methods::all(),

@@ -12,7 +12,7 @@ use crate::cost::decaying_rate::{DecayingRate, HideRate};
 use crate::cost::predication_costs::SkippedWork;
 use crate::cost::table::{BadCost, CostTable, SceneCosts};
 use crate::history::record::{NodeState, RetestReason};
-use crate::plan::config::CullConfig;
+use crate::plan::config::{CullConfig, CullTuning};
 use crate::plan::frame_plan::{QueryKind, VisibilityTest, VisibilityTestSupport};
 use crate::plan::strategy::Strategy;
 
@@ -243,17 +243,14 @@ impl LearnedCosts {
         // If next to nothing becomes hidden, tests of boxes alone are not worth a break of
         // rendering.
         let is_calm = self.is_idle() || frames > config.retest_max.saturating_mul(2);
-        let visible_box_angle = if is_calm { 0.0 } else { config.visible_box_angle };
-        let retest_first = if is_calm { frames / 4 } else { config.retest_first };
-        let retest_gate = if is_calm { self.gate_frames() } else { config.retest_gate };
-        CullConfig {
-            retest_max: frames,
-            retest_first,
-            retest_spread: frames,
-            retest_gate,
-            visible_box_angle,
-            ..*config
-        }
+        let usual = config.tuning;
+        let visible_box_angle = if is_calm { 0.0 } else { usual.visible_box_angle };
+        let retest_first = if is_calm { frames / 4 } else { usual.retest_first };
+        let retest_gate = if is_calm { self.gate_frames() } else { usual.retest_gate };
+        let retest_spread = frames;
+        let tuning =
+            CullTuning { retest_first, retest_spread, retest_gate, visible_box_angle, ..usual };
+        CullConfig { retest_max: frames, tuning, ..*config }
     }
 
     /// Returns the interval between frames with tests in a calm view. It is chosen so that waiting

@@ -200,9 +200,9 @@ impl Ingest<'_> {
             let links = self.topology.nodes[node as usize];
             let depth = links.level - top_level;
             let is_opened = !links.is_leaf()
-                && (depth < self.config.open_levels
-                    || (depth < self.config.open_levels_max
-                        && links.leaf_count > self.config.open_leaves));
+                && (depth < self.config.tuning.open_levels
+                    || (depth < self.config.tuning.open_levels_max
+                        && links.leaf_count > self.config.tuning.open_leaves));
             if is_opened {
                 let tested = self.tested;
                 let due = self.open_until(0);
@@ -226,9 +226,9 @@ impl Ingest<'_> {
     }
 
     fn open_until(&mut self, failures: u8) -> FrameStamp {
-        let exponent = u32::from(failures).min(self.config.pull_up_backoff).min(16);
-        let frames = self.config.open_frames.saturating_mul(1 << exponent);
-        let jitter = self.rng.between(0, self.config.open_jitter);
+        let exponent = u32::from(failures).min(self.config.tuning.pull_up_backoff).min(16);
+        let frames = self.config.tuning.open_frames.saturating_mul(1 << exponent);
+        let jitter = self.rng.between(0, self.config.tuning.open_jitter);
         self.now.plus(frames.saturating_add(jitter))
     }
 

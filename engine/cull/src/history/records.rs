@@ -86,7 +86,8 @@ impl History {
     ) {
         // This number of successes gives a long interval, and makes the next test a test of its own
         // draw.
-        let stable_queries = config.visible_box_tests.saturating_add(1).min(u8::MAX.into()) as u8;
+        let stable_queries =
+            config.tuning.visible_box_tests.saturating_add(1).min(u8::MAX.into()) as u8;
         if let Some(record) = self.record_mut(leaf) {
             if record.state != NodeState::Hidden {
                 record.state = NodeState::Visible;
@@ -296,10 +297,13 @@ pub(crate) fn retest_interval(
     rng: &mut SplitMix64,
 ) -> u32 {
     let doubled = |exponent: u8| {
-        config.retest_first.saturating_mul(1_u32.checked_shl(exponent.into()).unwrap_or(u32::MAX))
+        config
+            .tuning
+            .retest_first
+            .saturating_mul(1_u32.checked_shl(exponent.into()).unwrap_or(u32::MAX))
     };
     let calm = doubled(record.stable_queries).min(config.retest_max);
-    let flipping = doubled(record.flicker_count).min(config.flicker_retest_max);
+    let flipping = doubled(record.flicker_count).min(config.tuning.flicker_retest_max);
     let interval = calm.max(flipping).max(1);
     rng.between(interval.div_ceil(2), interval)
 }

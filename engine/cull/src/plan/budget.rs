@@ -52,7 +52,7 @@ fn drop_optional(scratch: &mut Scratch, config: &CullConfig, budget: usize, stat
     let frontier = scratch.frontier().count();
     let left = budget.saturating_sub(frontier);
     let wished = scratch.tests.iter().filter(|test| test.kind == QueryKind::PullUpQuery).count();
-    let share = frontier / (config.tests_per_pull_up.max(1) as usize);
+    let share = frontier / (config.tuning.tests_per_pull_up.max(1) as usize);
     let pull_ups = wished
         .min(share.max(MIN_PULL_UPS))
         .min((left / 2).max(left.saturating_sub(scratch.retests.len())));

@@ -12,6 +12,38 @@ pub struct CullConfig {
     ///
     /// Halved: +20.1 % tests, `cut`; doubled: -15.6 % tests, `cut`.
     pub unknown_leaves: u32,
+    /// The longest interval between tests of an own draw: the interval doubles with each test that
+    /// shows.
+    ///
+    /// Halved: +0.8 % rounds, `cut`; doubled: -2.9 % tests, `fly`.
+    pub retest_max: u32,
+    /// The interval between tests of a visible leaf by its box.
+    ///
+    /// Halved: +27.3 % tests, `fly`; doubled: -10.5 % tests, `fly`.
+    pub visible_box_frames: u32,
+    /// The number of rounds in a frame that mostly confirms the history; fewer where the cost model
+    /// finds that further rounds do not pay.
+    ///
+    /// Halved: -66.7 % rounds, `street`; doubled: +100.0 % rounds, `street`.
+    pub rounds_calm: u32,
+    /// The number of tests above which there are too many, even if queries are left. The allowed
+    /// sizes are then raised, and open nodes whose parts are all hidden are tested as one without a
+    /// pull-up query. After a cut in a huge scene this shrinks the frontier in tens of frames, not
+    /// hundreds.
+    ///
+    /// Halved: -62.7 % tests, `cut`; doubled: -40.9 % draws, `street` (queries alone, 100,000).
+    pub tests_wished: u32,
+    /// The seed of the jitter. Two cullers with equal seeds and inputs make equal plans.
+    pub seed: u64,
+    /// The constants that change counts less, or in special walks. They may change with any version.
+    #[doc(hidden)]
+    pub tuning: CullTuning,
+}
+
+/// The constants of the culler that only experiments change.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CullTuning {
     /// The most leaves of an unknown node that looks small and is tested as one. Larger than
     /// `unknown_leaves`, so that a million unknown objects do not need a hundred thousand queries.
     ///
@@ -80,11 +112,6 @@ pub struct CullConfig {
     ///
     /// Halved: +1.6 % rounds, `cut`; doubled: -3.3 % rounds, `cut`.
     pub retest_first: u32,
-    /// The longest interval between tests of an own draw: the interval doubles with each test that
-    /// shows.
-    ///
-    /// Halved: +0.8 % rounds, `cut`; doubled: -2.9 % tests, `fly`.
-    pub retest_max: u32,
     /// The time over which retests are spread for leaves that are overdue by more than this, or not
     /// due for longer than this. A change of the retest interval then takes effect soon without
     /// testing all leaves in one frame. 0 disables it.
@@ -101,10 +128,6 @@ pub struct CullConfig {
     ///
     /// Halved: -15.8 % tests, `fly`; doubled: +8.8 % tests, `fly`.
     pub visible_box_angle: f32,
-    /// The interval between tests of a visible leaf by its box.
-    ///
-    /// Halved: +27.3 % tests, `fly`; doubled: -10.5 % tests, `fly`.
-    pub visible_box_frames: u32,
     /// The number of consecutive box tests of a visible leaf after which its own draw is tested:
     /// the box may show where the draw does not.
     ///
@@ -138,11 +161,6 @@ pub struct CullConfig {
     ///
     /// Halved: nothing; doubled: +9.8 % tests, `cut`.
     pub cut_tests: u32,
-    /// The number of rounds in a frame that mostly confirms the history; fewer where the cost model
-    /// finds that further rounds do not pay.
-    ///
-    /// Halved: -66.7 % rounds, `street`; doubled: +100.0 % rounds, `street`.
-    pub rounds_calm: u32,
     /// The number of rounds when much is unknown, each twice as long as the one before, so that
     /// near objects can hide far ones; fewer where the cost model finds that further rounds do not
     /// pay.
@@ -167,21 +185,25 @@ pub struct CullConfig {
     ///
     /// Halved: +7.5 % tests, `street`; doubled: -5.8 % tests, `fly`.
     pub per_leaf_min: u32,
-    /// The number of tests above which there are too many, even if queries are left. The allowed
-    /// sizes are then raised, and open nodes whose parts are all hidden are tested as one without a
-    /// pull-up query. After a cut in a huge scene this shrinks the frontier in tens of frames, not
-    /// hundreds.
-    ///
-    /// Halved: -62.7 % tests, `cut`; doubled: -40.9 % draws, `street` (queries alone, 100,000).
-    pub tests_wished: u32,
-    /// The seed of the jitter. Two cullers with equal seeds and inputs make equal plans.
-    pub seed: u64,
 }
 
 impl Default for CullConfig {
     fn default() -> Self {
         Self {
             unknown_leaves: 8,
+            retest_max: 16,
+            visible_box_frames: 3,
+            rounds_calm: 3,
+            tests_wished: 1024,
+            seed: 0x6e6f_7374_616c_6c73,
+            tuning: CullTuning::default(),
+        }
+    }
+}
+
+impl Default for CullTuning {
+    fn default() -> Self {
+        Self {
             unknown_leaves_far: 128,
             unknown_angle: 0.1,
             growth_frames: 6,
@@ -196,11 +218,9 @@ impl Default for CullConfig {
             open_leaves: 32,
             open_levels_max: 7,
             retest_first: 4,
-            retest_max: 16,
             retest_spread: 0,
             retest_gate: 1,
             visible_box_angle: 0.15,
-            visible_box_frames: 3,
             visible_box_tests: 6,
             flicker_retest_max: 64,
             pull_up_backoff: 2,
@@ -208,14 +228,11 @@ impl Default for CullConfig {
             occluders: 32,
             cut_share: 3,
             cut_tests: 16,
-            rounds_calm: 3,
             rounds_cut: 8,
             rounds_compute_calm: 1,
             rounds_compute_cut: 3,
             round_tests_min: 8,
             per_leaf_min: 2,
-            tests_wished: 1024,
-            seed: 0x6e6f_7374_616c_6c73,
         }
     }
 }

@@ -9,14 +9,14 @@ use crate::plan::traverse::Walk;
 /// Returns true if enough is unknown for a cut of the camera.
 pub(crate) fn is_cut(scratch: &Scratch, config: &CullConfig) -> bool {
     let unknown = scratch.frontier().filter(|test| test.is_unknown()).count();
-    unknown >= config.cut_tests as usize
-        && unknown.saturating_mul(config.cut_share as usize) >= scratch.frontier().count()
+    unknown >= config.tuning.cut_tests as usize
+        && unknown.saturating_mul(config.tuning.cut_share as usize) >= scratch.frontier().count()
 }
 
 /// Turns the nearest unknown tests into draws, each under its own query, whose result makes it
 /// known.
 pub(crate) fn draw_occluders(scratch: &mut Scratch, walk: &Walk<'_>, stats: &mut PlanStats) {
-    let mut left = walk.config.occluders;
+    let mut left = walk.config.tuning.occluders;
     for (test, is_dropped) in scratch.tests.iter().zip(&mut scratch.is_dropped) {
         let is_fit = test.is_unknown() && test.leaf_count <= walk.config.unknown_leaves;
         if !is_fit {

@@ -74,7 +74,7 @@ impl PlanWriter<'_> {
                 Some(since) => self.history.inherit(test.node, since),
                 None => self.history.closed(&self.hierarchy.topology, test.node),
             }
-            if self.has_leaf_tests && leaves.count >= self.config.per_leaf_min {
+            if self.has_leaf_tests && leaves.count >= self.config.tuning.per_leaf_min {
                 kind = QueryKind::PerLeaf;
             }
         }

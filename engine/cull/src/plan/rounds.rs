@@ -70,10 +70,10 @@ pub(crate) fn schedule(
 ) {
     let most = match (draw_phases, tester, slabs) {
         (DrawPhases::Two, ..) => 1,
-        (_, VisibilityTest::Compute, Slabs::Equal) => config.rounds_compute_calm,
-        (_, VisibilityTest::Compute, Slabs::Doubling) => config.rounds_compute_cut,
+        (_, VisibilityTest::Compute, Slabs::Equal) => config.tuning.rounds_compute_calm,
+        (_, VisibilityTest::Compute, Slabs::Doubling) => config.tuning.rounds_compute_cut,
         (_, _, Slabs::Equal) => config.rounds_calm,
-        (_, _, Slabs::Doubling) => config.rounds_cut,
+        (_, _, Slabs::Doubling) => config.tuning.rounds_cut,
     };
     let most = device_costs.map_or(most, |device_costs| device_costs.best(most, slabs));
     split(plan.tests.len(), most, slabs, config, &mut plan.rounds);
@@ -88,7 +88,7 @@ fn split(
     rounds: &mut Vec<Range<usize>>,
 ) {
     rounds.clear();
-    let worth = tests / (config.round_tests_min.max(1) as usize);
+    let worth = tests / (config.tuning.round_tests_min.max(1) as usize);
     let count = (wished.min(ROUNDS_MAX) as usize).min(worth).max(1);
     let total: usize = (0..count).map(|round| slabs.weight(round)).sum();
     let mut passed = 0;
@@ -169,7 +169,7 @@ mod tests {
         let config = CullConfig::default();
         let wished = match slabs {
             Slabs::Equal => config.rounds_calm,
-            Slabs::Doubling => config.rounds_cut,
+            Slabs::Doubling => config.tuning.rounds_cut,
         };
         split(tests, wished, slabs, &config, &mut rounds);
         rounds

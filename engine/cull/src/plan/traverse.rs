@@ -11,7 +11,7 @@ use crate::history::record::{FrameStamp, NodeRecord, NodeState};
 use crate::history::records::History;
 use crate::ids::{LeafIndex, NodeId};
 use crate::plan::candidates::{Above, Candidate, Draw, Nearness, Retest, Scratch};
-use crate::plan::config::CullConfig;
+use crate::plan::config::{CullConfig, CullTuning};
 use crate::plan::frame_plan::{PlanStats, QueryKind};
 use crate::plan::strategy::Strategy;
 
@@ -170,7 +170,7 @@ impl Walk<'_> {
             return if is_leaf { NodeDecision::Draw } else { NodeDecision::Open(None) };
         };
         let record = &visit.record;
-        let is_fresh = record.is_fresh(self.now, self.config.stale_frames);
+        let is_fresh = record.is_fresh(self.now, self.config.tuning.stale_frames);
         match record.state {
             NodeState::Visible if is_fresh && is_leaf => {
                 stats.visible += 1;
@@ -212,22 +212,23 @@ impl Walk<'_> {
             return self.can_flag;
         }
         let diagonal = 2.0 * visit.bounds.half_extent().length();
-        let is_turn_of_draw =
-            u32::from(record.stable_queries) % self.config.visible_box_tests.saturating_add(1) == 1;
+        let is_turn_of_draw = u32::from(record.stable_queries)
+            % self.config.tuning.visible_box_tests.saturating_add(1)
+            == 1;
         // If the box showed in vain before, it would again.
         record.flicker_count == 0
             && !is_turn_of_draw
-            && diagonal < self.config.visible_box_angle * self.metres_per_radian(visit)
+            && diagonal < self.config.tuning.visible_box_angle * self.metres_per_radian(visit)
     }
 
     fn is_visible_draw_due(&self, visit: &Visit) -> bool {
-        let CullConfig { retest_spread, retest_gate, .. } = *self.config;
+        let CullTuning { retest_spread, retest_gate, .. } = self.config.tuning;
         visit.record.is_due(visit.node, self.now, retest_spread, retest_gate)
     }
 
     /// Returns true if it is a leaf's turn to be tested again.
     pub(crate) fn is_turn_to_retest(&self, node: u32) -> bool {
-        self.now.is_turn_of(node, self.config.retest_spread, self.config.retest_gate)
+        self.now.is_turn_of(node, self.config.tuning.retest_spread, self.config.tuning.retest_gate)
     }
 
     /// Returns true if a test of a leaf's own box is due. Neighbours take turns. A test may be
@@ -245,7 +246,7 @@ impl Walk<'_> {
         };
         let record = &visit.record;
         let is_hidden = record.state == NodeState::Hidden
-            && record.is_fresh(self.now, self.config.stale_frames);
+            && record.is_fresh(self.now, self.config.tuning.stale_frames);
         let above = Above { masks: visit.masks, hidden_since: is_hidden.then_some(record.since) };
         for child in children {
             self.push(child.0, above, scratch);
@@ -275,7 +276,7 @@ impl Walk<'_> {
         for child in self.hierarchy.children(NodeId(visit.node))? {
             let record = self.record(child.0);
             let is_hidden = record.state == NodeState::Hidden
-                && record.is_fresh(self.now, self.config.stale_frames);
+                && record.is_fresh(self.now, self.config.tuning.stale_frames);
             if is_hidden {
                 since = since.max(Some(record.since));
             } else if self.is_in_frustum(child, visit.masks) {
@@ -304,7 +305,7 @@ impl Walk<'_> {
         hidden_since: Option<FrameStamp>,
     ) -> (NodeRecord, Option<FrameStamp>) {
         let record = self.record(node);
-        let is_stale = !record.is_fresh(self.now, self.config.stale_frames);
+        let is_stale = !record.is_fresh(self.now, self.config.tuning.stale_frames);
         let inherited = hidden_since.filter(|_| is_stale);
         let record = match inherited {
             Some(since) => {
@@ -328,21 +329,21 @@ impl Walk<'_> {
     /// Returns the number of frames for which a node has been hidden; `None` if it is not known to
     /// be hidden.
     fn hidden_frames(&self, record: &NodeRecord) -> Option<u32> {
-        let is_fresh = record.is_fresh(self.now, self.config.stale_frames);
+        let is_fresh = record.is_fresh(self.now, self.config.tuning.stale_frames);
         (is_fresh && record.state == NodeState::Hidden).then(|| record.hidden_frames())
     }
 
     /// Returns true if a node that has been hidden for `hidden_frames` may be tested as one.
     fn may_share(&self, visit: &Visit, hidden_frames: u32) -> bool {
         let growth_frames = if self.has_leaf_tests {
-            self.config.growth_frames_per_leaf
+            self.config.tuning.growth_frames_per_leaf
         } else {
-            self.config.growth_frames
+            self.config.tuning.growth_frames
         };
         let doublings = hidden_frames / growth_frames.max(1);
         let mut allowed = u64::from(self.config.unknown_leaves) << doublings.min(32);
         if self.is_turning && !visit.masks.is_inside() {
-            allowed = allowed.min(self.config.edge_leaves.into());
+            allowed = allowed.min(self.config.tuning.edge_leaves.into());
         }
         allowed = allowed.min(MAX_SHARED_LEAVES);
         u64::from(visit.leaf_count) <= self.coarse(allowed) || self.is_small(visit)
@@ -355,8 +356,8 @@ impl Walk<'_> {
             return true;
         }
         let diagonal = 2.0 * visit.bounds.half_extent().length();
-        let angle = self.config.unknown_angle * (1 << self.coarseness) as f32;
-        leaves <= self.coarse(self.config.unknown_leaves_far.into())
+        let angle = self.config.tuning.unknown_angle * (1 << self.coarseness) as f32;
+        leaves <= self.coarse(self.config.tuning.unknown_leaves_far.into())
             && diagonal < angle * self.metres_per_radian(visit)
     }
 

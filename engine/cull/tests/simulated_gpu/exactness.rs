@@ -1,8 +1,8 @@
 //! Tests that the image is the same as with everything drawn, whatever happens to the answers.
 
 use antumbra_cull::{
-    Camera, CostTable, CullConfig, CullView, Culler, DrawPhases, FramePlan, Hierarchy, NodeState,
-    ObjectId, SceneCosts, Strategy, VisibilityTest, VisibilityTestSupport,
+    Camera, CostTable, CullConfig, CullTuning, CullView, Culler, DrawPhases, FramePlan, Hierarchy,
+    NodeState, ObjectId, SceneCosts, Strategy, VisibilityTest, VisibilityTestSupport,
 };
 
 use crate::device::{Device, Mishaps, Solids, draw_caps, seen};
@@ -160,6 +160,14 @@ fn extreme_config(random: &mut Random, usual: CullConfig) -> CullConfig {
     let mut config = usual;
     let CullConfig {
         unknown_leaves,
+        retest_max,
+        visible_box_frames,
+        rounds_calm,
+        tests_wished,
+        seed: _,
+        tuning,
+    } = &mut config;
+    let CullTuning {
         unknown_leaves_far,
         unknown_angle,
         growth_frames,
@@ -174,11 +182,9 @@ fn extreme_config(random: &mut Random, usual: CullConfig) -> CullConfig {
         open_leaves,
         open_levels_max,
         retest_first,
-        retest_max,
         retest_spread,
         retest_gate,
         visible_box_angle,
-        visible_box_frames,
         visible_box_tests,
         flicker_retest_max,
         pull_up_backoff,
@@ -186,15 +192,12 @@ fn extreme_config(random: &mut Random, usual: CullConfig) -> CullConfig {
         occluders,
         cut_share,
         cut_tests,
-        rounds_calm,
         rounds_cut,
         rounds_compute_calm,
         rounds_compute_cut,
         round_tests_min,
         per_leaf_min,
-        tests_wished,
-        seed: _,
-    } = &mut config;
+    } = tuning;
     for number in [
         unknown_leaves,
         unknown_leaves_far,

@@ -1,8 +1,8 @@
 //! Tests of the history: its states, their survival, and the answers that are ignored.
 
 use antumbra_cull::{
-    Aabb, Answer, Camera, CullConfig, CullView, Culler, FrameId, FramePlan, Generation, Hierarchy,
-    NodeId, NodeState, ObjectId, Projection, QueryKind, QueryTag, Strategy,
+    Aabb, Answer, Camera, CullConfig, CullTuning, CullView, Culler, FrameId, FramePlan, Generation,
+    Hierarchy, NodeId, NodeState, ObjectId, Projection, QueryKind, QueryTag, Strategy,
 };
 use glam::Vec3;
 
@@ -132,8 +132,8 @@ fn pair() -> (Culler, Hierarchy, Vec<QueryTag>) {
     let hierarchy = Hierarchy::build(&[cube(-1.5), cube(0.5)]).unwrap();
     let mut culler = Culler::new(CullConfig {
         unknown_leaves: 1,
-        unknown_leaves_far: 1,
-        ..CullConfig::default()
+        tuning: CullTuning { unknown_leaves_far: 1, ..Default::default() },
+        ..Default::default()
     });
     let tags = frame(&mut culler, &hierarchy);
     (culler, hierarchy, tags)

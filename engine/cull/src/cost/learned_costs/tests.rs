@@ -57,13 +57,16 @@ fn what_nothing_is_made_of_is_asked_seldom_and_in_few_frames() {
         learned_costs.tuned(&config)
     };
     for _ in 0..50 {
-        assert_eq!(busy_frame(true).retest_gate, 1);
+        assert_eq!(busy_frame(true).tuning.retest_gate, 1);
     }
     let idle = (0..50).map(|_| busy_frame(false)).last().unwrap();
-    assert_eq!(idle.retest_gate, 20, "its share of a frame's draws is a fifth");
-    assert!(idle.retest_max > config.retest_max && idle.visible_box_angle == 0.0, "{idle:?}");
+    assert_eq!(idle.tuning.retest_gate, 20, "its share of a frame's draws is a fifth");
+    assert!(
+        idle.retest_max > config.retest_max && idle.tuning.visible_box_angle == 0.0,
+        "{idle:?}"
+    );
     let busy = busy_frame(true);
-    assert_eq!((busy.retest_gate, busy.retest_max), (1, config.retest_max));
+    assert_eq!((busy.tuning.retest_gate, busy.retest_max), (1, config.retest_max));
 }
 
 #[test]
