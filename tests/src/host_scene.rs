@@ -233,6 +233,7 @@ impl<'a> ComparedScene<'a> {
         let boxes = frame.uploads().push_iter(self.boxes.iter().copied().map(ProxyBox::from))?;
         let bits = self.device.adapter().limits.sub_pixel_precision_bits;
         let mut scope = self.scene.begin(frame)?;
+        let mut listed = Vec::new();
         for (ComparedView { state, culled, all, .. }, camera) in self.views.iter_mut().zip(cameras)
         {
             let view = CullView::new(camera, SIZE, bits);
@@ -242,15 +243,17 @@ impl<'a> ComparedScene<'a> {
             let planned = scope.plan(state, request)?;
             match self.draw_phases {
                 DrawPhases::PerRound => scope.record(planned, culled)?,
-                DrawPhases::Two => {
-                    let listed = scope.list(planned)?;
-                    let revealed = listed.revealed().to_vec();
-                    culled.draw_lists(scope.commands(), listed.visible(), &view, Rendering::First);
-                    listed.record(&mut scope, &mut culled.target)?;
-                    culled.draw_lists(scope.commands(), &revealed, &view, Rendering::Next);
-                    culled.target.restore(scope.commands());
-                }
+                DrawPhases::Two => listed.push((scope.list(planned)?, culled, view)),
             }
+        }
+        // All views are listed before the tests of the first are recorded, as a host does that
+        // draws what is visible in all of them first.
+        for (listed, culled, view) in listed {
+            let revealed = listed.revealed().to_vec();
+            culled.draw_lists(scope.commands(), listed.visible(), &view, Rendering::First);
+            listed.record(&mut scope, &mut culled.target)?;
+            culled.draw_lists(scope.commands(), &revealed, &view, Rendering::Next);
+            culled.target.restore(scope.commands());
         }
         Ok(scope.into_frame())
     }

@@ -252,7 +252,9 @@ impl CulledScene {
         &self.passes
     }
 
-    /// Returns the parts of the scene, for an owner that changes them consistently.
+    /// Returns the parts of a scene [of meshes](CulledScene::of_meshes), whose owner keeps them in
+    /// step: a change of the hierarchy marks the leaves that changed. Not for scenes with buckets,
+    /// which do so in [`CulledScene::add`] and the calls beside it.
     pub fn parts_mut(&mut self) -> ScenePartsMut<'_> {
         ScenePartsMut {
             hierarchy: &mut self.hierarchy,

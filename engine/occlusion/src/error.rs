@@ -22,9 +22,19 @@ pub enum Error {
     /// A frame does not upload the changes of the scene that it draws.
     #[error(transparent)]
     NotUploaded(#[from] NotUploaded),
+    /// A frame of a ring with more slots than the scene has.
+    #[error(
+        "the frames come from a ring of {ring}, and the scene was created for {scene} in flight: set `CulledSceneOptions::frames_in_flight`"
+    )]
+    FramesInFlight {
+        /// The slots of the ring.
+        ring: usize,
+        /// The slots of the scene.
+        scene: usize,
+    },
     /// The view has no plan for the current state of the scene.
     #[error(
-        "the view has no plan for the scene as it is: plan it once before each `execute`, after all changes of the scene"
+        "the view has no plan for this frame and the scene as it is: plan it once per frame, after all changes of the scene"
     )]
     NoPlan,
     /// The buckets of a draw or method do not match the buckets of the table.
@@ -68,7 +78,7 @@ pub struct DrawsAmongTests;
 /// A frame that does not upload the changes of the scene that it draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "the scene has changes that this frame does not upload: call `LeafTable::upload` once in each frame, and execute no plan in a frame where it fails"
+    "the scene has changes that this frame does not upload: begin each frame by `CulledScene::begin` (or `LeafTable::upload`), and change nothing before it ends"
 )]
 pub struct NotUploaded;
 
@@ -107,7 +117,7 @@ pub enum BucketError {
 /// A target with other attachments than those that the passes were compiled for.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "boxes are tested in renderings to {passes}, and the target of the objects has {target}: compile `OcclusionPasses` for `Target::attachments`"
+    "boxes are tested in renderings to {passes}, and the target of the objects has {target}: create the scene for `Target::attachments`"
 )]
 pub struct WrongAttachments {
     /// The attachments of the passes.
@@ -121,7 +131,7 @@ pub struct WrongAttachments {
 pub enum TargetError {
     /// Several views are drawn at once to a target with another number of views.
     #[error(
-        "{views} views are drawn at once to a target of {target}: compile `OcclusionPasses` for a target with a layer per view"
+        "{views} views are drawn at once to a target of {target}: create the scene for a target with a layer per view"
     )]
     Views {
         /// The number of views of the plan.

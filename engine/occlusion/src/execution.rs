@@ -28,11 +28,12 @@ pub fn execute(
     state: &mut OcclusionState,
     objects: &mut dyn ShadedObjects,
 ) -> Result<(), Error> {
-    let planned = state.take_planned_views(scene)?;
-    let view = planned.first().ok_or(Error::NoPlan)?;
-    check_target(scene, state, objects.target(), &planned)?;
+    check_target(scene, state, objects.target(), state.planned_views(scene)?)?;
     prepare_compute_test(scene, state, objects.target().size())?;
-    let mut io = FrameIo::write(frame, state, &mut scene.leaves, &planned)?;
+    let planned = state.take_planned_views();
+    let view = planned.first().ok_or(Error::NoPlan)?;
+    let mut io = FrameIo::write(frame, state, &scene.leaves, &planned)?;
+    FrameIo::begin_predicates(frame, state, &mut scene.leaves)?;
     if scene.leaves.predicates.predication() == PredicationMode::Compacted {
         io.lists = state.compact(frame, &scene.leaves)?;
     }

@@ -2,7 +2,7 @@
 //! before it is recorded, and the end of the frame reaches the scene and all its views.
 
 use cull::{CullView, MultiView, Strategy};
-use gpu::{Commands, Frame, Target, Tick, Timeline};
+use gpu::{Commands, Frame, Target, Tick, Timeline, Uploads};
 use smallvec::SmallVec;
 
 use crate::culled_scene::CulledScene;
@@ -138,9 +138,9 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
         self.frame.commands()
     }
 
-    /// Returns the frame, for uploads of the owner.
-    pub fn frame(&mut self) -> &mut Frame<'ring> {
-        &mut self.frame
+    /// Returns the memory of the frame, for uploads of the owner.
+    pub fn uploads(&mut self) -> &mut Uploads {
+        self.frame.uploads()
     }
 
     /// Returns the scene as this frame draws it.
@@ -173,10 +173,11 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
         state: &'a mut OcclusionState,
         request: impl Into<DrawRequest<'v>>,
     ) -> Result<PlannedView<'a>, Error> {
-        let request = request.into();
-        let mut view = [(state, request)];
-        self.plan_within(&mut view, request.query_budget)?;
-        let [(state, _)] = view;
+        let DrawRequest { views, strategy, query_budget } = request.into();
+        let completed = self.scene.device.completed()?;
+        state.follow_frames_in_flight(self.scene)?;
+        state.collect(completed, self.scene);
+        state.plan_frame(self.scene, strategy, views, query_budget);
         Ok(PlannedView { state })
     }
 
@@ -191,24 +192,15 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
         query_budget: usize,
     ) -> Result<PerView<PlannedView<'a>>, Error> {
         let mut views: PerView<_> = views.into_iter().collect();
-        self.plan_within(&mut views, query_budget)?;
-        Ok(views.into_iter().map(|(state, _)| PlannedView { state }).collect())
-    }
-
-    fn plan_within(
-        &mut self,
-        views: &mut [(&'a mut OcclusionState, DrawRequest<'_>)],
-        query_budget: usize,
-    ) -> Result<(), Error> {
         let completed = self.scene.device.completed()?;
-        for (state, _) in &*views {
-            state.check(self.scene)?;
+        for (state, _) in &mut views {
+            state.follow_frames_in_flight(self.scene)?;
         }
         let mut shares = std::mem::take(&mut self.scene.query_shares);
         let scene = &*self.scene;
         shares.plan_views(
             query_budget,
-            views,
+            &mut views,
             |(state, _)| state.plan().query_count(),
             |_, (state, request), share| {
                 state.collect(completed, scene);
@@ -216,7 +208,7 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
             },
         );
         self.scene.query_shares = shares;
-        Ok(())
+        Ok(views.into_iter().map(|(state, _)| PlannedView { state }).collect())
     }
 
     /// Records a planned view, and brings the target of `objects` to its exit state.
@@ -284,7 +276,8 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
     /// Ends a frame in the command buffer of a host. Returns its number.
     ///
     /// # Errors
-    /// No memory, a failed call.
+    /// [`gpu::Error::HasQueue`] on a device with a queue, whose frames are
+    /// [submitted](FrameScope::submit); no memory, a failed call.
     pub fn end(self) -> Result<Tick, Error> {
         let Self { scene, frame, drawn } = self;
         let tick = frame.end()?;

@@ -219,6 +219,7 @@ impl LeafTable {
             self.counts.replace(leaf.0 as usize, before, now);
             self.changes.push(leaf.0);
         }
+        self.uploaded_in = None;
         self.version += 1;
         self.dirty.push(leaf);
     }

@@ -11,7 +11,7 @@ use cull::{
 };
 use gpu::{
     BufferSlice, Counting, Device, DrawRange, EnabledLeaves, FlagRing, Frame, FrameTime,
-    LeafDrawRing, QueryRing, ResultSource, Tick,
+    LeafDrawRing, QueryRing, RecordingId, ResultSource, Tick,
 };
 
 use crate::costs::sent_frames::SentFrames;
@@ -41,6 +41,8 @@ pub struct OcclusionState {
     planned: Option<u64>,
     /// The views that the plan was made for.
     planned_views: Vec<CullView>,
+    /// The frame that the newest tests were begun in: a view is drawn once per frame.
+    begun_in: Option<RecordingId>,
     pub(crate) layout: TestLayout,
     /// The state of methods without plans.
     method_states: Vec<Box<dyn MethodState>>,
@@ -100,6 +102,7 @@ impl OcclusionState {
             generation: hierarchy.generation(),
             planned: None,
             planned_views: Vec::new(),
+            begun_in: None,
             layout: TestLayout::default(),
             method_states: Vec::new(),
             sent: SentFrames::new(frames_in_flight),
@@ -196,6 +199,11 @@ impl OcclusionState {
         views: u32,
     ) -> Result<(), Error> {
         leaves.check_uploaded(frame)?;
+        let recording = Some(frame.commands().recording());
+        if self.begun_in == recording {
+            return Err(Error::NoPlan);
+        }
+        self.begun_in = recording;
         self.planned = None;
         self.follow_draws(leaves);
         let Self { rings, layout, plan, generation, .. } = self;

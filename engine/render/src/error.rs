@@ -285,6 +285,9 @@ impl From<occlusion::Error> for Error {
             occlusion::Error::DrawsAmongTests(error) => Self::DrawsAmongTests(error),
             occlusion::Error::NotUploaded(error) => Self::NotUploaded(error),
             occlusion::Error::NoPlan => Self::NoPlan,
+            occlusion::Error::FramesInFlight { ring: wanted, scene: most } => {
+                Self::FramesInFlight { wanted, most }
+            }
             occlusion::Error::ForeignView => Self::ForeignRenderer { thing: FOREIGN_VIEW },
             occlusion::Error::NoShaderCompiler(folder) => Self::NoShaderCompiler(folder),
         }

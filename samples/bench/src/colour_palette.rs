@@ -1,5 +1,5 @@
-//! Colours for images with a palette: chosen by a median cut, then moved to the means of the
-//! colours that they stand for.
+//! Colours for images with a palette: boxes of colours are cut at the mean of the channel with the
+//! largest squared error, then k-means (Lloyd) moves each colour to the mean of its pixels.
 
 use antumbra::glam::DVec3;
 

@@ -1,12 +1,12 @@
 //! The executor with another owner of objects than the renderer: a host that draws boxes by a
 //! pipeline of its own, with neither meshes nor materials.
 
-use cull::{Aabb, Camera, CullView, Projection, Strategy};
+use cull::{Aabb, Camera, CullView, LeafIndex, Projection, Strategy};
 use glam::{Vec3, vec3};
 use gpu::{Commands, Device, FrameRing, Readback, RenderTarget, Target};
 use occlusion::{
-    AntumbraMethod, BucketId, CulledScene, Error, Method, MethodRequest, ObjectRenderer,
-    OcclusionState, Rendering, ShadedObjects,
+    AntumbraMethod, BucketId, CulledScene, Error, MeshDrawId, Method, MethodRequest,
+    ObjectRenderer, OcclusionState, Rendering, ShadedObjects,
 };
 use tests::numbered_boxes::{NumberedBoxes, scene_of_boxes};
 use tests::walk::pixels_that_differ;
@@ -154,5 +154,37 @@ fn a_plan_of_many_rounds_is_refused_as_lists() {
         host.state.collect(device.completed().unwrap(), &host.scene);
         let draws: u64 = host.state.drain_stats().map(|outcome| outcome.draws).sum();
         assert!(draws > 0 && draws < 900, "{draws} drawn");
+    });
+}
+
+/// Checks that a method which executes a plan that it did not make, or a scene with changes that
+/// the frame lacks, is refused, and that the next frame is drawn.
+#[test]
+fn a_method_out_of_order_is_refused() {
+    run(Driver::Lavapipe, |device| {
+        let mut host = Host::new(device, &boxes());
+        let camera = Camera::look_at([0.0, 0.0, 3.0], [0.0, 0.0, 0.0]);
+        let view = CullView::new(&camera, SIZE, device.adapter().limits.sub_pixel_precision_bits);
+        let request =
+            MethodRequest { strategy: Strategy::ANTUMBRA, view: &view, visible: &[], after: None };
+        let Host { frames, scene, objects, state, .. } = &mut host;
+        let record = |frame: &mut _, state: &mut _, scene: &mut _, objects: &mut Boxes| {
+            AntumbraMethod.record(frame, state, scene, objects, &request).map(drop)
+        };
+        let mut frame = frames.begin().unwrap();
+        let refused = record(&mut frame, state, scene, objects).unwrap_err();
+        assert!(matches!(refused, Error::NoPlan), "{refused}");
+        AntumbraMethod.plan(state, scene, &request, 4096);
+        scene.parts_mut().leaves.mark_dirty(LeafIndex(0), MeshDrawId(0));
+        let refused = record(&mut frame, state, scene, objects).unwrap_err();
+        assert!(matches!(refused, Error::NoPlan), "the scene has changed: {refused}");
+        AntumbraMethod.plan(state, scene, &request, 4096);
+        let refused = record(&mut frame, state, scene, objects).unwrap_err();
+        assert!(matches!(refused, Error::NotUploaded(_)), "{refused}");
+        drop(frame);
+        let mut scope = scene.begin(frames.begin().unwrap()).unwrap();
+        scope.draw(state, &view, objects).unwrap();
+        scope.submit(None).unwrap();
+        device.wait_idle().unwrap();
     });
 }

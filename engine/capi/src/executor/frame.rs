@@ -6,6 +6,7 @@ use cull::{CullView, DrawPhases, Strategy};
 use gpu::{Attachments, Commands, FrameNumbers, RenderTarget, Target, Tick, Viewport, vk};
 use occlusion::{BucketId, DrawRequest, ObjectRenderer, PerView, Rendering};
 
+use super::lists::KeptLists;
 use super::scene::{AntumbraView, HostedScene, HostedView};
 use super::target::{AntumbraTargetDesc, near_depth};
 use crate::decisions::camera::AntumbraCamera;
@@ -259,9 +260,9 @@ pub(crate) unsafe fn record(
     let mut locked = found.iter().map(Shared::write).collect::<Result<PerView<_>, _>>()?;
     let mut states = PerView::new();
     let mut targets = PerView::new();
+    let mut former_lists = PerView::new();
     for (view, request) in locked.iter_mut().zip(&requests) {
         let HostedView { state, target, lists, .. } = &mut **view;
-        lists.clear();
         // SAFETY: as above.
         let target = unsafe { target.update(scene.device(), &request.target, attachments) }?;
         let state = match state {
@@ -270,10 +271,13 @@ pub(crate) unsafe fn record(
         };
         states.push((state, request.request()));
         targets.push((request.view, target));
+        former_lists.push(lists);
     }
     let numbers = FrameNumbers { current: Tick(desc.current), safe: Tick(desc.safe) };
     // SAFETY: as above.
     let frame = unsafe { frames.begin_in(desc.commands, numbers) }?;
+    // An error before this may be mended and tried again.
+    former_lists.into_iter().for_each(KeptLists::clear);
     let mut scope = scene.begin(frame)?;
     let planned = if desc.query_budget == 0 {
         states

@@ -207,7 +207,8 @@ impl FrameRing {
     /// `commands` is a primary command buffer of the adopted device, for a queue of the given
     /// family. It is being recorded, outside of renderings, queries and conditional rendering,
     /// until the frame is dropped. All frames up to `safe` are over or will never be submitted;
-    /// command buffers of such frames are not submitted again.
+    /// command buffers of such frames are not submitted again. A command buffer whose frame was
+    /// dropped without [`Frame::end`] is never submitted.
     pub unsafe fn begin_in(
         &mut self,
         commands: vk::CommandBuffer,
@@ -252,6 +253,11 @@ impl FrameRing {
 }
 
 impl Frame<'_> {
+    /// Returns the number of frames of the ring that may be in flight at once.
+    pub fn frames_in_flight(&self) -> usize {
+        self.ring.frames_in_flight()
+    }
+
     /// Returns the slot of this frame, whose resources may be reused.
     pub fn slot(&self) -> SlotIndex {
         self.slot

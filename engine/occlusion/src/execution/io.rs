@@ -24,25 +24,17 @@ pub(super) struct FrameIo {
 pub(super) const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 
 impl FrameIo {
-    /// Writes the newest plan of `state` into the memory of `frame`, and begins its tests.
+    /// Writes the newest plan of `state` into the memory of `frame`, and begins its tests. Its
+    /// predicates begin with its [recording](FrameIo::begin_predicates).
     pub(super) fn write(
         frame: &mut Frame<'_>,
         state: &mut OcclusionState,
-        leaves: &mut LeafTable,
+        leaves: &LeafTable,
         views: &[CullView],
     ) -> Result<Self, Error> {
         let several = Some(views).filter(|views| views.len() > 1);
         state.begin(frame, leaves, views.len() as u32)?;
         let rings = state.rings();
-        let results = [
-            (ResultSource::Queries, rings.queries.results()),
-            (ResultSource::Fragments, rings.flags.results()),
-            (ResultSource::Compute, rings.computed.results()),
-        ];
-        for (source, results) in results {
-            let decided = state.layout.decided(source).iter().copied();
-            leaves.predicates.begin(frame, source, results, decided)?;
-        }
         let visible = state.layout.visible.cells().iter();
         let plan = state.plan();
         let uploads = frame.uploads();
@@ -57,6 +49,26 @@ impl FrameIo {
             leaf_draws: rings.leaf_draws.buffers(),
             lists: None,
         })
+    }
+
+    /// Begins the predicates of the plan, which the views of a scene share: right before the plan
+    /// is recorded, since another view may be recorded after this one was written.
+    pub(super) fn begin_predicates(
+        frame: &mut Frame<'_>,
+        state: &OcclusionState,
+        leaves: &mut LeafTable,
+    ) -> Result<(), Error> {
+        let rings = state.rings();
+        let results = [
+            (ResultSource::Queries, rings.queries.results()),
+            (ResultSource::Fragments, rings.flags.results()),
+            (ResultSource::Compute, rings.computed.results()),
+        ];
+        for (source, results) in results {
+            let decided = state.layout.decided(source).iter().copied();
+            leaves.predicates.begin(frame, source, results, decided)?;
+        }
+        Ok(())
     }
 
     /// Returns the views that proxies are drawn in: `view`, or several views drawn at once.

@@ -1,7 +1,7 @@
 //! Plans whose draws a host records itself: lists of the draws, and the tests between them.
 
-use cull::CullView;
-use gpu::{Commands, Frame, RenderTarget, Target};
+use cull::{CullView, DrawPhases};
+use gpu::{Commands, Frame, RecordingId, RenderTarget, Target};
 
 use super::io::FrameIo;
 use super::recording::Recording;
@@ -18,6 +18,8 @@ pub(crate) struct ListedTests {
     views: Vec<CullView>,
     io: FrameIo,
     lists: Option<ListDrawsIo>,
+    /// The frame that the draws are listed in.
+    recording: RecordingId,
 }
 
 /// Lists the draws of the newest plan of `state` for the views that it was made for. Records
@@ -28,13 +30,14 @@ pub(crate) fn list_draws(
     scene: &mut CulledScene,
     state: &mut OcclusionState,
 ) -> Result<ListedTests, Error> {
-    if !state.plan().has_two_phases() {
+    if scene.draw_phases != DrawPhases::Two || !state.plan().has_two_phases() {
         return Err(DrawsAmongTests.into());
     }
-    let views = state.take_planned_views(scene)?;
-    let io = FrameIo::write(frame, state, &mut scene.leaves, &views)?;
+    state.planned_views(scene)?;
+    let views = state.take_planned_views();
+    let io = FrameIo::write(frame, state, &scene.leaves, &views)?;
     let lists = state.list(frame, &scene.leaves, io.visible, scene.passes.quirks())?;
-    Ok(ListedTests { views, io, lists })
+    Ok(ListedTests { views, io, lists, recording: frame.commands().recording() })
 }
 
 impl ListedTests {
@@ -48,9 +51,12 @@ impl ListedTests {
         state: &mut OcclusionState,
         target: &mut Target,
     ) -> Result<(), Error> {
-        let view = self.views.first().ok_or(Error::NoPlan)?;
+        state.check(scene)?;
+        let is_of_frame = self.recording == frame.commands().recording();
+        let view = self.views.first().filter(|_| is_of_frame).ok_or(Error::NoPlan)?;
         check_target(scene, state, target, &self.views)?;
         prepare_compute_test(scene, state, target.size())?;
+        FrameIo::begin_predicates(frame, state, &mut scene.leaves)?;
         let recording = Recording { scene, state, view, io: &self.io };
         recording.record_tests(frame.commands(), &mut TestsAlone { target }, self.lists);
         state.keep_planned_views(self.views);

@@ -39,7 +39,6 @@ pub struct ComputeTest {
 
 /// The depth of an image, and the farthest depth per cell.
 struct DepthGrid {
-    size: [u32; 2],
     depths: Buffer,
     cells: Buffer,
 }
@@ -129,23 +128,27 @@ impl ComputeTest {
         Ok(test)
     }
 
-    /// Makes room for depths of exactly `size` pixels. Call it before the first test.
+    /// Makes room for depths of `size` pixels, unless there is room already. Before this every box
+    /// may show.
     ///
     /// # Errors
     /// An image whose depth is larger than a storage buffer may be, or has more cells than one
     /// dispatch takes; no memory.
     pub fn resize(&mut self, device: &Device, size: [u32; 2]) -> Result<(), Error> {
-        if self.depths.as_ref().is_some_and(|depths| depths.size == size) {
+        let bytes = |size| product(size).saturating_mul(4);
+        let has_room = |depths: &DepthGrid| {
+            depths.depths.size_bytes() >= bytes(size)
+                && depths.cells.size_bytes() >= bytes(cells(size))
+        };
+        if self.depths.as_ref().is_some_and(has_room) {
             return Ok(());
         }
         Self::check(device, size)?;
         let storage = vk::BufferUsageFlags::STORAGE_BUFFER;
         let buffer = |name, size, usage| {
-            let bytes = product(size).saturating_mul(4);
-            Buffer::new(device, name, bytes, storage | usage, MemoryKind::Device)
+            Buffer::new(device, name, bytes(size), storage | usage, MemoryKind::Device)
         };
         self.depths = Some(DepthGrid {
-            size,
             depths: buffer("tested depth", size, vk::BufferUsageFlags::TRANSFER_DST)?,
             cells: buffer("depth grid", cells(size), vk::BufferUsageFlags::empty())?,
         });
@@ -190,7 +193,11 @@ impl ComputeTest {
     /// [`ComputeTest::record_grid`]. Earlier reads of the results must be over; a barrier from
     /// [`Access::ComputeWrite`] to the next use must follow.
     pub fn record_tests(&self, commands: &Commands, io: &ComputeTestIo, view: &CullView) {
-        let Some(grid) = &self.depths else { return };
+        let Some(grid) = &self.depths else {
+            // Without a depth any box may show.
+            let bytes = |results: u32| u64::from(results) * 4;
+            return commands.fill(io.results.part(bytes(io.first), bytes(io.count)), 1);
+        };
         let buffers = [io.boxes, grid.depths.whole(), grid.cells.whole(), io.results];
         let mut constants = self.constants(view);
         let end = io.first.saturating_add(io.count);

@@ -12,12 +12,18 @@ impl CulledScene {
     /// cannot change before the [end](FrameScope::end).
     ///
     /// # Errors
-    /// [`gpu::Error::TooLarge`] for more draws than the device takes; no memory, a failed call.
-    /// Nothing is lost: the next frame uploads the same changes.
+    /// [`Error::FramesInFlight`]; [`gpu::Error::TooLarge`] for more draws than the device takes; no
+    /// memory, a failed call. The frame is given up then, so that its command buffer must not be
+    /// submitted. No change is lost: the next frame uploads it.
     pub fn begin<'ring>(
         &mut self,
         mut frame: Frame<'ring>,
     ) -> Result<FrameScope<'_, 'ring>, Error> {
+        let ring = frame.frames_in_flight();
+        let scene = self.frames_in_flight();
+        if ring > scene {
+            return Err(Error::FramesInFlight { ring, scene });
+        }
         self.upload(&mut frame)?;
         Ok(FrameScope::new(self, frame))
     }

@@ -104,6 +104,7 @@ impl LeafTable {
 
     /// Notes that the object of a leaf was moved: the next frame uploads its box.
     pub fn mark_moved(&mut self, leaf: LeafIndex) {
+        self.uploaded_in = None;
         self.version += 1;
         self.dirty.push(leaf);
     }
@@ -179,6 +180,9 @@ impl LeafTable {
         });
         cells.changes = noted;
         self.version += u64::from(is_changed);
+        if is_changed {
+            self.uploaded_in = None;
+        }
     }
 }
 

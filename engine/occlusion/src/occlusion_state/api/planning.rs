@@ -8,19 +8,21 @@ use crate::culled_scene::CulledScene;
 use crate::error::Error;
 
 impl OcclusionState {
-    /// Takes the views that the newest plan was made for. A plan can be executed only once, and
-    /// only while the scene is unchanged.
-    pub(crate) fn take_planned_views(
-        &mut self,
-        scene: &CulledScene,
-    ) -> Result<Vec<CullView>, Error> {
+    /// Returns the views that the newest plan was made for. The plan is executed once, for the
+    /// scene as it was then.
+    pub(crate) fn planned_views(&self, scene: &CulledScene) -> Result<&[CullView], Error> {
         self.check(scene)?;
-        match self.planned.take() {
-            Some(version) if version == scene.leaves.version => {
-                Ok(std::mem::take(&mut self.planned_views))
-            }
-            _ => Err(Error::NoPlan),
+        if self.planned == Some(scene.leaves.version) {
+            Ok(&self.planned_views)
+        } else {
+            Err(Error::NoPlan)
         }
+    }
+
+    /// Takes the views of the newest plan, which cannot be executed again.
+    pub(crate) fn take_planned_views(&mut self) -> Vec<CullView> {
+        self.planned = None;
+        std::mem::take(&mut self.planned_views)
     }
 
     /// Returns the memory of the views of a plan for reuse.
