@@ -6,7 +6,7 @@
 # `install.sh /usr/local`, `install.sh out --profile dev`. Linux only.
 set -euo pipefail
 
-[ "$#" -ge 1 ] || { echo "usage: install.sh PREFIX [CARGO OPTION..]" >&2; exit 2; }
+{ [ "$#" -ge 1 ] && [[ $1 != -* ]]; } || { echo "usage: install.sh PREFIX [CARGO OPTION..]" >&2; exit 2; }
 mkdir -p "$1"
 prefix=$(cd "$1" && pwd)
 shift
@@ -30,3 +30,4 @@ sed "s/@VERSION@/$version/" package/antumbra.pc.in >"$prefix/lib/pkgconfig/antum
 cmake=$prefix/lib/cmake/antumbra
 install -m 644 package/antumbra-config.cmake "$cmake/"
 sed "s/@VERSION@/$version/" package/antumbra-config-version.cmake.in >"$cmake/antumbra-config-version.cmake"
+echo "installed to $prefix"

@@ -4,22 +4,23 @@
  * - The result is ANTUMBRA_RESULT_OK or an error. An error leaves the outputs unchanged, unless the
  *   function says otherwise; the message in the AntumbraError says what to do. The pointer to the
  *   AntumbraError may be null.
- * - Begin every struct that has a struct_size with ANTUMBRA_INIT(its type), also an AntumbraError and
- *   structs for output: struct_size becomes the sizeof, and all other fields become 0. Then set the
- *   fields that you need. Every field that the program does not set must be 0. A field of 0 has its
- *   default, which its comment names. A required field has no default. Where the default does not
- *   mean "none", a constant does, such as ANTUMBRA_NO_QUERIES.
+ * - Initialise every struct that has a struct_size with ANTUMBRA_INIT(its type), including
+ *   AntumbraError and structs for output: struct_size becomes the sizeof, and all other fields become
+ *   0. Then set the fields that you need; every other field must stay 0. 0 means the default, which
+ *   the comment of the field names; a required field has no default. To ask for none where the default
+ *   is not none, pass the constant that the comment names, such as ANTUMBRA_NO_QUERIES. The structs
+ *   that the library passes to callbacks are filled in by the library.
  * - Structs without a struct_size are plain values: a box, a vertex, an answer. Set all their fields.
  * - A reserved field must be 0 in input, and is 0 in output.
  * - A pointer and a count describe an array; null is allowed if the count is 0. Input and output
- *   arrays do not overlap.
+ *   arrays must not overlap.
  * - Every object belongs to a context. A handle that is 0, was destroyed, or belongs to another
  *   context or kind of object is an error.
- * - Any function may be called on any thread. A call that changes an object excludes all other calls
- *   with the object; calls that only read it may overlap. The result of a conflict is
+ * - Any function may be called on any thread. A call that changes an object must not overlap any other
+ *   call with this object; calls that only read it may overlap. The result of a conflict is
  *   ANTUMBRA_RESULT_BUSY, and no call waits. Call antumbra_context_destroy after all other calls have
  *   returned.
- * - A panic in the library becomes ANTUMBRA_RESULT_PANIC. Later calls with the object that was being
+ * - A bug in the library becomes ANTUMBRA_RESULT_PANIC. Later calls with the object that was being
  *   changed return ANTUMBRA_RESULT_POISONED, except its destruction.
  * - Callbacks must return: no exception and no longjmp may leave them.
  * - The interface has no global state of its own: contexts are independent of each other.
@@ -747,10 +748,10 @@ typedef struct AntumbraCamera {
      * The number of fractional bits in the rasteriser's vertex positions (pixels):
      * `subPixelPrecisionBits` of `VkPhysicalDeviceLimits`. A rasteriser that does not snap
      * vertices to a grid takes the number of fractional bits that its positions always have. With
-     * 32-bit floats this is 22 minus the bits of the image's larger side: 12 for up to 1,024
-     * pixels, 11 for up to 2,048. With 64-bit floats it is 24. A smaller number is always safe,
-     * since boxes are then tested a little larger; a number that is too large may lose a sample.
-     * Values above 24 count as 24. Default: 4, the minimum of Vulkan.
+     * 32-bit floats this is 22 minus the logarithm to base 2 of the image's larger side, rounded
+     * up: 12 for up to 1,024 pixels, 11 for up to 2,048. With 64-bit floats it is 24. A smaller
+     * number is always safe, since boxes are then tested a little larger; a number that is too
+     * large may lose a sample. Values above 24 count as 24. Default: 4, the minimum of Vulkan.
      */
     uint32_t sub_pixel_bits;
     /**
@@ -882,9 +883,11 @@ typedef struct AntumbraRound {
  *
  * The host clears the depth and draws `draws`, those with a query inside an occlusion query. Then,
  * for each of `rounds`, it tests the boxes of the round against the depth so far, and draws the
- * leaves of the boxes that show. A test renders front faces only and does not write depth. A box
- * shows if more samples than its `sample_threshold` pass. Every object whose box meets the frustum
- * appears once, in `draws` or as a leaf of a test.
+ * leaves of the boxes that show. A test renders front faces only, compares with "as near or
+ * nearer" (`>=` for reversed depth), and does not write depth. Boxes around the eye, or cut by the
+ * near plane, are not tested: their objects are drawn. A box shows if more samples than its
+ * `sample_threshold` pass. Every object whose box meets the frustum appears once, in `draws` or as
+ * a leaf of a test.
  *
  * The arrays belong to the culler and are valid until the next call with it.
  */
@@ -1582,7 +1585,10 @@ typedef struct AntumbraRenderDesc {
     uint32_t struct_size;
     /**
      * An `ANTUMBRA_STRATEGY_..`, which may change in each frame: all strategies draw the same
-     * image. Default: `ANTUMBRA_STRATEGY_ANTUMBRA`.
+     * image. The exception is objects that lie in one plane in a renderer without shadows: which
+     * of them shows depends on the order of draws there. With `AntumbraRendererDesc::shadows`,
+     * whatever its method, depth is drawn first and no order shows. Default:
+     * `ANTUMBRA_STRATEGY_ANTUMBRA`.
      */
     uint32_t strategy;
     /**
@@ -1757,8 +1763,8 @@ typedef struct AntumbraRendererStats {
      */
     uint64_t tests;
     /**
-     * An `ANTUMBRA_PREDICATION_..`: the way that hidden draws are skipped, the cheapest one by the
-     * costs that were measured when the renderer was created.
+     * An `ANTUMBRA_PREDICATION_..`: the way that hidden draws are skipped. With
+     * `ANTUMBRA_COST_MODEL_MEASURED` it is the cheapest one, else the device's usual one.
      */
     uint32_t predication;
     /**
@@ -2195,7 +2201,14 @@ typedef struct AntumbraBinding {
  * Binds the pipeline, descriptor sets, vertex and index buffers for the indexed indirect draws of
  * a bucket that follow. Viewport and scissor cover the target, with y down. A host whose y axis
  * points up, or that draws to a part of the target, sets its own viewport and scissor here. The
- * callback must not leave a query or a conditional rendering open.
+ * callback must not leave a query or a conditional rendering open, and must not call the library
+ * with this scene.
+ *
+ * Objects must be rasterised as boxes are: the vertex shader snaps positions to the grid of
+ * sub-pixels as share/antumbra/snap.glsl does (its steps are half the size of the image times
+ * `2^subPixelPrecisionBits`), and declares `gl_Position` as `invariant` if several passes must
+ * agree. Compare depths with "as near or nearer" (`VK_COMPARE_OP_GREATER_OR_EQUAL` for reversed
+ * depth). Otherwise an object that is seen edge-on may be missed.
  */
 typedef void (*AntumbraBindCallback)(void *user,
                                      const struct AntumbraBinding *binding);
@@ -2211,7 +2224,8 @@ typedef struct AntumbraRendering {
      */
     uint32_t struct_size;
     /**
-     * 1 for the first rendering of the view, which clears; 0 for others, which keep the contents.
+     * 1 for the first rendering of the view, which clears (colours to 0, unless the rendering is
+     * the host's own); 0 for others, which keep the contents.
      */
     uint32_t is_first;
     /**
@@ -2227,7 +2241,8 @@ typedef struct AntumbraRendering {
 
 #if defined(ANTUMBRA_VULKAN)
 /**
- * Begins or ends a rendering of the host's own, such as a render pass object.
+ * Begins or ends a rendering of the host's own, such as a render pass object. Must not call the
+ * library with this scene.
  */
 typedef void (*AntumbraRenderingCallback)(void *user,
                                           const struct AntumbraRendering *rendering);

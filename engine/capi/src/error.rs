@@ -80,6 +80,22 @@ impl AntumbraError {
     }
 }
 
+/// The names of the Rust interface in errors of other crates, and the names in C.
+const NAMES_IN_C: [(&str, &str); 12] = [
+    ("FrameNumbers::safe", "AntumbraFrameDesc::safe"),
+    ("HostDevice::queue", "AntumbraDeviceDesc::queue"),
+    ("Device::host_finished", "antumbra_device_finished"),
+    ("Device::completed", "antumbra_renderer_render"),
+    ("Device::wait_idle", "vkDeviceWaitIdle"),
+    ("CulledSceneOptions::frames_in_flight", "AntumbraSceneDesc::frames_in_flight"),
+    ("CulledScene::begin", "antumbra_scene_record"),
+    ("RendererOptions::spare_objects", "AntumbraRendererDesc::spare_objects"),
+    ("RendererOptions::spare", "AntumbraRendererDesc::spare_meshes"),
+    ("Renderer::size", "AntumbraRendererDesc::width"),
+    ("Target::attachments", "AntumbraAttachments"),
+    ("DrawPhases::Two", "ANTUMBRA_DRAWS_BY_LISTS"),
+];
+
 /// A call that failed.
 #[derive(Debug)]
 pub(crate) struct Failure {
@@ -89,7 +105,13 @@ pub(crate) struct Failure {
 
 impl Failure {
     pub fn new(result: AntumbraResult, message: impl Display) -> Self {
-        Self { result, message: message.to_string() }
+        let mut message = message.to_string();
+        for (rust, c) in NAMES_IN_C {
+            if message.contains(rust) {
+                message = message.replace(rust, c);
+            }
+        }
+        Self { result, message }
     }
 
     pub fn null(name: &str) -> Self {
@@ -135,6 +157,8 @@ impl From<gpu::Error> for Failure {
             | E::Foreign { .. }
             | E::NoQueue { .. }
             | E::HasQueue
+            | E::TargetFormat { .. }
+            | E::Samples { .. }
             | E::NoImage => AntumbraResult::BadArgument,
             E::Memory { .. } => AntumbraResult::NoMemory,
             _ => AntumbraResult::Vulkan,
@@ -152,5 +176,20 @@ impl From<render::Error> for Failure {
             render::Error::NoMemory { .. } => Self::new(AntumbraResult::NoMemory, error),
             error => Self::argument(error),
         }
+    }
+}
+
+#[cfg(all(test, feature = "vulkan"))]
+mod tests {
+    use super::{AntumbraResult, Failure};
+
+    #[test]
+    fn messages_name_the_interface_in_c() {
+        let failure = Failure::from(gpu::Error::HasQueue);
+        assert_eq!(failure.result, AntumbraResult::BadArgument);
+        assert!(failure.message.contains("AntumbraDeviceDesc::queue"), "{}", failure.message);
+        let in_flight = occlusion::Error::FramesInFlight { ring: 3, scene: 2 };
+        let failure = Failure::from(in_flight);
+        assert!(failure.message.contains("AntumbraSceneDesc::frames_in_flight"));
     }
 }

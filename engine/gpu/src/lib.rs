@@ -127,7 +127,7 @@ pub use crate::record::attachments::{
 pub use crate::record::capture_pipeline::{CapturePipeline, CapturePipelineInfo};
 pub use crate::record::commands::Commands;
 pub use crate::record::finished_image::FinishedImage;
-pub use crate::record::frames::{Frame, FrameNumbers, FrameRing, SlotIndex};
+pub use crate::record::frames::{Frame, FrameNumbers, FrameRing, FrameRingId, SlotIndex};
 pub use crate::record::host_image::{HostImage, HostImages, ImageState};
 pub use crate::record::indirect::{DrawLink, DrawRange, IndirectDraw, UnindexedDraw};
 pub use crate::record::overlay_image::OverlayImage;

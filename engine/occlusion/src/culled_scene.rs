@@ -7,7 +7,7 @@ use cull::{
     Aabb, CullConfig, DrawPhases, Hierarchy, HierarchyError, LeafRange, ObjectId, QueryShares,
     SkippedWork, VisibilityTestSupport,
 };
-use gpu::{Attachments, Device, Frame, PredicationMode, Target, Tick};
+use gpu::{Attachments, Device, Frame, FrameRingId, PredicationMode, Target, Tick};
 
 use crate::costs::device_costs::{ChoiceRequest, CullingSetup, DeviceCosts};
 use crate::error::Error;
@@ -90,6 +90,8 @@ pub struct CulledScene {
     pub(crate) cull_config: CullConfig,
     pub(crate) draw_phases: DrawPhases,
     pub(crate) query_shares: QueryShares,
+    /// The ring of its frames, once there is one: its slots are the slots of the views.
+    pub(crate) ring: Option<FrameRingId>,
     /// The ranges of a change; kept to allocate nothing in the steady state.
     reordered: Vec<LeafRange>,
 }
@@ -198,6 +200,7 @@ impl CulledScene {
             cull_config: CullConfig::default(),
             draw_phases: DrawPhases::PerRound,
             query_shares: QueryShares::default(),
+            ring: None,
             reordered: Vec::new(),
         }
     }
@@ -268,8 +271,10 @@ impl CulledScene {
         self.frames_in_flight
     }
 
-    /// Changes the number of frames that may be in flight at once.
+    /// Changes the number of frames that may be in flight at once, for frames of another ring. Views
+    /// follow with their next plan.
     pub fn set_frames_in_flight(&mut self, frames_in_flight: usize) {
+        self.ring = None;
         self.frames_in_flight = frames_in_flight;
         self.leaves.set_frames_in_flight(frames_in_flight);
     }

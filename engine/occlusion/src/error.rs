@@ -22,6 +22,16 @@ pub enum Error {
     /// A frame does not upload the changes of the scene that it draws.
     #[error(transparent)]
     NotUploaded(#[from] NotUploaded),
+    /// A frame of another ring than the frames before.
+    #[error(
+        "the scene's frames come from another ring: a scene and its views stay with one `FrameRing`, unless `CulledScene::set_frames_in_flight` announces a new one"
+    )]
+    OtherRing,
+    /// Draws that were listed in a frame, without the tests that fill the lists.
+    #[error(
+        "draws were listed in this frame and their tests were not recorded: call `ListedView::record` for each `FrameScope::list`"
+    )]
+    TestsMissing,
     /// A frame of a ring with more slots than the scene has.
     #[error(
         "the frames come from a ring of {ring}, and the scene was created for {scene} in flight: set `CulledSceneOptions::frames_in_flight`"

@@ -104,6 +104,8 @@ pub struct FrameScope<'a, 'ring> {
     scene: &'a mut CulledScene,
     frame: Frame<'ring>,
     drawn: PerView<&'a mut OcclusionState>,
+    /// The number of views whose draws are listed and whose tests are not recorded yet.
+    listed: usize,
 }
 
 /// A view whose frame is planned, to be [recorded](FrameScope::record) or
@@ -130,7 +132,7 @@ pub struct ListedView<'a> {
 
 impl<'a, 'ring> FrameScope<'a, 'ring> {
     pub(crate) fn new(scene: &'a mut CulledScene, frame: Frame<'ring>) -> Self {
-        Self { scene, frame, drawn: PerView::new() }
+        Self { scene, frame, drawn: PerView::new(), listed: 0 }
     }
 
     /// Returns the command buffer, for commands of the owner between those of the engine.
@@ -263,7 +265,13 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
     /// [`DrawPhases::Two`](cull::DrawPhases::Two); no memory, a failed call.
     pub fn list(&mut self, planned: PlannedView<'a>) -> Result<ListedView<'a>, Error> {
         let tests = list_draws(&mut self.frame, self.scene, planned.state)?;
+        self.listed += 1;
         Ok(ListedView { state: planned.state, tests })
+    }
+
+    /// Refuses a frame whose lists of revealed draws are never filled.
+    fn check_listed(&self) -> Result<(), Error> {
+        if self.listed == 0 { Ok(()) } else { Err(Error::TestsMissing) }
     }
 
     /// Gives the frame back, for a host that records other scenes into it. Once the frame has
@@ -276,10 +284,12 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
     /// Ends a frame in the command buffer of a host. Returns its number.
     ///
     /// # Errors
-    /// [`gpu::Error::HasQueue`] on a device with a queue, whose frames are
-    /// [submitted](FrameScope::submit); no memory, a failed call.
+    /// [`Error::TestsMissing`]; [`gpu::Error::HasQueue`] on a device with a queue, whose frames are
+    /// [submitted](FrameScope::submit); no memory, a failed call. The frame is given up then: its
+    /// command buffer must not be submitted.
     pub fn end(self) -> Result<Tick, Error> {
-        let Self { scene, frame, drawn } = self;
+        self.check_listed()?;
+        let Self { scene, frame, drawn, .. } = self;
         let tick = frame.end()?;
         submitted(scene, drawn, tick);
         Ok(tick)
@@ -291,7 +301,8 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
     /// # Errors
     /// A failed call.
     pub fn submit(self, after: Option<(&Timeline, Tick)>) -> Result<Tick, Error> {
-        let Self { scene, frame, drawn } = self;
+        self.check_listed()?;
+        let Self { scene, frame, drawn, .. } = self;
         let tick = frame.submit(after)?;
         submitted(scene, drawn, tick);
         Ok(tick)
@@ -331,6 +342,7 @@ impl<'a> ListedView<'a> {
     pub fn record(self, scope: &mut FrameScope<'a, '_>, target: &mut Target) -> Result<(), Error> {
         self.tests.record(&mut scope.frame, scope.scene, self.state, target)?;
         target.restore(scope.frame.commands());
+        scope.listed = scope.listed.saturating_sub(1);
         scope.drawn.push(self.state);
         Ok(())
     }

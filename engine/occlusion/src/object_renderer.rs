@@ -19,7 +19,10 @@ pub trait ObjectRenderer {
     /// Returns the images that views are drawn to.
     fn target(&mut self) -> &mut Target;
 
-    /// Returns the attachments of a rendering of a view that decides what is visible.
+    /// Returns the attachments of a rendering of a view that decides what is visible. If the view
+    /// covers a part of the target, restrict them by
+    /// `RenderTarget::within(view.origin, view.size)`, or the clear of its first rendering covers
+    /// all of the target.
     fn rendering(&self, view: &CullView, rendering: Rendering) -> RenderTarget;
 
     /// Begins a rendering of a view that decides what is visible. An owner with a render pass of

@@ -2,7 +2,7 @@
 //! before draws, colours after all visibility is known.
 
 use cull::{CullView, FramePlan};
-use gpu::{Commands, Predicate, RenderTarget, Target};
+use gpu::{Commands, Predicate, RenderTarget, Target, Viewport};
 
 use crate::culled_scene::CulledScene;
 use crate::error::Error;
@@ -159,6 +159,7 @@ pub fn render_last(
     record: impl FnOnce(&Commands, &mut dyn ShadedObjects),
 ) {
     if objects.begin_last_rendering(commands, view, rendering) {
+        commands.set_viewport(&Viewport::covering(view.origin, view.size));
         record(commands, objects);
         objects.end_rendering(commands);
     }
@@ -174,6 +175,7 @@ pub fn render(
     record: impl FnOnce(&Commands, &mut dyn ShadedObjects),
 ) {
     if objects.begin_rendering(commands, view, rendering) {
+        commands.set_viewport(&Viewport::covering(view.origin, view.size));
         record(commands, objects);
         objects.end_rendering(commands);
     }

@@ -284,7 +284,10 @@ impl From<occlusion::Error> for Error {
             occlusion::Error::Target(error) => Self::Target(error),
             occlusion::Error::DrawsAmongTests(error) => Self::DrawsAmongTests(error),
             occlusion::Error::NotUploaded(error) => Self::NotUploaded(error),
-            occlusion::Error::NoPlan => Self::NoPlan,
+            // A renderer begins no scope.
+            occlusion::Error::NoPlan
+            | occlusion::Error::OtherRing
+            | occlusion::Error::TestsMissing => Self::NoPlan,
             occlusion::Error::FramesInFlight { ring: wanted, scene: most } => {
                 Self::FramesInFlight { wanted, most }
             }

@@ -1,8 +1,10 @@
 //! Functions of scenes, their views and frames.
 
+use cull::DrawPhases;
+
 use crate::context::{AntumbraContext, entry};
 use crate::decisions::hierarchy::AntumbraAabb;
-use crate::error::{AntumbraError, AntumbraResult};
+use crate::error::{AntumbraError, AntumbraResult, Failure};
 use crate::executor::frame::{AntumbraFrameDesc, record};
 use crate::executor::lists::AntumbraDrawLists;
 use crate::executor::scene::{
@@ -247,6 +249,11 @@ pub unsafe extern "C" fn antumbra_view_lists(
             let output = Output::new("lists", lists)?;
             let scene = context.scenes.find(scene)?;
             let scene = scene.read()?;
+            if scene.draw_phases != DrawPhases::Two {
+                let message = "the scene draws by callbacks: create it with \
+                               AntumbraSceneDesc::draws = ANTUMBRA_DRAWS_BY_LISTS";
+                return Err(Failure::argument(message));
+            }
             let view = scene.views.find(view)?;
             output.write(&view.read()?.lists.described());
             Ok(())

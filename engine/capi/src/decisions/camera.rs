@@ -25,10 +25,10 @@ pub struct AntumbraCamera {
     /// The number of fractional bits in the rasteriser's vertex positions (pixels):
     /// `subPixelPrecisionBits` of `VkPhysicalDeviceLimits`. A rasteriser that does not snap
     /// vertices to a grid takes the number of fractional bits that its positions always have. With
-    /// 32-bit floats this is 22 minus the bits of the image's larger side: 12 for up to 1,024
-    /// pixels, 11 for up to 2,048. With 64-bit floats it is 24. A smaller number is always safe,
-    /// since boxes are then tested a little larger; a number that is too large may lose a sample.
-    /// Values above 24 count as 24. Default: 4, the minimum of Vulkan.
+    /// 32-bit floats this is 22 minus the logarithm to base 2 of the image's larger side, rounded
+    /// up: 12 for up to 1,024 pixels, 11 for up to 2,048. With 64-bit floats it is 24. A smaller
+    /// number is always safe, since boxes are then tested a little larger; a number that is too
+    /// large may lose a sample. Values above 24 count as 24. Default: 4, the minimum of Vulkan.
     pub sub_pixel_bits: u32,
     /// Required: the matrix from world to clip space, column by column, by which shaders multiply
     /// positions. Depth is from 0 to 1.

@@ -152,9 +152,11 @@ layout!(AntumbraRound: first_test, test_count);
 ///
 /// The host clears the depth and draws `draws`, those with a query inside an occlusion query. Then,
 /// for each of `rounds`, it tests the boxes of the round against the depth so far, and draws the
-/// leaves of the boxes that show. A test renders front faces only and does not write depth. A box
-/// shows if more samples than its `sample_threshold` pass. Every object whose box meets the frustum
-/// appears once, in `draws` or as a leaf of a test.
+/// leaves of the boxes that show. A test renders front faces only, compares with "as near or
+/// nearer" (`>=` for reversed depth), and does not write depth. Boxes around the eye, or cut by the
+/// near plane, are not tested: their objects are drawn. A box shows if more samples than its
+/// `sample_threshold` pass. Every object whose box meets the frustum appears once, in `draws` or as
+/// a leaf of a test.
 ///
 /// The arrays belong to the culler and are valid until the next call with it.
 #[repr(C)]

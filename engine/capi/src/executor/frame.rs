@@ -37,7 +37,8 @@ layout!(AntumbraBinding: struct_size, bucket, commands, view);
 pub struct AntumbraRendering {
     /// Size of this struct in bytes, as the library was compiled.
     pub struct_size: u32,
-    /// 1 for the first rendering of the view, which clears; 0 for others, which keep the contents.
+    /// 1 for the first rendering of the view, which clears (colours to 0, unless the rendering is
+    /// the host's own); 0 for others, which keep the contents.
     pub is_first: u32,
     /// The command buffer.
     pub commands: vk::CommandBuffer,
@@ -49,11 +50,19 @@ layout!(AntumbraRendering: struct_size, is_first, commands, view);
 /// Binds the pipeline, descriptor sets, vertex and index buffers for the indexed indirect draws of
 /// a bucket that follow. Viewport and scissor cover the target, with y down. A host whose y axis
 /// points up, or that draws to a part of the target, sets its own viewport and scissor here. The
-/// callback must not leave a query or a conditional rendering open.
+/// callback must not leave a query or a conditional rendering open, and must not call the library
+/// with this scene.
+///
+/// Objects must be rasterised as boxes are: the vertex shader snaps positions to the grid of
+/// sub-pixels as share/antumbra/snap.glsl does (its steps are half the size of the image times
+/// `2^subPixelPrecisionBits`), and declares `gl_Position` as `invariant` if several passes must
+/// agree. Compare depths with "as near or nearer" (`VK_COMPARE_OP_GREATER_OR_EQUAL` for reversed
+/// depth). Otherwise an object that is seen edge-on may be missed.
 pub type AntumbraBindCallback =
     Option<unsafe extern "C" fn(user: *mut c_void, binding: *const AntumbraBinding)>;
 
-/// Begins or ends a rendering of the host's own, such as a render pass object.
+/// Begins or ends a rendering of the host's own, such as a render pass object. Must not call the
+/// library with this scene.
 pub type AntumbraRenderingCallback =
     Option<unsafe extern "C" fn(user: *mut c_void, rendering: *const AntumbraRendering)>;
 

@@ -243,6 +243,11 @@ impl HostedScene {
         attachments: &AntumbraAttachments,
         costs: Option<&DeviceCosts>,
     ) -> Result<Self, Failure> {
+        if device.has_queue() {
+            let message = "the device was adopted with a queue, for a renderer: a scene needs a \
+                           device that was adopted with AntumbraDeviceDesc::queue = null";
+            return Err(Failure::argument(message));
+        }
         let attachments = attachments.attachments()?;
         let predication = predication(desc.predication)?;
         let draw_phases = match desc.draws {

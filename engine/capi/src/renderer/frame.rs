@@ -34,7 +34,10 @@ pub struct AntumbraRenderDesc {
     /// Size of this struct in bytes.
     pub struct_size: u32,
     /// An `ANTUMBRA_STRATEGY_..`, which may change in each frame: all strategies draw the same
-    /// image. Default: `ANTUMBRA_STRATEGY_ANTUMBRA`.
+    /// image. The exception is objects that lie in one plane in a renderer without shadows: which
+    /// of them shows depends on the order of draws there. With `AntumbraRendererDesc::shadows`,
+    /// whatever its method, depth is drawn first and no order shows. Default:
+    /// `ANTUMBRA_STRATEGY_ANTUMBRA`.
     pub strategy: u32,
     /// Required: the camera, with reversed depth. Its `sub_pixel_bits` are ignored.
     pub camera: *const AntumbraCamera,
@@ -110,8 +113,8 @@ pub struct AntumbraRendererStats {
     pub revealed: u64,
     /// The boxes that were tested.
     pub tests: u64,
-    /// An `ANTUMBRA_PREDICATION_..`: the way that hidden draws are skipped, the cheapest one by the
-    /// costs that were measured when the renderer was created.
+    /// An `ANTUMBRA_PREDICATION_..`: the way that hidden draws are skipped. With
+    /// `ANTUMBRA_COST_MODEL_MEASURED` it is the cheapest one, else the device's usual one.
     pub predication: u32,
     /// An `ANTUMBRA_TESTER_..`: the tester that was expected to cost least.
     pub tester: u32,

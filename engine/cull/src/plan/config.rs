@@ -35,7 +35,8 @@ pub struct CullConfig {
     pub tests_wished: u32,
     /// The seed of the jitter. Two cullers with equal seeds and inputs make equal plans.
     pub seed: u64,
-    /// The constants that change counts less, or in special walks. They may change with any version.
+    /// The constants that change counts less, or in special walks. They may change with any
+    /// version.
     #[doc(hidden)]
     pub tuning: CullTuning,
 }

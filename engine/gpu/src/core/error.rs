@@ -201,7 +201,7 @@ pub enum Error {
     /// An image was read before it exists: its frame is not over, was never submitted, or there was
     /// no frame yet.
     #[error(
-        "the image is not there yet: read it when the frame that copies it is over, see `Device::completed` and `Device::wait_idle`"
+        "the image is not there yet: render a frame that copies it, and read it when that frame is over, see `Device::completed` and `Device::wait_idle`"
     )]
     NoImage,
     /// Commands were recorded that no device could run. This is a mistake in the recording program.

@@ -4,6 +4,7 @@
 //! into its command buffers ([`FrameRing::begin_in`]), and the ring never waits.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use ash::vk;
@@ -28,8 +29,20 @@ use crate::record::timing::{FrameTime, FrameTimer, PASSES, PassTime, PassTimer};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SlotIndex(pub usize);
 
+/// The identity of a ring of frames in the process.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct FrameRingId(u64);
+
+impl FrameRingId {
+    fn new() -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        Self(NEXT.fetch_add(1, Ordering::Relaxed))
+    }
+}
+
 /// N frames in flight.
 pub struct FrameRing {
+    id: FrameRingId,
     device: Device,
     slots: Vec<Slot>,
     next: usize,
@@ -80,8 +93,16 @@ impl FrameRing {
         } else {
             (Resubmission::Allowed, Some(FrameStamps::new(device, slots.len())?))
         };
-        let device = device.clone();
-        Ok(Self { device, slots, next: 0, timed_interval: 1, begun: 0, resubmission, stamps })
+        Ok(Self {
+            id: FrameRingId::new(),
+            device: device.clone(),
+            slots,
+            next: 0,
+            timed_interval: 1,
+            begun: 0,
+            resubmission,
+            stamps,
+        })
     }
 
     /// Allows or forbids to submit frames again, from now on. By default a host's frames may be
@@ -253,6 +274,11 @@ impl FrameRing {
 }
 
 impl Frame<'_> {
+    /// Returns the identity of the ring.
+    pub fn ring(&self) -> FrameRingId {
+        self.ring.id
+    }
+
     /// Returns the number of frames of the ring that may be in flight at once.
     pub fn frames_in_flight(&self) -> usize {
         self.ring.frames_in_flight()

@@ -12,7 +12,7 @@ impl CulledScene {
     /// cannot change before the [end](FrameScope::end).
     ///
     /// # Errors
-    /// [`Error::FramesInFlight`]; [`gpu::Error::TooLarge`] for more draws than the device takes; no
+    /// [`Error::FramesInFlight`], [`Error::OtherRing`]; [`gpu::Error::TooLarge`] for more draws than the device takes; no
     /// memory, a failed call. The frame is given up then, so that its command buffer must not be
     /// submitted. No change is lost: the next frame uploads it.
     pub fn begin<'ring>(
@@ -23,6 +23,9 @@ impl CulledScene {
         let scene = self.frames_in_flight();
         if ring > scene {
             return Err(Error::FramesInFlight { ring, scene });
+        }
+        if *self.ring.get_or_insert(frame.ring()) != frame.ring() {
+            return Err(Error::OtherRing);
         }
         self.upload(&mut frame)?;
         Ok(FrameScope::new(self, frame))
