@@ -271,8 +271,8 @@ impl CulledScene {
         self.frames_in_flight
     }
 
-    /// Changes the number of frames that may be in flight at once, for frames of another ring. Views
-    /// follow with their next plan.
+    /// Changes the number of frames that may be in flight at once, for frames of another ring.
+    /// Views follow with their next plan.
     pub fn set_frames_in_flight(&mut self, frames_in_flight: usize) {
         self.ring = None;
         self.frames_in_flight = frames_in_flight;

@@ -206,6 +206,12 @@ fn a_device_without_multiview_is_told_by_its_name() {
         let host = HostsDevice::new(driver, Purpose::Executor);
         let features = host.needs.features().without(without);
         let device = host.try_adopt(HostDevice { features, ..host.describe() }).unwrap();
+        if driver == Driver::Lavapipe && !device.adapter().is_software() {
+            eprintln!("not tested: {} draws several views at once", device.adapter().name);
+            drop(device);
+            host.finish();
+            continue;
+        }
         let attachments = Attachments { views: 2, ..Attachments::default() };
         let passes = OcclusionPasses::new(&device, &ShaderSet::embedded().unwrap(), attachments);
         let error = passes.err().unwrap().to_string();

@@ -4,12 +4,12 @@
 //! into its command buffers ([`FrameRing::begin_in`]), and the ring never waits.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use ash::vk;
 
 use crate::core::capabilities::OptionalFeature;
+use crate::core::deletion::RecordingId;
 use crate::core::device::{Device, OpenRecording, WaitFor};
 use crate::core::error::Error;
 use crate::core::frames_in_flight::check_frames_in_flight;
@@ -29,16 +29,9 @@ use crate::record::timing::{FrameTime, FrameTimer, PASSES, PassTime, PassTimer};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct SlotIndex(pub usize);
 
-/// The identity of a ring of frames in the process.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct FrameRingId(u64);
-
-impl FrameRingId {
-    fn new() -> Self {
-        static NEXT: AtomicU64 = AtomicU64::new(0);
-        Self(NEXT.fetch_add(1, Ordering::Relaxed))
-    }
-}
+/// The identity of a ring of frames on its device: a recording that no frame has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FrameRingId(RecordingId);
 
 /// N frames in flight.
 pub struct FrameRing {
@@ -94,7 +87,7 @@ impl FrameRing {
             (Resubmission::Allowed, Some(FrameStamps::new(device, slots.len())?))
         };
         Ok(Self {
-            id: FrameRingId::new(),
+            id: FrameRingId(device.open_recording().number),
             device: device.clone(),
             slots,
             next: 0,

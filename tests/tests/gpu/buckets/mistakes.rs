@@ -1,7 +1,7 @@
 //! Impossible plans and scenes: the refusal of each names it, and later frames are right.
 
-use cull::{Aabb, CullView, HierarchyError, Strategy};
-use gpu::{Attachments, PredicationMode, vk};
+use cull::{Aabb, CullView, DrawPhases, HierarchyError, Strategy};
+use gpu::{Attachments, FrameRing, PredicationMode, Target, vk};
 use occlusion::{
     BucketError, CulledScene, CulledSceneOptions, Error, HostObject, OcclusionPasses, ShaderSet,
     TargetError,
@@ -45,6 +45,42 @@ fn views_of_other_scenes_and_sizes_are_refused() {
         assert!(matches!(error, Error::Target(TargetError::ViewSize { .. })), "{error}");
         (0..3).for_each(|_| host.draw(Strategy::ANTUMBRA, &eye));
         assert_all_equal(device, &host, "after mistakes");
+    });
+}
+
+#[test]
+fn frames_of_other_rings_are_refused() {
+    run_on_all(|device| {
+        let mut scene = scene(device, options()).unwrap();
+        let mut large = FrameRing::new(device, 3).unwrap();
+        let refused = scene.begin(large.begin().unwrap()).err().unwrap();
+        assert!(matches!(refused, Error::FramesInFlight { ring: 3, scene: 2 }), "{refused}");
+        let mut first = FrameRing::new(device, 2).unwrap();
+        scene.begin(first.begin().unwrap()).unwrap().submit(None).unwrap();
+        let mut second = FrameRing::new(device, 2).unwrap();
+        let refused = scene.begin(second.begin().unwrap()).err().unwrap();
+        assert!(matches!(refused, Error::OtherRing), "{refused}");
+        scene.set_frames_in_flight(2);
+        scene.begin(second.begin().unwrap()).unwrap().submit(None).unwrap();
+        device.wait_idle().unwrap();
+    });
+}
+
+#[test]
+fn lists_without_their_tests_are_refused() {
+    run_on_all(|device| {
+        let target = Target::new(device, SIZE, "lists").unwrap();
+        let options = CulledSceneOptions { draw_phases: DrawPhases::Two, ..options() };
+        let mut scene = CulledScene::new(device, target.attachments(), &options).unwrap();
+        let mut state = scene.new_view(&target).unwrap();
+        let bits = device.adapter().limits.sub_pixel_precision_bits;
+        let view = CullView::new(&camera(0.0, 0.0), SIZE, bits);
+        let mut frames = FrameRing::new(device, 2).unwrap();
+        let mut scope = scene.begin(frames.begin().unwrap()).unwrap();
+        let planned = scope.plan(&mut state, &view).unwrap();
+        drop(scope.list(planned).unwrap());
+        let refused = scope.submit(None).unwrap_err();
+        assert!(matches!(refused, Error::TestsMissing), "{refused}");
     });
 }
 
