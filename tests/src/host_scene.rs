@@ -12,8 +12,8 @@ use gpu::{
 };
 use occlusion::{
     BucketDraw, BucketId, CulledScene, CulledSceneOptions, DeviceCosts, DrawList, DrawRequest,
-    DriverAssumption, DriverQuirks, Error, HostObject, ObjectRenderer, OcclusionState, ProxyBox,
-    Rendering,
+    DriverAssumption, DriverQuirks, Error, HostObject, ObjectRenderer, OcclusionState, PerView,
+    ProxyBox, Rendering,
 };
 
 use crate::host_commands::Runs;
@@ -233,7 +233,7 @@ impl<'a> ComparedScene<'a> {
         let boxes = frame.uploads().push_iter(self.boxes.iter().copied().map(ProxyBox::from))?;
         let bits = self.device.adapter().limits.sub_pixel_precision_bits;
         let mut scope = self.scene.begin(frame)?;
-        let mut listed = Vec::new();
+        let mut listed = PerView::new();
         for (ComparedView { state, culled, all, .. }, camera) in self.views.iter_mut().zip(cameras)
         {
             let view = CullView::new(camera, SIZE, bits);
@@ -249,7 +249,7 @@ impl<'a> ComparedScene<'a> {
         // All views are listed before the tests of the first are recorded, as a host does that
         // draws what is visible in all of them first.
         for (listed, culled, view) in listed {
-            let revealed = listed.revealed().to_vec();
+            let revealed: PerView<DrawList> = listed.revealed().iter().copied().collect();
             culled.draw_lists(scope.commands(), listed.visible(), &view, Rendering::First);
             listed.record(&mut scope, &mut culled.target)?;
             culled.draw_lists(scope.commands(), &revealed, &view, Rendering::Next);
