@@ -6,7 +6,7 @@ use std::sync::Arc;
 use cull::{Aabb, Camera, Strategy};
 use glam::Affine3A;
 use gpu::{Device, FinishedImage, HostQueue, HostQueueLock};
-use render::{FrameRequest, RenderView, Renderer, RendererOptions};
+use render::{CostModel, FrameRequest, RenderView, Renderer, RendererOptions};
 use scene::{Mesh, MeshId, Object, Scene};
 use walk::{AshDevice, BoxScene};
 
@@ -30,7 +30,8 @@ impl DrawnScene {
         let device = unsafe { Device::adopt(description(host, lock)) }?;
         // Tests are made whether they pay or not: the program counts what they hide.
         let size = walk::SIZE;
-        let options = RendererOptions { size, ..Default::default() };
+        let cost_model = CostModel::Off; // a test of a box costs more than the box
+        let options = RendererOptions { size, cost_model, ..Default::default() };
         let renderer = Renderer::new(&device, &scene_of(walk), &options)?;
         let view = renderer.new_view()?;
         Ok(Self { renderer, view })
