@@ -261,7 +261,7 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
     /// live until the frame is over.
     ///
     /// # Errors
-    /// [`Error::DrawsAmongTests`] for a view that was made without
+    /// [`Error::DrawsAmongTests`] for a scene that was created without
     /// [`DrawPhases::Two`](cull::DrawPhases::Two); no memory, a failed call.
     pub fn list(&mut self, planned: PlannedView<'a>) -> Result<ListedView<'a>, Error> {
         let tests = list_draws(&mut self.frame, self.scene, planned.state)?;
@@ -299,7 +299,7 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
     /// Returns its tick.
     ///
     /// # Errors
-    /// A failed call.
+    /// [`Error::TestsMissing`], a failed call. The frame is given up then.
     pub fn submit(self, after: Option<(&Timeline, Tick)>) -> Result<Tick, Error> {
         self.check_listed()?;
         let Self { scene, frame, drawn, .. } = self;

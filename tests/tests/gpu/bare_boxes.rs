@@ -5,7 +5,7 @@ use cull::{Aabb, Camera, CullView, LeafIndex, Projection, Strategy};
 use glam::{Vec3, vec3};
 use gpu::{Commands, Device, FrameRing, Readback, RenderTarget, Target};
 use occlusion::{
-    AntumbraMethod, BucketId, CulledScene, Error, MeshDrawId, Method, MethodRequest,
+    AntumbraMethod, BucketId, CulledScene, DrawRequest, Error, MeshDrawId, Method, MethodRequest,
     ObjectRenderer, OcclusionState, Rendering, ShadedObjects,
 };
 use tests::numbered_boxes::{NumberedBoxes, scene_of_boxes};
@@ -26,9 +26,8 @@ impl ObjectRenderer for Boxes {
         &mut self.target
     }
 
-    fn rendering(&self, view: &CullView, rendering: Rendering) -> RenderTarget {
-        let clear = (rendering == Rendering::First).then_some([0.0, 0.0, 0.0, 1.0]);
-        self.target.render_target(clear).within(view.origin, view.size)
+    fn rendering(&self, _view: &CullView, rendering: Rendering) -> RenderTarget {
+        self.target.render_target((rendering == Rendering::First).then_some([0.0, 0.0, 0.0, 1.0]))
     }
 
     fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId) {
@@ -186,5 +185,44 @@ fn a_method_out_of_order_is_refused() {
         scope.draw(state, &view, objects).unwrap();
         scope.submit(None).unwrap();
         device.wait_idle().unwrap();
+    });
+}
+
+/// Checks a view on a part of its target whose owner restricts no rendering: draws and tests have
+/// the view's viewport.
+#[test]
+fn a_view_on_a_part_of_its_target_is_exact() {
+    run(Driver::Lavapipe, |device| {
+        let [plain, culled] = [Strategy::FRUSTUM, Strategy::ANTUMBRA].map(|strategy| {
+            let mut host = Host::new(device, &boxes());
+            for frame in 0..FRAMES {
+                let side = (frame / 6 % 3) as f32 - 1.0;
+                let eye = [side * 9.0 + frame as f32 * 0.08, 0.0, 3.0];
+                let camera = Camera::look_at(eye, [eye[0], 0.0, 0.0]);
+                let bits = device.adapter().limits.sub_pixel_precision_bits;
+                let view = CullView::new(&camera, [SIZE[0] / 2, SIZE[1] - 20], bits);
+                let view = CullView { origin: [70, 13], ..view };
+                let request = DrawRequest { strategy, ..DrawRequest::from(&view) };
+                let mut scope = host.scene.begin(host.frames.begin().unwrap()).unwrap();
+                scope.draw(&mut host.state, request, &mut host.objects).unwrap();
+                let image = Readback::new(device, SIZE).unwrap();
+                host.objects.target.copy_to(scope.commands(), &image);
+                host.images.push(image);
+                scope.submit(None).unwrap();
+            }
+            device.wait_idle().unwrap();
+            host.state.collect(device.completed().unwrap(), &host.scene);
+            host
+        });
+        let mut hosts = [plain, culled];
+        for frame in 0..FRAMES as usize {
+            let [plain, culled] = hosts.each_ref().map(|host| host.images[frame].rgba8().unwrap());
+            assert!(plain.chunks_exact(4).any(|pixel| pixel[..3] != [0; 3]), "frame {frame}");
+            assert_eq!(pixels_that_differ(&plain, &culled), 0, "frame {frame}");
+        }
+        let [all, few] = hosts
+            .each_mut()
+            .map(|host| host.state.drain_stats().map(|outcome| outcome.draws).sum::<u64>());
+        assert!(few < all / 2, "{few} of {all} boxes drawn");
     });
 }

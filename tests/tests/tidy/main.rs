@@ -119,6 +119,14 @@ fn crates_include_no_files_of_others() {
 }
 
 #[test]
+fn unsafe_code_stays_in_its_crates() {
+    assert_obeyed(rules::safe_crates);
+    let allowed = "#![allow(unsafe_code, reason = \"x\")]";
+    assert_catches(rules::safe_crates, &[("engine/render/src/lib.rs", allowed)]);
+    assert_permits(rules::safe_crates, &[("engine/gpu/src/lib.rs", allowed)]);
+}
+
+#[test]
 fn one_file_of_the_programs_knows_vulkan() {
     assert_obeyed(rules::programs_without_vulkan);
     assert_catches(

@@ -138,6 +138,29 @@ pub fn published(files: &[SourceFile]) -> Vec<String> {
     findings
 }
 
+/// Finds packages of the workspace that do not take the workspace's lints.
+pub fn lints(files: &[SourceFile]) -> Vec<String> {
+    const MEMBERS: [&str; 4] = ["engine/", "samples/", "shaders/", "tests/"];
+    let is_member = |file: &&SourceFile| {
+        let begins = MEMBERS.iter().any(|folder| file.path.starts_with(folder));
+        begins && file.path.ends_with("Cargo.toml") && file.text.contains("[package]")
+    };
+    let members = files.iter().filter(is_member);
+    members
+        .filter(|file| !file.text.contains("[lints]\nworkspace = true\n"))
+        .map(|file| file.finding(1, "must take the lints of the workspace"))
+        .collect()
+}
+
+#[test]
+fn every_package_takes_the_lints() {
+    assert_obeyed(lints);
+    let package = "[package]\nname = \"a\"\n";
+    assert_catches(lints, &[("engine/a/Cargo.toml", package)]);
+    let with = format!("{package}[lints]\nworkspace = true\n");
+    assert_permits(lints, &[("engine/a/Cargo.toml", &with), ("examples/a/Cargo.toml", package)]);
+}
+
 #[test]
 fn crates_depend_only_downwards() {
     assert_obeyed(arrows);

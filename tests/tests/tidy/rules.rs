@@ -27,6 +27,20 @@ fn in_code(
     findings
 }
 
+/// Finds crates beside `gpu` and the C boundary that allow themselves unsafe code.
+pub fn safe_crates(files: &[SourceFile]) -> Vec<String> {
+    const UNSAFE: [&str; 2] = ["engine/gpu/", "engine/capi/"];
+    in_code(
+        files,
+        |file| {
+            let is_ours = file.path.starts_with("engine/") || file.path.starts_with("samples/");
+            is_ours && !UNSAFE.iter().any(|folder| file.path.starts_with(folder))
+        },
+        |line| line.contains("unsafe_code") && (line.contains("allow") || line.contains("expect")),
+        "unsafe code is for gpu and the C boundary",
+    )
+}
+
 /// Finds files whose first line, or the one after the `#!`, does not name their purpose.
 pub fn purpose(files: &[SourceFile]) -> Vec<String> {
     let mut findings = Vec::new();

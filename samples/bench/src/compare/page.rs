@@ -176,10 +176,9 @@ pub fn methods(comparison: &ReportComparison<'_>) -> Table {
 
 fn ratio(comparison: &ReportComparison<'_>, strategy: &str, size: u64) -> Cell {
     let Some(ratio) = comparison.ratio(strategy, size) else { return "-".to_owned().into() };
-    let [median, least, most] = [ratio.median(), ratio.least(), ratio.most()].map(short);
     let mut detail = Vec::new();
     if ratio.count() > 1 {
-        detail.push(format!("({least} to {most})"));
+        detail.push(format!("({} to {})", short(ratio.least()), short(ratio.most())));
     }
     let case = comparison.cases.at(&Place::street(size));
     let is_impossible = noise::is_below_ideal(&case, strategy);
@@ -187,7 +186,7 @@ fn ratio(comparison: &ReportComparison<'_>, strategy: &str, size: u64) -> Cell {
         detail.push("(impossible)".to_owned());
     }
     let class = if is_impossible { "missed" } else { "" };
-    Cell { text: median, detail: detail.join(" "), class }
+    Cell { text: short(ratio.median()), detail: detail.join(" "), class }
 }
 
 fn class_of(verdict: Verdict) -> &'static str {
