@@ -44,7 +44,7 @@ pub trait ObjectRenderer {
 
     /// Binds the objects that the draws of a bucket need: depth, and colour unless the owner
     /// [adds it later](crate::ShadedObjects::shade). Called before the draws of each bucket in each
-    /// rendering, in the order of the buckets; viewport and scissor cover the view then. No query and
-    /// no condition may be left open: the engine opens its own around the draws that follow.
+    /// rendering, in the order of the buckets; viewport and scissor cover the view then. No query
+    /// and no condition may be left open: the engine opens its own around the draws that follow.
     fn bind(&self, commands: &Commands, view: &CullView, bucket: BucketId);
 }
