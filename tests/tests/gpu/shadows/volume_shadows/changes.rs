@@ -13,8 +13,8 @@ use tests::walk::pixels_that_differ;
 use tests::{run_on_all, shadow_scene, shapes};
 
 use super::{SIZE, fresh, image, renderer, volumes};
-use crate::shadow_maps::cache::{FIGURE, scene as scene_with_figure};
-use crate::shadow_maps::shadows as maps;
+use crate::shadows::shadow_maps::cache::{FIGURE, scene as scene_with_figure};
+use crate::shadows::shadow_maps::shadows as maps;
 
 #[test]
 fn methods_are_switched_and_each_is_as_if_it_had_always_been() {

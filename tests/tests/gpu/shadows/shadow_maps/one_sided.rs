@@ -21,7 +21,8 @@ fn apart(a: &[u8], b: &[u8]) -> usize {
 
 #[test]
 fn maps_have_the_shadows_that_volumes_have() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/gpu/shadow_maps/one_sided");
+    let folder =
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/gpu/shadows/shadow_maps/one_sided");
     run_on_all(|device| {
         for name in FILES {
             // The original lights, since dimmed lights make shadows of little contrast.

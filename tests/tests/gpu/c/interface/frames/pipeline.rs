@@ -10,7 +10,7 @@ use super::images::has_stencil;
 /// The indices of a box.
 pub const INDICES: u32 = 36;
 
-const SNAP: &str = include_str!("../../../../../shaders/snap.glsl");
+const SNAP: &str = include_str!("../../../../../../shaders/snap.glsl");
 
 const VERTEX: &str = "
 layout(location = 0) in vec3 low;

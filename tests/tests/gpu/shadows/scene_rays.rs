@@ -14,7 +14,7 @@ use shadows::{ShadowFilter, ShadowMethod, ShadowOptions};
 use tests::run_on_all;
 use tests::scene_rays::{Met, SceneRays};
 
-use crate::shadow_maps::{SIZE, image, renderer, shadows};
+use crate::shadows::shadow_maps::{SIZE, image, renderer, shadows};
 
 const FILES: [&str; 3] = ["kaykit_city.glb", "kaykit_dungeon.glb", "rooms.glb"];
 

@@ -7,8 +7,8 @@ use shadows::{CasterCulling, ShadowCaching, ShadowMethod, ShadowOptions};
 use tests::walk::pixels_that_differ;
 use tests::{Driver, run, run_on_all};
 
-use crate::shadow_maps::culling::{Side, scene};
-use crate::shadow_maps::renderer_that_skips;
+use crate::shadows::shadow_maps::culling::{Side, scene};
+use crate::shadows::shadow_maps::renderer_that_skips;
 
 fn options(culling: CasterCulling) -> ShadowOptions {
     ShadowOptions { method: ShadowMethod::Volumes, culling, ..ShadowOptions::default() }

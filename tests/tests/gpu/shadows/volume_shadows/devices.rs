@@ -11,7 +11,7 @@ use tests::walk::pixels_that_differ;
 use tests::{Driver, instance_with, run, shadow_scene};
 
 use super::{VOLUMES, fresh, image, renderer, volumes};
-use crate::shadow_maps::casters::walking;
+use crate::shadows::shadow_maps::casters::walking;
 
 /// Removes features.
 type Hiding = fn(&mut vk::PhysicalDeviceFeatures);

@@ -268,8 +268,8 @@ fn every_strategy_draws_the_same_edges() {
 
 #[test]
 fn edges_of_panes_and_of_four_samples_are_the_same_under_every_strategy() {
-    let cameras: Vec<Camera> = (0..4).map(crate::transparent::camera).collect();
-    let scene = crate::transparent::scene();
+    let cameras: Vec<Camera> = (0..4).map(crate::shading::transparent::camera).collect();
+    let scene = crate::shading::transparent::scene();
     run_on_all(|device| {
         walk(device, &scene, &cameras[..2], SampleCount::One);
         if device.capabilities().has(OptionalFeature::SampleDepths) {

@@ -19,7 +19,7 @@ use tests::host_device::Host;
 
 use super::images::{ViewImages, area};
 use super::pipeline::BoxPipeline;
-use crate::c_interface::{CHost, FORMAT, expect};
+use crate::c::interface::{CHost, FORMAT, expect};
 
 /// Returns the lists of the visible or of the revealed draws.
 fn listed(lists: &AntumbraDrawLists, rendering: Rendering) -> &[AntumbraDrawList] {

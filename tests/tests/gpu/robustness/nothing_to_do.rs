@@ -14,7 +14,7 @@ use tests::shapes::{box_scene, surface_of};
 use tests::walk::pixels_that_differ;
 use tests::{Driver, run};
 
-use crate::skinning;
+use crate::shading::skinning;
 
 const SIZE: [u32; 2] = [96, 54];
 

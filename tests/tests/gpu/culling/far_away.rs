@@ -16,9 +16,9 @@ use tests::shapes::{box_at, box_scene};
 use tests::walk::{pixels_that_differ, walk_cameras};
 use tests::{run_on_all, shadow_scene};
 
-use crate::coplanar::with_sprites;
-use crate::shadow_maps::raycast::{Judged, judge};
-use crate::shadow_maps::{SIZE, image, renderer, shadows};
+use crate::culling::coplanar::with_sprites;
+use crate::shadows::shadow_maps::raycast::{Judged, judge};
+use crate::shadows::shadow_maps::{SIZE, image, renderer, shadows};
 
 /// Places at 50 km, 1,000 km and 13,000 km.
 const AWAY: [Vec3; 3] = [
@@ -151,7 +151,7 @@ fn sun_maps_agree_with_ray_casting_at_every_distance() {
 }
 
 fn loaded(name: &str) -> (Scene, Camera) {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/gpu/far_away").join(name);
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/gpu/culling/far_away").join(name);
     let loaded = import::load(&file, &LoadOptions::default(), &mut |_| ControlFlow::Continue(()));
     let loaded = loaded.unwrap();
     let camera = loaded.default_camera(SIZE);

@@ -59,7 +59,7 @@ fn no_mistaken_pair_reaches_vulkan() {
 
 #[test]
 fn the_document_and_the_test_name_the_same_pairs() {
-    let text = include_str!("../../../docs/lab/object_pairs.md");
+    let text = include_str!("../../../../docs/lab/object_pairs.md");
     let cells = |line: &str| -> Option<[String; 3]> {
         let line = line.strip_prefix("| ")?.strip_suffix(" |")?;
         let cells: Vec<String> = line.split(" | ").map(str::to_owned).collect();

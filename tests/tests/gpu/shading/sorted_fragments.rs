@@ -15,7 +15,7 @@ use tests::section::{front, plane, planes};
 use tests::surface_fixture::{mesh, scene, snorm16};
 use tests::walk::pixels_that_differ;
 
-use crate::transparent::{camera, compare, film, options, scene as panes};
+use crate::shading::transparent::{camera, compare, film, options, scene as panes};
 
 const SIDE: u32 = 96;
 /// The backdrop. All colours here are linear.

@@ -17,9 +17,9 @@ use shadows::{ShadowMethod, ShadowOptions};
 use tests::walk::pixels_that_differ;
 use tests::{run_on_all, shadow_scene};
 
-use crate::shadow_maps::bad_options::badly_lit;
-use crate::shadow_maps::casters::walking;
-use crate::shadow_maps::{SIZE, image, renderer};
+use crate::shadows::shadow_maps::bad_options::badly_lit;
+use crate::shadows::shadow_maps::casters::walking;
+use crate::shadows::shadow_maps::{SIZE, image, renderer};
 
 const VOLUMES: ShadowMethod = ShadowMethod::Volumes;
 

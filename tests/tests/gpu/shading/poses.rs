@@ -9,7 +9,7 @@ use scene::{MeshId, Object, ObjectChange, PoseUpdate, Scene, SceneUpdate, Skinne
 use tests::run_on_all;
 use tests::walk::pixels_that_differ;
 
-use crate::skinning::{
+use crate::shading::skinning::{
     Pose, SIZE, WIDTH_M, camera, draw, options, pixels_far_apart, pose, scene, take, turns,
 };
 

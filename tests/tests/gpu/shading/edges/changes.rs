@@ -11,7 +11,7 @@ use tests::shapes::{box_at, box_scene};
 use tests::walk::pixels_that_differ;
 
 use super::{Area, BLACK, RED, SIZE, cylinder, options, renderer_of, settled, straight};
-use crate::skinning;
+use crate::shading::skinning;
 
 #[test]
 fn edges_follow_poses_under_every_strategy() {

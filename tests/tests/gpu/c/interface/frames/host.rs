@@ -33,7 +33,7 @@ use super::images::{COLOUR, ViewImages, area};
 use super::lists;
 use super::pipeline::{BoxPipeline, INDICES};
 use super::{Costs, FrameOptions, SIZE};
-use crate::c_interface::{adopt, adopt_with, no_error, text};
+use crate::c::interface::{adopt, adopt_with, no_error, text};
 
 pub const VIEWS: usize = 2;
 const BUCKETS: u32 = 3;

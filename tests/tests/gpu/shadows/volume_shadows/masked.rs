@@ -15,8 +15,8 @@ use super::{SIZE, image, renderer, volumes};
 /// Draws a fence of a masked material over a ground, under a sun.
 #[test]
 fn masked_casters_without_a_shadow_are_told() {
-    let file =
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/gpu/volume_shadows/masked_caster.gltf");
+    let file = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("tests/gpu/shadows/volume_shadows/masked_caster.gltf");
     let loaded = import::load(&file, &LoadOptions::default(), &mut |_| ControlFlow::Continue(()));
     let loaded = loaded.unwrap();
     let camera = loaded.default_camera(SIZE);

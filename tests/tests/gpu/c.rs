@@ -1,0 +1,3 @@
+//! The C interface on a device.
+
+mod interface;

@@ -1,0 +1,8 @@
+//! Faulty drivers, misuse and limits: each ends with a message, and nothing is lost.
+
+mod driver_faults;
+mod limits;
+mod misuse;
+mod nothing_to_do;
+mod object_pairs;
+mod self_test;

@@ -1,0 +1,8 @@
+//! Shadow maps and shadow volumes against rays.
+
+mod pictures;
+mod relight;
+mod scene_rays;
+mod shadow_maps;
+mod shadow_volumes;
+mod volume_shadows;
