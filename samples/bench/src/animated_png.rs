@@ -7,7 +7,7 @@ use crate::options::FrameSize;
 use crate::outputs::write_file;
 use crate::png_file::PngError;
 
-/// Images of one size that are shown one after the other, again and again.
+/// Images of one size that are shown in an endless loop.
 pub struct AnimatedPng {
     size: FrameSize,
     images_per_second: u16,
@@ -57,7 +57,7 @@ impl AnimatedPng {
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         encoder.set_palette(palette.colours().as_flattened());
         encoder.set_compression(png::Compression::High);
-        // Differences of places in a palette mean nothing.
+        // Neighbouring palette indices are not similar, so a filter saves nothing.
         encoder.set_filter(png::Filter::NoFilter);
         encoder.set_animated(u32::try_from(self.images.len()).unwrap_or(u32::MAX), 0)?;
         encoder.set_frame_delay(1, self.images_per_second)?;

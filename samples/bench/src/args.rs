@@ -41,7 +41,7 @@ const FILES: [&str; 2] = ["out", "report"];
 #[command(
     name = "walkthrough",
     version,
-    // The last word counts, so that scripts can have options that their callers change.
+    // The last value of an option counts, so callers of a script can override its options.
     args_override_self = true,
     allow_negative_numbers = true,
     after_help = "\
@@ -156,7 +156,7 @@ pub struct Arguments {
     pub predicates: PredicatesChoice,
 
     /// Largest number of visible pixels that counts as hidden, with antumbra, antumbra_queries and
-    /// coherent: above 0 they are not exact, and the most pixels that can be wrong are counted
+    /// chc: above 0 they are not exact, and the most pixels that can be wrong are counted
     #[arg(long, value_name = "PIXELS", default_value = "0", help_heading = "Compare")]
     pub threshold: u32,
     /// Cost model. measured: costs are measured on the device before the walk and corrected by the
@@ -208,8 +208,8 @@ pub struct Arguments {
     pub quiet: bool,
 }
 
-/// A walk, fully described: the arguments, checked together, and what follows from them. Every
-/// value is in its range.
+/// A complete description of a walk: the arguments, checked together, and the values that follow
+/// from them. Every value is in its range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// The arguments.
@@ -220,12 +220,12 @@ pub struct Options {
     pub path: PathChoice,
     /// The triangles above which a mesh of a file is cut into pieces, if one is.
     pub cut_above_triangles: Option<usize>,
-    /// The ways to draw shadows, each with each strategy; empty where nothing is said about
-    /// lights: no shadows then.
+    /// The ways to draw shadows, each combined with each strategy. Empty without options about
+    /// lights: there are no shadows then.
     pub shadows: Vec<ShadowChoice>,
     /// The strategies to compare: at least one, each once, in the order asked for.
     pub strategies: Vec<Strategy>,
-    /// Those of all strategies that cannot run here.
+    /// The strategies of `all` that cannot run here.
     pub left_out: Vec<LeftOut>,
     /// The cost model.
     pub cost_model: CostModelChoice,
@@ -259,7 +259,7 @@ pub struct MadeArguments {
 }
 
 impl MadeArguments {
-    /// Returns the scene that they describe, of this kind.
+    /// Returns the scene of a kind with these numbers.
     pub fn of(&self, scene: GeneratorChoice) -> MadeScene {
         MadeScene { scene, objects: self.objects.unwrap_or(10_000), seed: self.seed.unwrap_or(1) }
     }
@@ -289,11 +289,11 @@ impl DeviceArguments {
 }
 
 impl Arguments {
-    /// Checks the arguments against each other and returns the options of the walk. Looks at
-    /// nothing but the arguments: files and devices come later.
+    /// Checks the arguments against each other and returns the options of the walk. Files and
+    /// devices are not checked here.
     ///
     /// # Errors
-    /// The first arguments that do not go together.
+    /// The first arguments that contradict each other.
     pub fn options(&self) -> Result<Options, UsageError> {
         let Self { size, views, predicates, threshold, .. } = *self;
         let (scene, path) = self.walk()?;
@@ -318,8 +318,8 @@ impl Arguments {
         }
         let shadows = self.lighting.choices(&self.scene)?;
         let section = self.section.planes()?;
-        // A piece of a solid is no solid, and would have no cap.
-        // Pieces are objects: their borders would be open, and edges of the model.
+        // A piece of a solid is not closed and would have no cap, and its border would be drawn as
+        // edges of the model.
         let is_whole = section.is_empty() && self.edges == EdgesChoice::Off;
         let cut_above_triangles = self.file.cut_above_triangles().filter(|_| is_whole);
         Ok(Options {
@@ -441,7 +441,7 @@ impl Arguments {
     }
 }
 
-/// Returns an error of this sentence.
+/// Returns an error with this message.
 ///
 /// # Errors
 /// Always.

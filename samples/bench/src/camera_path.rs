@@ -26,10 +26,10 @@ pub enum CameraTrack {
     Made(CameraPath),
     /// A recorded path from a file; the camera is the fallback for a path without frames.
     Recorded(RecordedPath, Camera),
-    /// The cameras of a scene's file: in the first frame, and in those that follow; after the last
-    /// one it stays.
+    /// Cameras from a scene's file: for the first frame, and for the frames that follow. After the
+    /// last one the camera stands still.
     Filmed(Camera, Vec<Camera>),
-    /// A turn around the scene in so many frames.
+    /// A turn around the scene, in this number of frames.
     Around(Orbit, u32),
 }
 
@@ -37,7 +37,7 @@ impl CameraTrack {
     /// Returns the path that was chosen, along `routes`.
     ///
     /// # Errors
-    /// A walk where there are no streets; a file that is no path.
+    /// A path along streets in a scene without streets; a file that is not a path.
     pub fn new(choice: &PathChoice, routes: &Routes) -> Result<Self, RunError> {
         Ok(match choice {
             PathChoice::Made(path) => Self::Made(CameraPath::new(kind(*path), routes)?),

@@ -18,7 +18,7 @@ pub enum GeneratorChoice {
     City,
     /// Objects side by side on a plane: from above nothing hides anything.
     Field,
-    /// Machines of many small parts in halls: nearly all are inside of something.
+    /// Machines of many small parts in halls: nearly all parts are enclosed by others.
     Assembly,
     /// A waffle maker of some thirty parts.
     Waffle,
@@ -28,12 +28,12 @@ impl GeneratorChoice {
     /// All of them.
     pub const ALL: [Self; 4] = [Self::City, Self::Field, Self::Assembly, Self::Waffle];
 
-    /// Returns true if the number of its objects and a seed are chosen.
+    /// Returns true if the number of its objects and a seed can be chosen.
     pub fn takes_numbers(self) -> bool {
         self != Self::Waffle
     }
 
-    /// Returns the path along which it is walked if nothing is said.
+    /// Returns its default path.
     pub fn default_path(self) -> CameraPathChoice {
         match self {
             Self::City | Self::Field | Self::Assembly => CameraPathChoice::Street,
@@ -68,9 +68,9 @@ impl fmt::Display for CameraPathChoice {
 /// The projection of the walk's cameras.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ProjectionChoice {
-    /// The camera's own, in perspective but in files that say otherwise.
+    /// The camera's own: perspective, unless a file has another projection.
     Perspective,
-    /// Orthographic, with a slice of the scene from the eye on.
+    /// Orthographic, with a slice of the scene in front of the eye.
     Orthographic,
     /// In perspective, moved within the pixel from frame to frame, as for temporal anti-aliasing.
     Jittered,
@@ -96,7 +96,7 @@ pub enum EdgesChoice {
 }
 
 impl EdgesChoice {
-    /// Returns the options of edges.
+    /// Returns the renderer's options of edges.
     pub fn options(self) -> EdgeOptions {
         let mode = match self {
             Self::Off => EdgeMode::Off,
@@ -124,17 +124,17 @@ pub enum ValidationChoice {
 pub enum PredicatesChoice {
     /// The one that costs least by the costs measured at the start.
     Auto,
-    /// `VK_EXT_conditional_rendering`: the device skips draws by itself.
+    /// `VK_EXT_conditional_rendering`: the device skips draws.
     Conditional,
     /// A compute pass that writes draw counts.
     Count,
     /// A compute pass that writes instance counts.
     Instances,
-    /// A compute pass that lists what a round reveals, for one draw by count.
+    /// A compute pass that lists what a round reveals, for one draw with a count.
     Compacted,
 }
 
-/// The quirks of the driver that are looked for.
+/// The treatment of driver quirks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum QuirksChoice {
     /// Everything is used as it is.
@@ -223,10 +223,10 @@ fn name_of(value: &impl ValueEnum) -> String {
     value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
-/// Parses a list of names between commas, each of them once.
+/// Parses a list of different names, separated by commas.
 ///
 /// # Errors
-/// The first name that is none, or is there twice.
+/// The first name that is unknown or repeated.
 pub fn each_once<T: PartialEq>(
     text: &str,
     parse: impl Fn(&str) -> Result<T, String>,
@@ -273,7 +273,7 @@ pub fn parse_listed<T: Copy>(
 /// # Errors
 /// As [`parse_named`].
 pub fn parse_strategy(text: &str) -> Result<Strategy, String> {
-    // The names of an earlier version.
+    // Names of an earlier version are still accepted.
     let name = match text {
         "coherent" => antumbra::methods::CHC.name(),
         "pyramid" => antumbra::methods::HZB.name(),
@@ -282,13 +282,13 @@ pub fn parse_strategy(text: &str) -> Result<Strategy, String> {
     parse_listed("strategy", name, &strategy::strategies(), Strategy::name)
 }
 
-/// Returns the path file that is meant, if one is: its name ends in .txt, or has a slash.
+/// Returns the text as the name of a path file if it ends in .txt or has a slash.
 pub fn path_file(text: &str) -> Option<PathBuf> {
     let is_file = text.ends_with(".txt") || text.contains(['/', std::path::MAIN_SEPARATOR]);
     is_file.then(|| PathBuf::from(text))
 }
 
-/// Reads a path of a made scene, or the name of a recorded one.
+/// Parses the name of a path of generated scenes, or of the file of a recorded path.
 ///
 /// # Errors
 /// A name that is neither.
@@ -321,7 +321,7 @@ pub fn enumerate(names: &[&str]) -> String {
     }
 }
 
-/// Returns the name within few typing errors of the text, or that begins with it.
+/// Returns the nearest name that begins with the text or differs from it by few typing errors.
 fn nearest<'a>(text: &str, names: &[&'a str]) -> Option<&'a str> {
     let text = text.to_lowercase();
     names

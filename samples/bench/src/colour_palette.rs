@@ -6,12 +6,12 @@ use antumbra::glam::DVec3;
 /// The most colours of a palette.
 pub const MAX_COLOURS: usize = 256;
 
-/// The bits of each channel that tell colours apart.
+/// The bits per channel by which colours are distinguished.
 const BITS: u32 = 6;
 /// The number of rounds in which the colours of a palette move.
 const ROUNDS: usize = 4;
 
-/// The number of pixels of each colour, which may be of many images.
+/// The number of pixels of each colour, in one image or several.
 pub struct ColourHistogram {
     counts: Vec<u32>,
 }
@@ -31,11 +31,11 @@ struct Sample {
     weight: f64,
 }
 
-/// Colours, at most [`MAX_COLOURS`] of them, and the nearest of them to each other colour.
+/// At most [`MAX_COLOURS`] colours, and the nearest of them for each colour of a histogram.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ColourPalette {
     colours: Vec<[u8; 3]>,
-    /// The place of a colour among them, by its number in a histogram.
+    /// The index of the nearest colour, by the number of a colour in the histogram.
     places: Vec<u8>,
 }
 
@@ -49,8 +49,8 @@ impl ColourHistogram {
         }
     }
 
-    /// Returns the colours that have pixels, in the order of their numbers. A colour of many pixels
-    /// weighs as the root of their number, so that small things keep their colours.
+    /// Returns the colours that have pixels, in the order of their numbers. A colour is weighted by
+    /// the square root of its number of pixels, so that small things keep their colours.
     fn samples(&self) -> Vec<Sample> {
         let found = (0..).zip(&self.counts).filter(|(_, count)| **count > 0);
         let sample = |(bin, count): (u32, &u32)| {
@@ -87,8 +87,8 @@ impl ColourPalette {
         &self.colours
     }
 
-    /// Returns the place of each of these pixels of three bytes among the colours. The pixels are
-    /// some of those that the palette was made for.
+    /// Returns the index of the colour of each pixel, three bytes each. The palette was made for
+    /// these pixels, possibly among others.
     pub fn places<'a>(&'a self, rgb8: &'a [u8]) -> impl Iterator<Item = u8> + 'a {
         let place = |pixel: &[u8; 3]| self.places.get(bin_of(*pixel) as usize).copied();
         rgb8.as_chunks::<3>().0.iter().map(move |pixel| place(pixel).unwrap_or_default())
@@ -100,7 +100,7 @@ fn bin_of(pixel: [u8; 3]) -> u32 {
     pixel.into_iter().fold(0, |bin, part| (bin << BITS) | u32::from(part) >> (8 - BITS))
 }
 
-/// Returns the colour of a number: black and white are among them.
+/// Returns the colour of a number in a histogram. Black and white are exact.
 fn middle_of(bin: u32) -> DVec3 {
     let most = (1 << BITS) - 1;
     let part = |number: u32| f64::from((bin >> (number * BITS)) & most) * 255.0 / f64::from(most);
@@ -111,7 +111,7 @@ fn rounded(colour: DVec3) -> [u8; 3] {
     colour.to_array().map(|part| part.round() as u8)
 }
 
-/// Returns the place of the colour that is nearest; of equally near ones, the first.
+/// Returns the index of the nearest colour; of equally near ones, the first.
 fn nearest(colours: &[DVec3], colour: DVec3) -> usize {
     let distances = colours.iter().map(|other| other.distance_squared(colour));
     let nearest = distances.enumerate().min_by(|(_, a), (_, b)| a.total_cmp(b));

@@ -16,7 +16,7 @@ const READER_WAIT: Duration = Duration::from_secs(10);
 /// The interval at which readers are looked for.
 const READER_POLL: Duration = Duration::from_millis(50);
 
-/// The thing that a name stands for when a file is to be written there.
+/// The destination that a path leads to.
 #[derive(Debug)]
 pub enum Destination {
     /// A file, existing or not, under its own name, which is no link. It is replaced whole.
@@ -31,7 +31,7 @@ impl Destination {
     /// Resolves `path`. Opens nothing and changes nothing.
     ///
     /// # Errors
-    /// A folder, or a name that is none; links that lead in a circle; any error of the system.
+    /// A folder, or a name that no file can have; links that form a cycle; any error of the system.
     pub fn of(path: &Path) -> io::Result<Self> {
         match fs::metadata(path) {
             Ok(found) => Self::there(path, &found),
@@ -57,7 +57,7 @@ impl Destination {
         Ok(Self::Stream(path.to_owned()))
     }
 
-    /// Writes `bytes`. A file is the old one or the whole new one after any failure.
+    /// Writes `bytes`. After a failure, a file has its old contents or all of the new ones.
     ///
     /// # Errors
     /// When the folder or the disk refuses, the reader is gone, or no reader opens a pipe within
@@ -66,7 +66,7 @@ impl Destination {
         match self {
             Self::File(path) => replace(&path, bytes),
             Self::Output(mut output) => output.write_all(bytes),
-            // Neither made nor emptied: it is there, and has no end.
+            // Opened without creating or truncating it: it exists, and has no length.
             Self::Stream(path) => open_stream(&path)?.write_all(bytes),
         }
     }
@@ -120,7 +120,7 @@ fn ends_open(path: &Path) -> bool {
     path.as_os_str().to_string_lossy().ends_with('/')
 }
 
-/// Returns the name at the end of links that lead to nothing yet.
+/// Returns the path that links lead to if nothing exists there yet.
 fn end_of_links(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..LINKS_MAX {
@@ -132,8 +132,8 @@ fn end_of_links(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("its links lead in a circle"))
 }
 
-/// Returns our standard output or error, if the metadata are the same: a file behind it must not be
-/// replaced while more is written there.
+/// Returns our standard output or error if it has the same metadata: its file must not be replaced
+/// while this process writes to it.
 #[cfg(unix)]
 fn own_output(found: &Metadata) -> Option<File> {
     use std::os::fd::AsFd;
@@ -158,7 +158,7 @@ const NAME_BYTES_MAX: usize = 255;
 /// The most names that are tried for a new file.
 const NAMES_MAX: u32 = 100_000;
 
-/// Writes a file under another name beside it, then renames.
+/// Writes a temporary file in the same folder, then renames it.
 fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     partial(folder_of(path), bytes)?.persist(path).map_err(|error| error.error)?;
     Ok(())
@@ -189,8 +189,8 @@ pub fn create(path: &Path, bytes: &[u8]) -> io::Result<PathBuf> {
     Err(io::Error::new(io::ErrorKind::AlreadyExists, "all names like it are taken"))
 }
 
-/// Returns a file without a name of its own yet, removed when dropped. Its permissions are those
-/// that the process' mask allows.
+/// Returns a temporary file, which is removed when dropped. Its permissions follow the umask of the
+/// process.
 fn partial(folder: &Path, bytes: &[u8]) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".antumbra-").suffix(".partial");

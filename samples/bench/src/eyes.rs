@@ -91,7 +91,7 @@ impl Eyes {
         Ok(())
     }
 
-    /// Returns the frame drawn last, the same for all eyes.
+    /// Returns the last frame drawn, which is the same for all eyes.
     pub fn frame(&self) -> FrameId {
         self.histories.first().map_or(FrameId(0), |history| history.plan().frame)
     }
@@ -101,10 +101,10 @@ impl Eyes {
         self.histories.iter_mut().flat_map(RenderView::drain_stats)
     }
 
-    /// Returns the first eye's history, and its view where the middle of the eyes is at `middle`.
+    /// Returns the first eye's history, and its view if `middle` is the camera between the eyes.
     ///
     /// # Errors
-    /// A camera whose matrix is no projection.
+    /// A camera whose matrix is not a projection.
     pub fn first(
         &mut self,
         renderer: &Renderer,

@@ -7,11 +7,11 @@ use std::path::Path;
 /// Opens a regular file, to be read up to `bytes_max` bytes.
 ///
 /// # Errors
-/// A folder, a pipe or a device, none of which has a known end; a file that is larger; any error of
-/// the system.
+/// A folder, a pipe or a device, whose length is unknown; a file that is larger; any error of the
+/// system.
 pub fn open(path: &Path, bytes_max: u64) -> io::Result<io::Take<File>> {
     let file = open_at_once(path)?;
-    // The opened file counts: the name may come to stand for another.
+    // The opened file is checked, since the name may come to refer to another file.
     let found = file.metadata()?;
     let refuse = |reason: String| Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
     if found.is_dir() {

@@ -7,7 +7,7 @@ use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_wid
 pub const TITLE_FROM_ABOVE: &str = "Boxes and the camera";
 /// The title of the legend of the depth complexity.
 pub const TITLE_OF_LAYERS: &str = "Depth complexity";
-/// Levels that represent the colour scale of all.
+/// The levels that stand for the whole colour scale.
 const LEVELS: [u32; 6] = [0, 3, 6, 9, 12, 15];
 
 const FONT: (FontWeight, RasterHeight) = (FontWeight::Regular, RasterHeight::Size16);
@@ -60,7 +60,7 @@ pub fn layers() -> Vec<LegendEntry> {
 }
 
 /// Draws a legend into the upper right of an image of RGBA pixels, `width` per row. Draws nothing
-/// where it has no room.
+/// if it does not fit.
 pub fn draw(rgba8: &mut [u8], width: usize, title: &str, entries: &[LegendEntry]) {
     let rows = rgba8.as_chunks_mut::<4>().0;
     let height = rows.len().checked_div(width).unwrap_or(0);

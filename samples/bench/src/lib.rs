@@ -1,11 +1,11 @@
-//! The measuring of the engine, and the parts that the sample programs share: options, reports,
-//! images, exit codes.
+//! The measuring tools of the engine, and the parts that the sample programs share: options,
+//! reports, images, exit codes.
 //!
 //! The program `walkthrough`, step by step: [`args`] turns its command line into [`Options`],
 //! [`outputs`] checks that its files can be written, [`run`] draws the frames in the order of
 //! [`schedule`] and measures them with [`measurement`]. [`report`] and [`table`] present the
-//! results. The program `compare` makes one page of many such reports: `compare`, with the feature
-//! `charts`; `gpu_page` makes the page of a device.
+//! results. With the feature `charts`, `compare` makes one page of many such reports, and
+//! `gpu_page` makes the page of a device.
 #![forbid(unsafe_code)]
 
 pub mod animated_png;

@@ -43,8 +43,8 @@ pub struct ShadowWays(Vec<ShadowWay>);
 pub struct ShadowFilters(Vec<ShadowFilter>);
 
 impl LightArguments {
-    /// Returns the ways to draw shadows: a combination of each way with each filter; none where
-    /// nothing is said about lights.
+    /// Returns the ways to draw shadows: a combination of each way with each filter; none without
+    /// options about lights.
     ///
     /// # Errors
     /// Shadows in a generated scene without lights; street lamps in a file.

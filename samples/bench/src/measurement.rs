@@ -38,7 +38,7 @@ pub struct FrameMeasurement {
 struct WarmUp {
     blocking_waits: u64,
     frames_verified: u64,
-    /// The samples below the threshold of those that are compared.
+    /// Samples below the threshold in compared frames.
     samples_below_threshold: u64,
 }
 
@@ -73,7 +73,7 @@ impl RunMeasurement {
         }
     }
 
-    /// Returns it as the run of one way to draw shadows.
+    /// Returns the run, marked with its way to draw shadows.
     #[must_use]
     pub fn with_shadows(self, shadows: Option<ShadowChoice>) -> Self {
         Self { shadows, ..self }
@@ -110,8 +110,8 @@ impl RunMeasurement {
         self.pixels_wrong += pixels_wrong;
     }
 
-    /// Adds the comparison of a frame with its image by plain frustum culling and
-    /// that by the filter `fixed64`, which is empty where nothing is compared with it.
+    /// Adds the comparison of a frame with its images by plain frustum culling and by the filter
+    /// `fixed64`. The latter is empty if that filter is not compared.
     pub fn compare(&mut self, step: &WalkStep, image: &[u8], reference: &[u8], fixed64: &[u8]) {
         let pixels_wrong = pixels_that_differ(reference, image);
         if step.timed {
@@ -122,8 +122,8 @@ impl RunMeasurement {
         self.fixed64.add(image, fixed64);
     }
 
-    /// Adds the GPU times of one frame's passes; passes with the same label are summed, and those
-    /// of other frames took no time in this one.
+    /// Adds the GPU times of one frame's passes; the times of passes with the same label are added.
+    /// A pass that is missing in this frame counts as 0.
     pub fn timed_passes(&mut self, passes: impl IntoIterator<Item = (&'static str, f64)>) {
         let mut frame = BTreeMap::new();
         for (label, gpu_ms) in passes {
@@ -207,8 +207,7 @@ impl RunMeasurement {
     }
 }
 
-/// Returns the triangles of casters that were drawn: of culled ones those that earlier tests
-/// revealed.
+/// Returns the triangles of casters that were drawn without a test or revealed by earlier tests.
 fn shadow_triangles(frame: &FrameMeasurement) -> u64 {
     frame.report.shadows.triangles + frame.report.shadows.revealed_triangles
 }

@@ -32,7 +32,7 @@ impl Moving {
         Ok(Self(Movers::Made { motion, cast }))
     }
 
-    /// Returns the motion of the clips that `animator` plays, by that clock.
+    /// Returns the motion of the clips that `animator` plays, by `clock`.
     pub fn played(animator: SceneAnimator, clock: FrameClock) -> Self {
         Self(Movers::Played { animator: Box::new(animator), clock })
     }
@@ -45,7 +45,7 @@ impl Moving {
         }
     }
 
-    /// Shows `frame`; returns the CPU's time in the engine. Takes none where nothing moves.
+    /// Shows `frame` and returns the CPU time in the engine, which is 0 if nothing moves.
     ///
     /// # Errors
     /// When the renderer refuses a change.

@@ -27,9 +27,9 @@ pub const MAX_OBJECTS: u32 = scenes::MAX_OBJECTS;
 pub const MAX_FRAMES: u32 = 1_000_000;
 /// The most frames that may be in flight.
 pub const MAX_FRAMES_IN_FLIGHT: u32 = 4;
-/// The most eyes that may look.
+/// The most eyes of a walk.
 pub const MAX_VIEWS: u32 = 2;
-/// The number of images of frames that a walk leaves without `--images`.
+/// The number of images that a walk writes without `--images`.
 pub const DEFAULT_IMAGES: u32 = 4;
 
 /// A command line that cannot be carried out: one sentence that names the error and the remedy.
@@ -122,8 +122,8 @@ pub enum PathChoice {
     Made(CameraPathChoice),
     /// The recorded path in this file.
     Recorded(PathBuf),
-    /// The camera of this name in the scene's file; the first one, or a turn around the scene where
-    /// there is none. A name that no camera has may be a recorded path.
+    /// The camera of this name in the scene's file; without a name the first camera, or a turn
+    /// around the scene if there is none. A name that no camera has may be a recorded path.
     OfFile(Option<String>),
 }
 

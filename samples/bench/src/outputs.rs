@@ -107,8 +107,8 @@ impl Outputs {
         Ok(outputs)
     }
 
-    /// Prepares the folder and the file of a walk in the same way, and checks that its folder of
-    /// shaders is one.
+    /// Prepares the folder and the file of a walk in the same way, and checks its folder of
+    /// shaders.
     ///
     /// # Errors
     /// As [`Outputs::prepare`] and [`check_shaders`].
@@ -122,16 +122,16 @@ impl Outputs {
         let refuse = |what: &str, error: &dyn std::fmt::Display| {
             no_place(option, &format!("{what} '{}' ({error})", shown(folder)))
         };
-        // Asked once: it may be gone between two questions.
+        // One call: between two calls the folder could be removed.
         if fs::metadata(folder).is_ok_and(|found| !found.is_dir()) {
             return Err(refuse("cannot use", &"it is not a folder"));
         }
         let mut tries = 1..=TRIES_MAX;
         loop {
-            // Programs that end may remove what was made for them, between our steps, too.
+            // Another program that ends may remove its empty folders at any time between our steps.
             match self.make(folder).and_then(|()| probe(folder)) {
                 Ok(()) => return Ok(()),
-                // In a folder that is removed meanwhile, files are not permitted.
+                // Creating a file fails in a folder that is being removed.
                 Err(Refused { error, .. }) if may_pass(&error) && tries.next().is_some() => {}
                 Err(Refused { what, error }) => return Err(refuse(what, &error)),
             }
@@ -147,7 +147,7 @@ impl Outputs {
             }
             match fs::create_dir(ancestor) {
                 Ok(()) => self.made.push(ancestor.to_owned()),
-                // Another program made it, and removes it if it stays empty.
+                // Another program made the folder, and removes it if it stays empty.
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(Refused { what: "cannot make the folder", error }),
             }
@@ -158,20 +158,20 @@ impl Outputs {
 
 /// An attempt at a folder that the system refused.
 struct Refused {
-    /// The attempt, before the name of the folder.
+    /// The words of the error that precede the name of the folder.
     what: &'static str,
     error: io::Error,
 }
 
-/// Returns true for an error of a folder that another program removes.
+/// Returns true for an error that occurs while another program removes the folder.
 fn may_pass(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::PermissionDenied)
 }
 
 /// Checks that files can be written into a folder.
 fn probe(folder: &Path) -> Result<(), Refused> {
-    // With a name: some systems take a folder that was removed and made again for the removed one
-    // when they are asked for a file without.
+    // The file has a name: for a file without one, some systems confuse a folder that was made
+    // again with the removed one.
     let file = tempfile::Builder::new().prefix(".antumbra-").tempfile_in(folder);
     file.and_then(tempfile::NamedTempFile::close)
         .map_err(|error| Refused { what: "cannot write into the folder", error })
@@ -186,10 +186,10 @@ impl Drop for Outputs {
     }
 }
 
-/// Checks that a folder of shaders is one, and that this build can compile them.
+/// Checks that the shaders are in a folder, and that this build can compile them.
 ///
 /// # Errors
-/// A folder that is none; a build without a compiler.
+/// A path that is not a folder; a build without a compiler.
 pub fn check_shaders(folder: &Path) -> Result<(), UsageError> {
     if cfg!(not(feature = "shader-compiler")) {
         return Err(UsageError(
@@ -203,8 +203,8 @@ pub fn check_shaders(folder: &Path) -> Result<(), UsageError> {
     Err(UsageError(format!("--shaders: there is no folder '{}'", shown(folder))))
 }
 
-/// Writes `bytes` where `path` leads: a file is the old one or the whole new one after any failure;
-/// a pipe or a device is written into.
+/// Writes `bytes` where `path` leads: after a failure, a file has its old contents or all of the
+/// new ones; a pipe or a device is written into.
 ///
 /// # Errors
 /// When the folder or the disk refuses.
@@ -213,8 +213,8 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     written.map_err(|error| WriteError::new(path, error))
 }
 
-/// Writes a file that did not exist: under the name of `path`, or with a number behind it where
-/// that is taken. Returns its path.
+/// Writes a file that did not exist: under the name of `path`, or with a number appended if that is
+/// taken. Returns its path.
 ///
 /// # Errors
 /// When the folder or the disk refuses.
@@ -320,12 +320,13 @@ pub(crate) mod tests {
                 for _ in 0..8 {
                     scope.spawn(|| {
                         begin.wait();
-                        // Nothing is written: each removes what it made, at any time.
+                        // No file is written, so each thread removes the folders that it made, at
+                        // any time.
                         drop(Outputs::of_walk(&options).unwrap());
                     });
                 }
             });
-            // One may have removed its part before another removed what lay in it.
+            // A folder remains if its thread tried to remove it before the folders in it were gone.
             let _gone = fs::remove_dir_all(scratch.0.join("a"));
         }
     }
@@ -336,7 +337,8 @@ pub(crate) mod tests {
         let scratch = Scratch::new("pipe");
         let pipe = scratch.0.join("pipe");
         assert!(process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-        // Nobody reads: to prepare is not to open. Nor need the folder take files.
+        // Preparing does not open the pipe, which has no reader, and its folder need not be
+        // writable.
         for place in [pipe.to_str().unwrap(), "/dev/zero"] {
             drop(Outputs::of_walk(&options(&["--report", place])).unwrap());
         }

@@ -13,11 +13,11 @@ use crate::camera_path::CameraTrack;
 use crate::choices::unknown;
 use crate::run_error::RunError;
 
-/// The frames per second where no clip determines the length of a walk.
+/// The frames per second if no clip determines the length of a walk.
 const FRAMES_A_SECOND: f64 = 60.0;
-/// The angle by which a camera on a way around something looks down, in radians.
+/// The angle by which a camera that turns around something looks down, in radians.
 const DOWN_RAD: f32 = 0.35;
-/// The factor of the distance at which everything would just fit.
+/// The factor on the distance at which everything would just fit.
 const ROOM: f32 = 1.05;
 /// The smallest size that the camera's distance is made for, in metres.
 const LEAST_M: f32 = 1e-5;
@@ -27,8 +27,8 @@ const TURNED_RAD: f32 = 0.6;
 /// The number of points by which the rims of the cylinder around a scene are sampled.
 const RIM_POINTS: u32 = 64;
 
-/// Returns the index of the camera of that name, or of the first one; `None` where there is none
-/// and none is named.
+/// Returns the index of the camera of that name, or of the first one if no name is given. Returns
+/// `None` if there is neither a name nor a camera.
 ///
 /// # Errors
 /// A name that no camera has, with the existing names.
@@ -60,7 +60,7 @@ pub enum FrameClock {
         /// The frames per second.
         hz: f64,
     },
-    /// A time from its beginning, in the first frame, to its end, in the last one.
+    /// A time span, from its beginning in the first frame to its end in the last one.
     Spread {
         /// The time, in seconds.
         seconds: f64,
@@ -70,8 +70,8 @@ pub enum FrameClock {
 }
 
 impl FrameClock {
-    /// Creates the clock of a walk of so many frames: from end to end of a clip of the camera that
-    /// lasts `seconds`, if there is one.
+    /// Creates the clock of a walk of `frames` frames. If a clip of the camera lasts `seconds`, the
+    /// walk plays it once from end to end.
     pub fn of_walk(seconds: Option<f32>, frames: u32) -> Self {
         match seconds {
             Some(seconds) => Self::Spread { seconds: seconds.into(), frames },
@@ -91,8 +91,8 @@ impl FrameClock {
     }
 }
 
-/// Returns the cameras of so many frames by that clock: of a camera of a file, on images of
-/// `size` pixels, while the playing clips play.
+/// Returns a camera of a file in each frame of `clock`, on images of `size` pixels, while clips
+/// play.
 pub fn cameras(
     animator: &mut SceneAnimator,
     camera: &import::SceneCamera,
@@ -123,8 +123,8 @@ impl Clips {
         Self { playing: animator.compatible(first) }
     }
 
-    /// Returns the clip after the one that plays alone; after the last one, and after several, the
-    /// first.
+    /// Returns the clip after the one that plays alone. After the last clip, or after several, the
+    /// first one follows.
     pub fn next(&self, animator: &SceneAnimator) -> Self {
         let after = match self.playing.as_slice() {
             [clip] => clip + 1,
@@ -139,7 +139,7 @@ impl Clips {
         &self.playing
     }
 
-    /// Returns their names, for people.
+    /// Returns their names in words.
     pub fn describe(&self, animator: &SceneAnimator) -> String {
         let all = animator.clips();
         match self.playing.as_slice() {
@@ -150,7 +150,7 @@ impl Clips {
         }
     }
 
-    /// Returns a sentence about the clips that cannot play, for people.
+    /// Returns a sentence about the clips that cannot play, if there are any.
     pub fn conflicts(&self, animator: &SceneAnimator) -> Option<String> {
         let left_out = animator.clips().iter().enumerate();
         let left_out = left_out.filter(|(place, _)| !self.playing.contains(place));
@@ -185,8 +185,8 @@ impl Orbit {
         } else {
             (Vec3::ZERO, Vec3::ONE)
         };
-        // The upright cylinder around it looks the same from all sides. It must fit: from its rims
-        // comes how far away that is.
+        // The upright cylinder around the bounds looks the same from all sides. Its rims determine
+        // the distance at which it fits.
         let tangent_up = (FOV_Y_RAD * 0.5).tan() / ROOM;
         let tangent_across = tangent_up * size[0].max(1) as f32 / size[1].max(1) as f32;
         let (down, level) = DOWN_RAD.sin_cos();
@@ -203,7 +203,7 @@ impl Orbit {
         Self { centre, away_m }
     }
 
-    /// Returns the camera in a frame of so many.
+    /// Returns the camera in one of `frames` frames.
     pub fn camera(&self, frame: u32, frames: u32) -> Camera {
         let around = Vec2::from_angle(TAU * frame as f32 / frames.max(1) as f32);
         let (down, level) = DOWN_RAD.sin_cos();
@@ -219,8 +219,8 @@ impl Orbit {
 }
 
 /// Returns a camera that looks at something from its front and somewhat from the side. It is as
-/// near as images of `size` pixels allow, whose left is covered up to a share of `covered` (from
-/// 0 to less than 1) of the width.
+/// near as images of `size` pixels allow if the left part of the image, a share of `covered` (from
+/// 0 to less than 1) of the width, is covered.
 pub fn portrait(bounds: &Aabb, size: [u32; 2], covered: f32) -> Camera {
     let Orbit { centre, .. } = Orbit::around(bounds, size);
     let (down, level) = DOWN_RAD.sin_cos();
@@ -230,8 +230,8 @@ pub fn portrait(bounds: &Aabb, size: [u32; 2], covered: f32) -> Camera {
     let up = outward.cross(right);
     let tangent_up = (FOV_Y_RAD * 0.5).tan() / ROOM;
     let tangent_across = tangent_up * size[0].max(1) as f32 / size[1].max(1) as f32;
-    // The eye goes aside by so much of its distance, so that the centre is in the middle of what is
-    // free.
+    // The eye moves aside by this share of its distance, so that the centre is in the middle of the
+    // free part.
     let aside_tangent = tangent_across * ROOM * covered;
     let free_tangent = tangent_across * (1.0 - covered);
     let away_for = |corner: Vec3| {
@@ -267,8 +267,8 @@ mod tests {
         assert_eq!(steady.seconds(90), 1.5);
     }
 
-    /// Checks that everything is in the image, and returns the part of its height or width that
-    /// this takes.
+    /// Checks that everything is in the image, and returns the part of its height or width that it
+    /// fills.
     fn filled(camera: &Camera, bounds: &Aabb, size: [u32; 2]) -> f32 {
         let right = camera.forward.cross(Vec3::Y).normalize();
         let up = right.cross(camera.forward);

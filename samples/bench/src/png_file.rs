@@ -18,7 +18,7 @@ pub enum PngError {
         /// The number of bytes.
         bytes: usize,
     },
-    /// Less memory than the image takes once more.
+    /// Too little memory for two more copies of the image.
     #[error("there is no memory for an image of {size} pixels as a PNG (about {} MiB)", bytes >> 20)]
     NoMemory {
         /// The size.
@@ -35,7 +35,7 @@ pub enum PngError {
 }
 
 /// Writes rows of RGBA pixels, sRGB-encoded, the top row first, as a PNG. Alpha is dropped: frames
-/// are opaque. A file of that name is left alone: returns the path that was [free](write_new).
+/// are opaque. An existing file is never replaced: returns the path that was [free](write_new).
 ///
 /// # Errors
 /// When the bytes do not match the size, or the file cannot be written.
@@ -46,7 +46,7 @@ pub fn write_png(path: &Path, size: FrameSize, rgba8: &[u8]) -> Result<PathBuf, 
     }
     let bytes = rgba8.len() / 4 * 3;
     let mut rgb8: Vec<u8> = Vec::new();
-    // Packed, it is hardly ever larger.
+    // The compressed image is hardly ever larger.
     let mut file: Vec<u8> = Vec::new();
     let reserved = rgb8.try_reserve_exact(bytes).and_then(|()| file.try_reserve(bytes));
     reserved.map_err(|_| PngError::NoMemory { size, bytes: 2 * bytes })?;

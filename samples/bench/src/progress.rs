@@ -13,7 +13,7 @@ use crate::terminal::{say, style::can_redraw};
 pub trait WalkProgress {
     /// Begins a step of the preparations: "building the city".
     fn stage(&self, what: &str);
-    /// Begins so many frames, for that purpose.
+    /// Begins `frames` frames; `what` is their purpose.
     fn begin_frames(&self, what: &str, frames: u64);
     /// Notes that one frame is done; `how` names its strategy, or is empty.
     fn frame_done(&self, how: &str);
@@ -32,9 +32,9 @@ pub fn for_terminal(quiet: bool) -> Box<dyn WalkProgress> {
     }
 }
 
-/// The time that must have passed before the rest can be estimated.
+/// The time after which the remaining time is estimated.
 const ESTIMATE_AFTER: Duration = Duration::from_secs(1);
-/// The least rest that is shown.
+/// The least remaining time that is shown.
 const REST_MIN: Duration = Duration::from_secs(1);
 
 /// Returns the remaining time in words; an empty text where it is not known yet.
@@ -146,7 +146,7 @@ impl WalkProgress for Lines {
     fn finish(&self) {}
 }
 
-/// Returns true if a whole number of tenths is reached with this frame and was not before it.
+/// Returns true if this frame completes a tenth of all frames.
 fn completes_tenth(done: u64, frames: u64) -> bool {
     let tenths = |done: u64| done.saturating_mul(10).checked_div(frames);
     tenths(done) != tenths(done.saturating_sub(1))

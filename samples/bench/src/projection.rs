@@ -13,7 +13,7 @@ const SAME_HEIGHT_AT_M: f32 = 30.0;
 const FAR_M: f32 = 1000.0;
 /// The number of frames after which the jitter repeats.
 const JITTERS: u32 = 16;
-/// The bits of sub-pixels of a view of which the matrix alone is used.
+/// The sub-pixel bits of a view of which only the matrix is used.
 const ANY_BITS: u32 = 8;
 
 /// Returns the viewpoint of a frame's camera on a part of the image.
@@ -45,7 +45,7 @@ fn jitter_pixels(frame: u32) -> Vec2 {
     Vec2::new(radical_inverse(index, 2), radical_inverse(index, 3)) - 0.5
 }
 
-/// Returns the digits of a number in a base, mirrored at the point.
+/// Returns the digits of a number in a base, mirrored at the radix point.
 fn radical_inverse(mut index: u32, base: u32) -> f32 {
     let mut digit = 1.0;
     let mut sum = 0.0;

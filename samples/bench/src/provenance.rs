@@ -11,8 +11,7 @@ use serde::{Deserialize, Serialize};
 pub struct Provenance {
     /// The words of the command line; the program without its folder.
     pub command: Vec<String>,
-    /// The time when the walk was over, in seconds since 1970; 0 where the machine's clock stands
-    /// before that.
+    /// The time when the walk was over, in seconds since 1970; 0 if the machine's clock is earlier.
     pub unix_s: u64,
 }
 
@@ -48,7 +47,7 @@ fn civil_day(day: u64) -> (u64, u64, u64) {
     let year_of_era =
         (day_of_era - day_of_era / 1_460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
     let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
-    // Months from March on have 153 days in each five.
+    // From March on, every five months have 153 days.
     let month_from_march = (5 * day_of_year + 2) / 153;
     let day_of_month = day_of_year - (153 * month_from_march + 2) / 5 + 1;
     let month = if month_from_march < 10 { month_from_march + 3 } else { month_from_march - 9 };

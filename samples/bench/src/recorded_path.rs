@@ -24,7 +24,7 @@ use crate::terminal::shown;
 const HEADER: &str = "antumbra path 1";
 const COLUMNS: &str =
     "# seconds, eye, forward, up, field of view or (if a far plane follows) height, near plane";
-/// The numbers of a frame in perspective. An orthographic one has its far plane in addition.
+/// The numbers of a frame in perspective. An orthographic frame has its far plane in addition.
 const NUMBERS: usize = 12;
 /// The most frames of a path: ten hours at 60 per second. A file with more was not recorded by us.
 const MOST_FRAMES: usize = 2_000_000;
@@ -98,7 +98,7 @@ impl RecordedPath {
     /// Reads a file.
     ///
     /// # Errors
-    /// An unreadable file, or the first line that is not of a path, with its number.
+    /// An unreadable file, or the first invalid line, with its number.
     pub fn read(path: &Path) -> Result<Self, UsageError> {
         let shown = shown(path);
         let refuse = |reason: &dyn std::fmt::Display| {
@@ -164,7 +164,7 @@ fn parse_frame(line: &str) -> Result<PathFrame, String> {
         return Err(format!("a frame has {NUMBERS} or {} numbers, not {count}", NUMBERS + 1));
     }
     for (number, word) in numbers.iter_mut().zip(words) {
-        // Read as what it will be: rounding twice could change a bit.
+        // Parsed as `f32` at once, since rounding twice could change a bit.
         let read = word.parse::<f32>().ok().filter(|number| number.is_finite());
         *number = read.ok_or_else(|| format!("'{word}' is no number"))?.into();
     }

@@ -50,7 +50,7 @@ pub struct Report {
     pub size: [u32; 2],
     /// Samples per pixel.
     pub samples_per_pixel: u32,
-    /// True if a signal ended the walk: then a run may have fewer frames than `frames`.
+    /// True if a signal ended the walk: a run may then have fewer frames than `frames`.
     pub cut_short: bool,
     /// The number of frames that the CPU was allowed to be ahead.
     pub frames_in_flight: u32,
@@ -60,7 +60,7 @@ pub struct Report {
     /// The expected time of skipping in a frame by each way, in nanoseconds; empty where none was
     /// measured.
     pub skip_ns: BTreeMap<String, Option<f64>>,
-    /// The tester that was expected to cost least before the first frame.
+    /// The tester with the lowest expected cost before the first frame.
     pub tester: String,
     /// The times of the reset of a query in nanoseconds: by a command, and by the CPU.
     pub reset_ns: BTreeMap<String, Option<f64>>,
@@ -84,9 +84,9 @@ pub struct Report {
     pub transparency: Option<TransparencyReport>,
     /// The runs, in the order asked for: one per strategy, and per way to draw shadows.
     pub runs: Vec<RunReport>,
-    /// "A/B": median frame time of A over that of B, for every ordered pair.
+    /// "A/B": the median frame time of A over the median of B, for every ordered pair.
     pub ratios: BTreeMap<String, Option<f64>>,
-    /// "A/B": median over the frames of A's time of a frame over B's time of the same one.
+    /// "A/B": the median of the ratios of A's and B's times, frame by frame.
     pub paired_ratios: BTreeMap<String, Option<f64>>,
     /// The command line and the time of the measurement.
     pub provenance: Provenance,
@@ -219,9 +219,10 @@ pub struct CorrectionsReport {
     pub draws: Option<f64>,
     /// The estimated factor of the cost of tests.
     pub tests: Option<f64>,
-    /// The factor applied to the costs of tests at the end, since that much was certain.
+    /// The factor applied to the costs of tests at the end: `tests` over `draws`, as far as that
+    /// was certain.
     pub proportion: Option<f64>,
-    /// The number of frames behind these estimates; 0 where the device reports no times.
+    /// The number of frames that these estimates are based on; 0 where the device reports no times.
     pub frames: u64,
 }
 
@@ -243,7 +244,7 @@ impl From<Corrections> for CorrectionsReport {
 pub struct RunReport {
     /// The name of the strategy.
     pub strategy: String,
-    /// The way to make shadows; absent where nothing is said about lights, as the five below.
+    /// The way to make shadows; absent without options about lights, as are the five fields below.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shadows: Option<String>,
     /// The filter of shadow maps.
@@ -262,14 +263,13 @@ pub struct RunReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shadow_triangles: Option<u64>,
     /// The mean difference of a channel from the same images with the filter `fixed64`, of 255;
-    /// absent where that filter is not among the compared ones, or no frame was compared.
+    /// absent if that filter was not compared, or no frame was.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fixed64_difference_mean: Option<f64>,
     /// The greatest such difference of a channel.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fixed64_difference_max: Option<u64>,
-    /// The time of a frame: from its beginning on the CPU to its end on the device, per frame in
-    /// flight.
+    /// The time from one submit to the next: in a full pipeline, the time of a frame.
     pub frame_ms: TimeSummary,
     /// The times that `frame_ms` sums up, in the order of the path.
     pub frame_times_ms: Vec<Option<f64>>,
@@ -310,13 +310,12 @@ pub struct RunReport {
     pub frames_timed: u64,
     /// The number of them that were compared with plain frustum culling.
     pub frames_verified: u64,
-    /// The number of compared frames that are not timed: they warm the strategy up, the first of
-    /// all from an empty history.
+    /// The number of compared warm-up frames; the first of them begins with an empty history.
     pub warm_up_frames_verified: u64,
     /// Pixels that differed in all compared frames; absent where none was compared.
     pub pixels_wrong: Option<u64>,
-    /// The number of them for which a threshold accounts at most: the visible samples that were
-    /// left out. 0 without a threshold; absent where none was compared, or nothing is promised.
+    /// The most of them that the threshold can explain: the visible samples that were left out. 0
+    /// without a threshold; absent where none was compared, or the strategy promises no bound.
     pub pixels_wrong_at_most: Option<u64>,
     /// Visible samples that were left out because of the threshold, in all timed frames.
     pub samples_below_threshold: u64,
@@ -327,7 +326,7 @@ pub struct RunReport {
 
 impl RunReport {
     /// Returns the wrong pixels of a strategy that promises none, if they are more than the
-    /// threshold accounts for.
+    /// threshold can explain.
     pub fn broken_promise(&self) -> Option<u64> {
         let is_exact = named(&self.strategy).is_some_and(Strategy::is_exact);
         let most = self.pixels_wrong_at_most.unwrap_or(0);
@@ -383,7 +382,7 @@ fn pairs(
 }
 
 impl Report {
-    /// Returns the report in this JSON.
+    /// Parses a report from JSON.
     ///
     /// # Errors
     /// The first error in it.
@@ -431,12 +430,12 @@ impl Report {
     /// Returns the report as indented JSON with a final line break.
     ///
     /// # Errors
-    /// A value that cannot be JSON. No report of this program holds one.
+    /// A value that JSON cannot represent, which no report of this program has.
     pub fn to_json(&self) -> Result<String, serde_json::Error> {
         serde_json::to_string_pretty(self).map(|json| json + "\n")
     }
 
-    /// Writes the report so that the file is either the old one or the whole new one.
+    /// Writes the report. After a failure, the file has its old contents or all of the new ones.
     ///
     /// # Errors
     /// When the file cannot be written.

@@ -13,11 +13,11 @@ pub struct ResultPage {
 /// The weight of a paragraph; its name is a class of the style sheet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tone {
-    /// As usual.
+    /// Normal text.
     Plain,
     /// The result, before all else.
     Lead,
-    /// Conditions that stand back.
+    /// Less prominent conditions.
     Faint,
     /// A reason to doubt the rest.
     Warning,
@@ -26,7 +26,7 @@ pub enum Tone {
 /// A table.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
-    /// The heads of its columns.
+    /// The headings of its columns.
     pub columns: Vec<String>,
     /// The columns that are numbers.
     pub numbers: Range<usize>,
@@ -39,7 +39,7 @@ pub struct Table {
 pub struct Cell {
     /// Its text.
     pub text: String,
-    /// More about it: behind the text, in HTML smaller and below; may be empty.
+    /// Details: after the text, in HTML smaller and below it; may be empty.
     pub detail: String,
     /// A class of the style sheet; may be empty.
     pub class: &'static str,
@@ -153,7 +153,7 @@ impl ResultPage {
         &self.markdown
     }
 
-    /// Returns the page as HTML, with rules of style in addition to those of all pages.
+    /// Returns the page as HTML, with `style` added to the style sheet of all pages.
     pub fn html(&self, style: &str) -> String {
         include_str!("result_page/page.html")
             .replace("{title}", &escaped(&self.title))

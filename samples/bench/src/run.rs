@@ -63,7 +63,7 @@ pub fn run(
         DeviceOptions { pipeline_cache: pipeline_cache_file(), ..Default::default() };
     let device = Device::new(&instance, &adapter, &device_options)?;
     let mut walked = walk_on(&device, options, progress, signals)?;
-    // The layers have their last word when everything is torn down.
+    // The layers also report while everything is destroyed.
     drop(device);
     walked.report.validation_messages =
         u64::try_from(instance.validation_log().len()).unwrap_or(u64::MAX);
@@ -86,8 +86,8 @@ pub fn list_devices() -> Result<Vec<String>, RunError> {
     Ok(adapters.iter().enumerate().map(line).collect())
 }
 
-/// Tests what the driver of the chosen device is trusted with. Returns the device's name and what
-/// was found.
+/// Tests the assumptions about the driver of the chosen device. Returns the device's name and the
+/// results.
 ///
 /// # Errors
 /// A device that is missing or unsuited, a failed call.
@@ -99,7 +99,7 @@ pub fn self_test(options: &Options) -> Result<(String, SelfTest), RunError> {
     Ok((format!("{} ({}, Vulkan {})", adapter.name, adapter.driver, adapter.api), found))
 }
 
-/// Returns an instance, for windows of that system if there will be one.
+/// Returns an instance, with support for windows of a system if one is given.
 pub fn open_instance(
     validation: ValidationChoice,
     windows: Option<WindowSystem>,
@@ -124,7 +124,7 @@ pub fn pick_adapter(instance: &Instance, choice: &DeviceChoice) -> Result<Adapte
     Ok(instance.pick_adapter(wanted(choice).as_deref())?)
 }
 
-/// Returns a choice in the engine's form.
+/// Returns a choice as the engine takes it.
 pub fn wanted(choice: &DeviceChoice) -> Option<String> {
     match choice {
         DeviceChoice::Best => None,
@@ -168,7 +168,7 @@ pub fn walk_on(
         file.notes.extend(degradations(&mut renderer, &options.shadows)?);
     }
     let scene_report = scene_report(&options.scene, &scene, seed, file);
-    // The device has it all.
+    // Everything is on the device now.
     drop(scene);
     let (strategies, left_out) = able(&renderer, options)?;
     if options.asked.time_passes {
@@ -261,8 +261,8 @@ fn upload(
     })
 }
 
-/// Returns what the renderer's scene loses with one of these ways to draw shadows, or with its own
-/// if there are none.
+/// Returns the degradations of the scene with the renderer's own shadows and with each of these
+/// ways to draw them.
 fn degradations(
     renderer: &mut Renderer,
     shadows: &[ShadowChoice],
@@ -366,8 +366,8 @@ fn reset_report(renderer: &Renderer) -> BTreeMap<String, Option<f64>> {
     by_name([("command", command_ns.into()), ("cpu", cpu_ns.into())].into_iter())
 }
 
-/// Returns all methods; coherent hierarchical culling, the one method of the literature that has a
-/// threshold, with the same threshold.
+/// Returns all methods. CHC, the only method of the literature with a threshold, gets the same
+/// threshold as ours.
 fn all_methods(options: &Options) -> Vec<MethodConstructor> {
     let chc = methods::chc(ChcOptions {
         visibility_threshold_samples: options.asked.threshold,

@@ -1,4 +1,4 @@
-//! Scenes out of glTF files: loaded with progress, and reported.
+//! Scenes from files: loaded with progress, and reported.
 
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -25,10 +25,10 @@ pub struct LoadProgress<'a> {
 /// The function that receives the progress, and decides if loading continues.
 pub type LoadProgressFn<'a> = dyn FnMut(LoadProgress<'_>) -> ControlFlow<()> + 'a;
 
-/// Reports the progress; ends the loading where its result is no longer wanted.
+/// Reports the progress, and checks that the scene is still wanted.
 ///
 /// # Errors
-/// When it was given up.
+/// When loading was given up.
 pub fn report_progress(
     progress_fn: &mut LoadProgressFn<'_>,
     what: &str,
@@ -43,7 +43,7 @@ pub fn report_progress(
 /// Reads a file.
 ///
 /// # Errors
-/// The error: file, object in it, reason; or that it was given up.
+/// A file that cannot be read, with the object in it and the reason; loading that was given up.
 pub fn load(
     file: &Path,
     options: &LoadOptions,
@@ -65,7 +65,7 @@ pub fn load(
     loaded.map_err(|error| match error.cause {
         Cause::GivenUp => RunError::given_up(),
         cause => {
-            // The engine's sentence has the name as it is.
+            // The engine's message has the file's name, not escaped.
             let said = error.to_string();
             let said = said.replace(&file.display().to_string(), &shown(file).to_string());
             match cause {

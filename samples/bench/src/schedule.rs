@@ -3,9 +3,9 @@
 //!
 //! Turns frame by frame would be fairer to the noise but not to the caches: a strategy that touches
 //! the whole scene leaves them cold for the next one. Hence rounds, each begun by warm-up frames
-//! that do not count, and a rotating order, so that no strategy always follows the same other.
+//! that do not count, and a rotating order, so that no strategy always follows the same one.
 
-/// The fewest consecutive timed frames of a round, if the walk has so many.
+/// The fewest consecutive timed frames of a round, if the walk has that many.
 pub const ROUND_FRAMES: u32 = 12;
 /// The frames walked again before each round's first timed one.
 pub const WARM_UP_FRAMES: u32 = 4;
@@ -67,8 +67,9 @@ impl Schedule {
 
     /// Returns the frames in the order in which they are to be drawn.
     ///
-    /// Every strategy walks every frame exactly once timed, in ascending order. A round's warm-up
-    /// walks the frames before its first timed one; before the start of the walk the camera stands.
+    /// Every strategy walks every frame exactly once as a timed frame, in ascending order. A
+    /// round's warm-up walks the frames before its first timed one; before the start of the walk
+    /// the camera stands still.
     pub fn steps(&self) -> impl Iterator<Item = WalkStep> + use<> {
         let schedule = *self;
         let rounds = if schedule.is_empty() { 0 } else { schedule.rounds() };

@@ -22,7 +22,7 @@ pub struct SectionArguments {
     pub section_mode: Option<SectionMode>,
 }
 
-/// Section planes between semicolons.
+/// Section planes, separated by semicolons.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlaneList(pub Vec<SectionPlane>);
 
@@ -30,7 +30,7 @@ impl SectionArguments {
     /// Returns the planes.
     ///
     /// # Errors
-    /// More than there can be.
+    /// More planes than are possible.
     pub fn planes(&self) -> Result<SectionPlanes, UsageError> {
         let planes = self.section.as_ref().map_or(&[][..], |list| &list.0);
         SectionPlanes::new(planes, self.section_mode.unwrap_or_default())
@@ -38,10 +38,10 @@ impl SectionArguments {
     }
 }
 
-/// Reads planes between semicolons, `X,Y,Z,D` each.
+/// Parses planes `X,Y,Z,D`, separated by semicolons.
 ///
 /// # Errors
-/// A sentence about the first that is none.
+/// A sentence about the first invalid plane.
 pub fn parse_planes(text: &str) -> Result<PlaneList, String> {
     text.split(';').map(parse_plane).collect::<Result<_, _>>().map(PlaneList)
 }

@@ -1,9 +1,9 @@
-//! The table of `walkthrough --self-test`: what a driver is trusted with, and what was found.
+//! The table of `walkthrough --self-test`: the assumptions about a driver, and the results.
 
 use antumbra::render::{CheckResult, SelfTest};
 use comfy_table::{ContentArrangement, Table, presets};
 
-/// Returns a line for each assumption: its name, the verdict, and what was seen or is done.
+/// Returns a line for each assumption: its name, the verdict, the observation and the consequence.
 pub fn render(device: &str, found: &SelfTest) -> String {
     let mut table = Table::new();
     table.load_style(presets::UTF8_FULL_CONDENSED);

@@ -12,7 +12,7 @@ use crate::choices::parse_listed;
 /// A way to make shadows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ShadowWay {
-    /// `off`: none.
+    /// `off`: no shadows.
     Off,
     /// `maps`: shadow maps that are drawn again only where something changed.
     Maps,
@@ -101,8 +101,8 @@ impl ShadowChoice {
     pub const OFF: Self =
         Self { way: ShadowWay::Off, filter: ShadowFilter::Adaptive, bias: ShadowBias::Plane };
 
-    /// Returns the choice whose images are right by construction, with the same filter and bias;
-    /// without shadows all filters are one.
+    /// Returns the choice whose images are right by construction, with the same filter and bias.
+    /// Without shadows the filter does not matter.
     #[must_use]
     pub fn reference(self) -> Self {
         match self.way.reference() {
@@ -111,8 +111,8 @@ impl ShadowChoice {
         }
     }
 
-    /// Returns the choice with 64 samples everywhere, nothing kept, with which images of other
-    /// filters are compared; `None` where there are no maps to filter.
+    /// Returns the choice with 64 samples everywhere and no kept maps, for comparing the images of
+    /// other filters; `None` if there are no maps to filter.
     #[must_use]
     pub fn fixed64(self) -> Option<Self> {
         let has_maps = matches!(self.way, ShadowWay::Maps | ShadowWay::MapsUncached);

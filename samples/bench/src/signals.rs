@@ -1,5 +1,5 @@
-//! Signals that end a program as if its work was done: the results so far are printed and written.
-//! And one that would end it with half a file.
+//! Signals that end a program as if its work were done: the results so far are printed and written.
+//! SIGXFSZ, which would leave half a file, does not end it.
 
 use std::fs;
 use std::sync::Arc;
@@ -43,7 +43,7 @@ impl Signal {
 /// A record of the signals that come.
 #[derive(Debug, Default)]
 pub struct Signals {
-    /// The number of the newest; 0 before the first.
+    /// The number of the newest signal; 0 before the first.
     newest: Arc<AtomicUsize>,
     /// True from the first one on.
     has_come: Arc<AtomicBool>,
@@ -65,7 +65,7 @@ impl Signals {
             if ignored >> (number - 1) & 1 == 1 {
                 continue;
             }
-            // They are called in this order: the first signal finds that it is not the second.
+            // Called in this order, so that the first signal is not taken for the second.
             flag::register_conditional_default(number, Arc::clone(&has_come))
                 .and_then(|_| flag::register(number, Arc::clone(&has_come)))
                 .and_then(|_| flag::register_usize(number, Arc::clone(&newest), number as usize))
@@ -74,7 +74,7 @@ impl Signals {
         Ok(Self { newest, has_come })
     }
 
-    /// Returns the request to give loading up, which every signal makes.
+    /// Returns a token for loading that every signal cancels.
     pub fn cancellation(&self) -> CancellationToken {
         CancellationToken::of_flag(Arc::clone(&self.has_come))
     }
@@ -95,7 +95,7 @@ impl Signals {
 }
 
 /// Lets writes beyond the limit of a file's size (`ulimit -f`) fail, instead of ending the process
-/// with half a file. Where the system refuses, it stays as it is.
+/// with half a file. If the system refuses, nothing changes.
 pub fn survive_file_limits() {
     let _never_read = flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
 }

@@ -33,8 +33,7 @@ impl TimeSummary {
     }
 }
 
-/// Returns the middle one of some counts, an actual one of them (the lower if their number is
-/// even).
+/// Returns the middle one of some counts; the lower of the two middle ones if their number is even.
 pub fn median_count(counts: impl IntoIterator<Item = u64>) -> Option<u64> {
     let mut sorted: Vec<u64> = counts.into_iter().collect();
     sorted.sort_unstable();
@@ -47,8 +46,8 @@ pub fn ratio(a: Option<f64>, b: Option<f64>) -> Option<f64> {
     ratio.is_finite().then(|| kept(ratio))
 }
 
-/// Returns the median of the ratios of the values at the same index in both; absent where no pair
-/// has one.
+/// Returns the median of the ratios of the values at the same index in both; absent if no pair has
+/// a ratio.
 pub fn paired_ratio(a: &[Option<f64>], b: &[Option<f64>]) -> Option<f64> {
     let ratios = a.iter().zip(b).filter_map(|(&a, &b)| Some(a? / b?));
     TimeSummary::of(ratios).median

@@ -46,7 +46,7 @@ pub fn render(report: &Report, width: usize) -> String {
     wrapped(&above) + &blocks(report, width) + &wrapped(&below)
 }
 
-/// Returns a line in lines that fit, indented after the first.
+/// Returns a line, wrapped to `width` and indented after the first break.
 fn wrapped(line: &str, width: usize) -> String {
     let options = textwrap::Options::new(width)
         .subsequent_indent("  ")
@@ -160,7 +160,7 @@ fn more_lines(report: &Report) -> String {
     if report.threshold_pixels > 0 {
         let most = count(Some(report.threshold_pixels.into()));
         lines += &format!(
-            "\nnot exact: objects that show at most {most} pixels count as hidden in antumbra, antumbra_queries, coherent"
+            "\nnot exact: objects that show at most {most} pixels count as hidden in antumbra, antumbra_queries, chc"
         );
     }
     if let Some(transparency) = &report.transparency {
@@ -196,20 +196,20 @@ fn shadow_lines(report: &Report) -> String {
     joined(report.runs.iter().zip(labels(&report.runs)).filter_map(line))
 }
 
-/// The most runs that are compared with each other, one by one.
+/// The most runs of which each pair is compared.
 const FEW_RUNS: usize = 3;
 
-/// The strategies that all others are compared with if there are many.
+/// The strategies that all runs are compared with if there are many.
 const MEASURES: [Strategy; 3] = [Strategy::FRUSTUM, Strategy::ANTUMBRA, methods::IDEAL];
 
-/// Returns a sentence for each pair, in the order of the runs; of many, one for each run.
+/// Returns a sentence for each pair, in the order of the runs; if there are many, one for each run.
 fn ratio_lines(report: &Report) -> String {
     let labels = labels(&report.runs);
     let names: Vec<&str> = labels.iter().map(String::as_str).collect();
     let ratio = |a: &str, b: &str| report.ratios.get(&format!("{a}/{b}")).copied().flatten();
     if names.len() > FEW_RUNS {
         let line = |name: &&str| {
-            // Of runs with shadows those with the same ones.
+            // A run with shadows is compared with runs that have the same shadows.
             let shadows = name.find(' ').map_or("", |end| &name[end..]);
             let to =
                 |measure: Strategy| Some((ratio(name, &format!("{measure}{shadows}"))?, measure));
@@ -285,7 +285,7 @@ fn foot(report: &Report) -> String {
         whole(memory.gpu_allocated_mib),
         report.validation_messages,
     );
-    // Those of strategies that promise nothing are counted in their column.
+    // Wrong pixels of strategies that are not exact are only in their column.
     let wrong: u64 = report.runs.iter().filter_map(RunReport::broken_promise).sum();
     if wrong > 0 {
         // Writing to a String cannot fail.
@@ -306,7 +306,7 @@ fn fragment_lines(report: &Report) -> String {
 /// Returns a line for each run whose threshold left visible samples out.
 fn threshold_lines(report: &Report) -> String {
     let runs = report.runs.iter().filter(|run| {
-        // Those of frames before the walk are in the second number only.
+        // Samples of warm-up frames are in the second number only.
         run.samples_below_threshold > 0 || run.pixels_wrong_at_most.is_some_and(|most| most > 0)
     });
     let line = |run: &RunReport| {

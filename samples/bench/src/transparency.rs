@@ -1,4 +1,4 @@
-//! Transparent objects: the choice of their order, and what reports say of it.
+//! Transparent objects: the choice of their order, and the report about it.
 
 use antumbra::render::{FragmentCounts, Renderer, TransparencyMethod, TransparencyOptions};
 use clap::ValueEnum;
@@ -61,9 +61,9 @@ impl TransparencyReport {
 pub struct FragmentsReport {
     /// Fragments of transparent objects that nothing opaque hides.
     pub visible: u32,
-    /// Those of them that found no room, and were not blended.
+    /// Visible fragments beyond the capacity, which were not blended.
     pub without_room: u32,
-    /// Those of them that were not blended behind others of their pixel.
+    /// Visible fragments beyond the limit per pixel, which were not blended.
     pub left_out: u32,
 }
 
@@ -78,7 +78,7 @@ impl FragmentsReport {
         (most.visible > 0).then_some(most)
     }
 
-    /// Returns those that were not blended in words, if there are any.
+    /// Returns the counts that were not blended in words, if there are any.
     pub fn lost(&self) -> Option<String> {
         let Self { without_room, left_out, .. } = *self;
         let is_exact = without_room == 0 && left_out == 0;

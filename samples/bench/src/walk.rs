@@ -36,7 +36,7 @@ pub struct Walk<'a> {
     schedule: Schedule,
     runs: Vec<Run>,
     reference: Eyes,
-    /// By the way to draw shadows and the frame.
+    /// The reference images, by the number of their shadows and the frame.
     references: BTreeMap<(usize, u32), Vec<u8>>,
     /// The ways to draw shadows of the references.
     reference_shadows: Vec<ShadowChoice>,
@@ -120,7 +120,7 @@ impl<'a> Walk<'a> {
         Ok(())
     }
 
-    /// Walks all of it, or as much as there is time for before a signal.
+    /// Walks all of the path, or as much as possible before a signal.
     ///
     /// # Errors
     /// When the device fails, or a signal came before anything was measured.
@@ -150,7 +150,7 @@ impl<'a> Walk<'a> {
         signals: &Signals,
     ) -> Result<(), RunError> {
         let verify = self.verify;
-        // Those that warm up, too: with the first of them, a history begins.
+        // Warm-up frames, too: a history begins with the first of them.
         let compared = || turn.iter().filter(|step| verify.includes(step.frame));
         let own = turn.first().and_then(|step| self.runs.get(step.strategy));
         let shadows = own.map_or(ShadowChoice::OFF, |run| run.shadows);
@@ -177,7 +177,7 @@ impl<'a> Walk<'a> {
             let visible = self.visible_sets.get_mut(&step.frame);
             let visible = visible.map_or(&mut [][..], Vec::as_mut_slice);
             if run.strategy == methods::IDEAL {
-                // Whatever moves is where it was in this frame when they were found.
+                // Every moving object is where it was when the sets of this frame were found.
                 visible.iter_mut().try_for_each(|set| self.renderer.visible_again(set))?;
             }
             let waits = self.device.wait_counts().other;
@@ -193,7 +193,8 @@ impl<'a> Walk<'a> {
             };
             let frame = run.eyes.frame();
             walked.push(Walked { frame, timed: step.timed, measurement });
-            // A slot's times are those of its frame before: of this turn, once all were used.
+            // A slot reports the times of its previous frame, which is of this turn once all slots
+            // were used.
             if step.timed && walked.len() > self.frames_in_flight {
                 let passes = self.renderer.pass_times();
                 run.measurement.timed_passes(passes.iter().map(|pass| (pass.label, pass.gpu_ms)));
@@ -228,7 +229,7 @@ impl<'a> Walk<'a> {
         if frames.iter().all(|frame| self.references.contains_key(&(number, *frame))) {
             return Ok(number);
         }
-        // Those of other shadows in this round stay.
+        // References with other shadows stay if their frames are of this round.
         self.references.retain(|(of, frame), _| *of != number && frames.contains(frame));
         self.renderer.set_shadows(shadows.options())?;
         let image = Readback::new(&self.device, self.renderer.size())?;

@@ -17,8 +17,8 @@ use crate::png_file::write_png;
 use crate::run_error::RunError;
 use crate::signals::Signals;
 
-/// The number of frames walked before an image, so that it shows a history at work and not a first
-/// frame.
+/// The number of frames walked before an image, so that it shows a frame with a history and not a
+/// first frame.
 const WARM_UP_FRAMES: u32 = 8;
 /// The number of frames walked before the frame seen from above: until the frontier is stable.
 const SETTLING_FRAMES: u32 = 60;
@@ -96,7 +96,7 @@ impl WalkImages {
     }
 }
 
-/// Walks with fresh histories to `frame`, whose image is over when this returns.
+/// Walks with fresh histories to `frame`, whose image is complete when this returns.
 fn walk_to(
     renderer: &mut Renderer,
     path: &CameraTrack,
@@ -106,7 +106,7 @@ fn walk_to(
     warm_up: u32,
     image: &Readback,
 ) -> Result<Eyes, RunError> {
-    // The ideal knows what is visible of the walk's own frames only, and draws the same image.
+    // The ideal has visible sets only for frames of the walk, and would draw the same image.
     let mut products = options.strategies.iter().filter(|strategy| **strategy != methods::IDEAL);
     let strategy = products.next_back().copied().unwrap_or(Strategy::ANTUMBRA);
     let mut eyes = Eyes::new(renderer, options.asked.views, options.asked.projection)?;

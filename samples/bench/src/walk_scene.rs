@@ -143,7 +143,7 @@ fn lit(scene: Scene, path: &CameraTrack, options: &Options) -> Result<Scene, Run
     Ok(lights.light(scene, &eyes)?)
 }
 
-/// The most places along a path that lamps are compared with.
+/// The most eyes along a path for which lamps are chosen.
 const MOST_EYES: u32 = 256;
 
 /// The source of the camera's path.
@@ -154,7 +154,7 @@ enum Way {
 }
 
 impl Way {
-    /// Returns a camera of that name, else a recorded path.
+    /// Returns the camera or the recorded path that was chosen.
     fn of(
         choice: &PathChoice,
         cameras: &[import::SceneCamera],

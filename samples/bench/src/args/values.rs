@@ -6,7 +6,7 @@ use std::str::FromStr;
 use crate::choices::{GeneratorChoice, each_once, parse_named, parse_strategy};
 use crate::strategy::Strategy;
 
-/// A generated scene, or a scene's file: a name with a dot or a slash is a file's.
+/// A generated scene, or the file of a scene. A name with a dot or a slash names a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum SceneArgument {
     /// A scene that is generated.

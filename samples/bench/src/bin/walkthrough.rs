@@ -51,7 +51,7 @@ fn walk(arguments: &Arguments) -> Result<Ending, RunError> {
         }
         result => result?,
     };
-    // The table first: whatever becomes of the files, it is seen.
+    // The table comes first, so it is shown even if a file cannot be written.
     ending.attempt(print(&table::render(&report, style::width())));
     let mut written = images.written;
     images.failures.into_iter().for_each(|failure| ending.fail(failure));

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Parser;
 
-/// The arguments of the page, the tables and the plot.
+/// The arguments of the page, its table and plot, and their inputs.
 const ALL_ELSE: [&str; 5] = ["page", "table", "svg", "images", "notes"];
 
 /// Makes one page from many reports of walkthrough: every strategy side by side, and the figures

@@ -36,13 +36,13 @@ impl BarChart {
         FRAME + ROW * u32::try_from(self.bars.len()).unwrap_or(0)
     }
 
-    /// Draws the chart all over an area.
+    /// Draws the chart into an area.
     ///
     /// # Errors
     /// When it cannot be drawn.
     pub fn draw(&self, area: &Area<'_>) -> Result<(), DrawError> {
         let most = self.bars.iter().filter_map(|(_, count)| *count).fold(10.0, f64::max);
-        // Twice the number of each row, so that its middle has a whole number, too.
+        // Rows are numbered by twos, so that the middle of a row is a whole number.
         let rows = i32::try_from(2 * self.bars.len()).unwrap_or(0);
         let middles = (1..rows).step_by(2).collect();
         let mut chart = ChartBuilder::on(area)

@@ -1,9 +1,9 @@
 //! Reports put together: all repetitions and parts of one case, and the ratios that follow from
 //! them.
 //!
-//! A case may have been measured in parts, since plain frustum culling leaves caches cold for those
-//! that follow it. Two strategies that never ran in one walk are compared through a third one that
-//! ran with both.
+//! A case may have been measured in parts, since plain frustum culling leaves caches cold for the
+//! strategies that follow it. Two strategies that never ran in one walk are compared through a
+//! third one that ran with both.
 
 use std::collections::BTreeMap;
 
@@ -85,7 +85,7 @@ fn two_digits(count: u64) -> u64 {
 pub struct Ratio {
     /// The spread over the repetitions.
     pub spread: Spread,
-    /// The strategy that ties the two together where they ran in no common walk.
+    /// The third strategy, through which two are compared that never ran in one walk.
     pub through: Option<String>,
 }
 
@@ -122,7 +122,7 @@ impl<'a> Cases<'a> {
         Self { cases }
     }
 
-    /// Returns the case at a place; without reports if none was measured there.
+    /// Returns the case at a place; it has no reports if nothing was measured there.
     pub fn at(&self, place: &Place) -> Case<'a> {
         self.cases.get(place).cloned().unwrap_or_default()
     }
@@ -141,8 +141,8 @@ impl<'a> Cases<'a> {
         self.cases.iter()
     }
 
-    /// Returns the numbers of objects for which a still scene and path were timed, ascending: those
-    /// with walks without compared frames, if there are such.
+    /// Returns the numbers of objects for which a still scene and path were timed, ascending. If
+    /// there are cases with walks without compared frames, only these count.
     pub fn sizes(&self, scene: &str, path: &str) -> Vec<u64> {
         let same = |(place, _): &(&Place, _)| **place == Place::still(scene, path, place.objects);
         let here = || self.cases.iter().filter(same);
@@ -159,14 +159,15 @@ impl<'a> Case<'a> {
         &self.reports
     }
 
-    /// Returns the reports whose times count: those without compared frames, if there are such.
+    /// Returns the reports whose times count: reports without compared frames, or all if there are
+    /// none.
     pub fn timed(&self) -> Vec<&'a Report> {
         let quiet: Vec<_> = self.reports.iter().copied().filter(|r| !r.is_verified()).collect();
         if quiet.is_empty() { self.reports.clone() } else { quiet }
     }
 
-    /// Returns the runs of a strategy in the widest walks it took part in, so that they compare
-    /// with most.
+    /// Returns the runs of a strategy in its walks with the most strategies, so that it can be
+    /// compared with as many as possible.
     pub fn runs(&self, strategy: &str) -> Vec<&'a RunReport> {
         let mut with: Vec<_> =
             self.timed().into_iter().filter(|r| r.run(strategy).is_some()).collect();
@@ -175,8 +176,8 @@ impl<'a> Case<'a> {
         with.into_iter().filter_map(|report| report.run(strategy)).collect()
     }
 
-    /// Returns the runs of a strategy where it walked alone; elsewhere, if it never did. Runs of
-    /// other strategies in the same walk affect the caches and so the CPU times.
+    /// Returns the runs of a strategy in walks without others; if there are none, its other runs.
+    /// Runs of other strategies in the same walk affect the caches and so the CPU times.
     fn runs_alone(&self, strategy: &str) -> Vec<&'a RunReport> {
         let alone = self.timed().into_iter().filter(|report| report.runs.len() == 1);
         let runs: Vec<_> = alone.filter_map(|report| report.run(strategy)).collect();
@@ -189,9 +190,9 @@ impl<'a> Case<'a> {
         distinct(reports.flat_map(|report| &report.runs).map(|run| run.strategy.as_str()))
     }
 
-    /// Returns A's frame time over B's: the median of the ratios frame by frame (of the medians, in
-    /// reports that do not have it). Tied through a third strategy where the two ran in no common
-    /// walk.
+    /// Returns A's frame time over B's: the median of the ratios frame by frame, or the ratio of
+    /// the medians in reports without it. If the two never ran in one walk, they are compared
+    /// through a third strategy.
     pub fn ratio(&self, a: &str, b: &str) -> Option<Ratio> {
         if let Some(spread) = self.direct_ratio(a, b) {
             return Some(Ratio { spread, through: None });
@@ -227,8 +228,8 @@ impl<'a> Case<'a> {
     /// Returns A's time over B's for the frame after a jump of the path `cut`, the median over the
     /// jumps.
     ///
-    /// A time is taken when the CPU may go on, so a frame's work on the device shows as many places
-    /// later as frames are in flight. Of these places the one with the largest ratio counts.
+    /// A time ends when the CPU may continue, so the work of a frame on the device shows up to as
+    /// many frames later as frames are in flight. The largest ratio in this range counts.
     pub fn after_cut_ratio(&self, a: &str, b: &str) -> Option<Spread> {
         let of = |report: &&Report| -> Option<f64> {
             let a = &report.run(a)?.frame_times_ms;

@@ -1,4 +1,4 @@
-//! The comparison of the reports of one device: the page is made from it.
+//! The comparison of the reports of one device, from which the page is made.
 
 use super::cases::{ANTUMBRA, Cases, FRUSTUM, IDEAL, Place};
 use super::exactness::{self, Book};
@@ -10,7 +10,7 @@ use crate::report::Report;
 use crate::statistics::thousands;
 use crate::strategy::strategies;
 
-/// The frame size that the figures are asked for.
+/// The frame size that the goals are for.
 const ASKED_SIZE: [u32; 2] = [1280, 720];
 
 /// A comparison.
@@ -19,13 +19,13 @@ pub struct ReportComparison<'a> {
     pub reports: &'a [Report],
     /// The reports by their cases.
     pub cases: Cases<'a>,
-    /// The strategy that ratios are taken to.
+    /// The strategy that times are divided by.
     pub yardstick: &'static str,
-    /// The sizes of the city at street level at which there are ratios to it.
+    /// The sizes of the city at street level that have ratios to the yardstick.
     pub sizes: Vec<u64>,
     /// The size whose details are shown.
     pub detail_size: Option<u64>,
-    /// The figures: asked for, and found.
+    /// The figures, with goals and measured values.
     pub figures: Vec<Figure>,
     /// Wrong pixels per strategy and setting.
     pub books: Vec<Book>,
@@ -77,7 +77,7 @@ impl<'a> ReportComparison<'a> {
         Verdict::COUNTED.map(count).to_vec()
     }
 
-    /// Returns the frame time of a strategy in the city at street level, in times of the
+    /// Returns the frame time of a strategy in the city at street level, as a multiple of the
     /// yardstick's.
     pub fn ratio(&self, strategy: &str, size: u64) -> Option<Spread> {
         let case = self.cases.at(&Place::street(size));

@@ -7,13 +7,13 @@ use crate::strategy::{Strategy, named};
 /// The circumstances that can make exactness harder.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Setting {
-    /// The scene stands still, one eye looks.
+    /// A scene that stands still, in one view.
     Still,
     /// Objects move, appear and disappear.
     Moving,
     /// Several views of one scene.
     Views,
-    /// Objects move, before several views.
+    /// Objects move, in several views.
     MovingViews,
 }
 
@@ -40,14 +40,14 @@ impl Setting {
         }
     }
 
-    /// Returns true if a strategy cannot run here: that it was not compared is no gap.
+    /// Returns true if a strategy cannot run here, so that a missing comparison is not a gap.
     fn refuses(self, strategy: &str) -> bool {
         let moves = matches!(self, Self::Moving | Self::MovingViews);
         moves && named(strategy).is_some_and(Strategy::needs_still_scene)
     }
 }
 
-/// One strategy in one setting.
+/// The result of one strategy in one setting.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Book {
     /// The name of the strategy.
@@ -65,7 +65,7 @@ pub struct Book {
     pub pixels_wrong: u64,
 }
 
-/// Returns a book for every strategy of the reports and every setting, by setting and then in the
+/// Returns the result of every strategy of the reports in every setting, by setting and then in the
 /// order of the palette. A strategy that was not compared has 0 frames.
 pub fn books(cases: &Cases<'_>) -> Vec<Book> {
     let reports = cases.iter().flat_map(|(_, case)| case.reports());

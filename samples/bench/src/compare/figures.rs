@@ -1,5 +1,4 @@
-//! The figures that are asked for, each with the measured value: the table of the goals and the
-//! results.
+//! The figures with their goals and measured values, as a table.
 
 use super::cases::{ANTUMBRA, Case, Cases, FRUSTUM, IDEAL, Place, Ratio};
 use super::exactness::{self, Setting};
@@ -44,7 +43,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// The verdicts that are counted: all of figures with a goal.
+    /// The verdicts that are counted: all that a figure with a goal can have.
     pub const COUNTED: [Self; 6] = [
         Self::Reached,
         Self::ReachedInMedian,
@@ -54,7 +53,7 @@ impl Verdict {
         Self::NotMeasured,
     ];
 
-    /// Returns its name in words, with a mark that is more than a colour.
+    /// Returns its name in words, with a symbol, so that it does not depend on colours.
     pub fn words(self) -> &'static str {
         match self {
             Self::Reached => "✓ reached",
@@ -79,9 +78,9 @@ pub struct Figure {
     pub asked: Asked,
     /// The measured value.
     pub found: Option<Spread>,
-    /// True if part of the figure was not measured: the rest can only speak against it.
+    /// True if part of the figure was not measured: the rest can miss the goal but not reach it.
     pub is_partial: bool,
-    /// The noise of the machine during the measurement, as a part of the ideal's time, if it is
+    /// The noise of the machine during the measurement, as a fraction of the ideal's time, if it is
     /// known.
     pub noise: Option<f64>,
     /// True if a part of it was measured to be faster than the ideal, by more than the noise.
@@ -132,7 +131,7 @@ impl Figure {
             Asked::Shown => String::new(),
         };
         if self.verdict() == Verdict::Missed && short(found.median()) == limit {
-            // Two digits would say that it is reached.
+            // Rounded to two digits, the goal would look reached.
             return format!("{:.3} ({:.3} to {:.3})", found.median(), found.least(), found.most());
         }
         found.to_string()
@@ -229,7 +228,7 @@ fn ratio_at(cases: &Cases<'_>, place: &Place, over: &str, most: f64) -> Figure {
     figure.measured_in(&case, &[ANTUMBRA, over])
 }
 
-/// Returns the nearest of the rivals, as a multiple of the time of `antumbra`.
+/// Returns the time of the fastest rival, as a multiple of the time of `antumbra`.
 fn against_rivals(cases: &Cases<'_>, place: &Place) -> Figure {
     let case = cases.at(place);
     let mut nearest = None::<(&str, Spread)>;
@@ -278,8 +277,7 @@ fn cpu_growth(cases: &Cases<'_>) -> Figure {
     Figure::new("street 10k to 1M", what, Asked::AtMost(1.5), found).noted(notes.join("; "))
 }
 
-/// Returns the wrong pixels of all exact strategies in each setting, and of those that are not
-/// exact.
+/// Returns the wrong pixels of all exact strategies in each setting, and of each other strategy.
 fn wrong_pixels(cases: &Cases<'_>) -> Vec<Figure> {
     let books = exactness::books(cases);
     let mut figures = Vec::new();

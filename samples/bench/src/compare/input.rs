@@ -15,7 +15,8 @@ const MOST_BYTES: u64 = 512 << 20;
 /// Reads every `.json` file of a folder, in the order of their names.
 ///
 /// # Errors
-/// When the folder cannot be read or has no report, or for a file that is none, with the reason.
+/// When the folder cannot be read or has no report, or for a file that is not a report, with the
+/// reason.
 pub fn read_folder(folder: &Path) -> Result<Vec<Report>, RunError> {
     let failed = |reason: io::Error| {
         RunError::user(format!(

@@ -32,9 +32,9 @@ const DOT: i32 = 4;
 /// One value of a line, with its spread.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// The value along the axis below.
+    /// The value along the lower axis.
     pub x: f64,
-    /// The value along the axis at the left.
+    /// The value along the left axis.
     pub y: f64,
     /// The smallest of the repetitions.
     pub least: f64,
@@ -65,11 +65,11 @@ pub struct Series {
 pub struct LineChart<'a> {
     /// The text above it.
     pub title: &'a str,
-    /// The quantities on the axes below and at the left, with units.
+    /// The quantities on the lower and the left axis, with units.
     pub labels: [&'a str; 2],
-    /// The text of a tick of the axis below.
+    /// Returns the text of a tick of the lower axis.
     pub x_text: fn(f64) -> String,
-    /// The lines; those that come later lie above.
+    /// The lines; later ones are drawn over earlier ones.
     pub series: &'a [Series],
     /// The goals of `antumbra`, as x and y.
     pub goals: Vec<(f64, f64)>,
@@ -125,7 +125,7 @@ impl<'a> LineChart<'a> {
         Self { title, labels, x_text: objects, series, goals: Vec::new(), marks: Marks::Dots }
     }
 
-    /// Draws the chart all over an area, without its legend.
+    /// Draws the chart into an area, without its legend.
     ///
     /// # Errors
     /// When it cannot be drawn.
@@ -163,7 +163,7 @@ impl<'a> LineChart<'a> {
                 ))?;
             }
         }
-        // At a goal's bar or below, it is reached.
+        // Values on the bar or below it reach the goal.
         let across = [(-GOAL_REACH, 0), (GOAL_REACH, 0)];
         let goal = || PathElement::new(across, GOAL.rgb().stroke_width(3));
         chart.draw_series(self.goals.iter().map(|place| EmptyElement::at(*place) + goal()))?;
@@ -171,8 +171,8 @@ impl<'a> LineChart<'a> {
     }
 }
 
-/// Returns the parts of a line that lie below the axis' end, cut where the line leaves it over a
-/// logarithmic axis of x.
+/// Returns the parts of a line below the end of the y axis, cut where the line crosses it. The x
+/// axis is logarithmic.
 fn parts_below_the_top(points: &[Point], shown: &Range<f64>) -> Vec<Vec<(f64, f64)>> {
     let top = shown.end;
     let mut corners: Vec<(f64, f64)> = Vec::new();
@@ -208,7 +208,7 @@ pub fn picture_with_legend(
     })
 }
 
-/// Draws the lines' looks and names all over an area, in the order in which the lines end.
+/// Draws a sample and the name of each line into an area, in the order of the ends of the lines.
 fn legend(area: &Area<'_>, series: &[Series], marks: Marks) -> Result<(), DrawError> {
     let end = |series: &Series| series.points.last().map_or(0.0, |point| point.y);
     let mut series: Vec<&Series> = series.iter().collect();

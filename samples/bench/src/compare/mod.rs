@@ -38,7 +38,7 @@ use crate::terminal::{Ending, output::say_wrote, print};
 /// Runs the comparison: prints the result, then writes each file that can be written.
 ///
 /// # Errors
-/// A place where no file can be; when there is nothing to compare.
+/// A file that cannot be written; reports that cannot be read or compared.
 pub fn run(arguments: &Arguments) -> Result<Ending, RunError> {
     let files = [
         OutputFile::of("--page", arguments.page.as_deref()),
@@ -103,7 +103,7 @@ pub fn run(arguments: &Arguments) -> Result<Ending, RunError> {
     Ok(ending)
 }
 
-/// Returns the error of a picture with nothing in it.
+/// Returns the error of an empty picture.
 fn no_picture() -> RunError {
     RunError::user(
         "no report of the city on path street compares strategies: --svg has nothing to show",

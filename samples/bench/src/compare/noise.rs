@@ -8,12 +8,13 @@ use std::collections::BTreeMap;
 use super::cases::{Case, Cases, IDEAL, Place};
 use crate::report::Report;
 
-/// The largest spread of the ideal's time, as a part of its median, with which figures are judged.
+/// The largest spread of the ideal's time, as a fraction of its median, with which figures are
+/// judged.
 pub const NOISE_MAX: f64 = 0.1;
 
-/// Returns the width of the narrowest range that holds more than half of the times, as a part of
-/// its middle. One disturbed repetition of three says nothing against the other two. `None` of
-/// fewer than two times.
+/// Returns the width of the narrowest range that holds more than half of the times, as a fraction
+/// of its middle. So one disturbed repetition of three does not count. `None` for fewer than two
+/// times.
 fn noise(times: impl Iterator<Item = f64>) -> Option<f64> {
     let mut sorted: Vec<f64> = times.filter(|time| time.is_finite() && *time > 0.0).collect();
     sorted.sort_by(f64::total_cmp);
@@ -27,8 +28,8 @@ fn noise(times: impl Iterator<Item = f64>) -> Option<f64> {
     sorted.windows(sorted.len() / 2 + 1).map(width).min_by(f64::total_cmp)
 }
 
-/// Returns the noise of each of a case's walks: those of the same strategies are repetitions. Walks
-/// without the ideal are none.
+/// Returns the noise of each walk of a case. Reports with the same strategies are repetitions of
+/// one walk; reports without the ideal are left out.
 fn walks<'a>(case: &Case<'a>) -> Vec<(&'a Report, Option<f64>)> {
     let mut walks = BTreeMap::<Vec<&str>, Vec<&Report>>::new();
     for report in case.timed().into_iter().filter(|report| report.run(IDEAL).is_some()) {
@@ -42,12 +43,12 @@ fn walks<'a>(case: &Case<'a>) -> Vec<(&'a Report, Option<f64>)> {
     walks.into_values().filter_map(of).collect()
 }
 
-/// Returns the noise of a case: the noise of its least steady walk. `None` where none was repeated.
+/// Returns the noise of a case: the noise of its least steady walk. `None` if no walk was repeated.
 pub fn of_case(case: &Case<'_>) -> Option<f64> {
     walks(case).into_iter().filter_map(|(_, noise)| noise).max_by(f64::total_cmp)
 }
 
-/// Returns the least part of the ideal's time that can be true in a case.
+/// Returns the least multiple of the ideal's time that is plausible in a case.
 pub fn least_possible(case: &Case<'_>) -> f64 {
     1.0 - of_case(case).unwrap_or(NOISE_MAX)
 }
@@ -58,16 +59,16 @@ pub fn is_below_ideal(case: &Case<'_>, strategy: &str) -> bool {
     ratio.is_some_and(|ratio| ratio.spread.median() < least_possible(case))
 }
 
-/// Returns the names of the walks that are to be repeated: those too noisy to judge, or measured
-/// once. A name is the name of the report's file without the number of the repetition.
+/// Returns the names of the walks to repeat: too noisy to judge, or measured once. A name is the
+/// name of the report's file without the number of the repetition.
 pub fn to_repeat(cases: &Cases<'_>) -> Vec<String> {
     let walks = cases.iter().flat_map(|(_, case)| walks(case));
     let noisy = walks.filter(|(_, noise)| noise.is_none_or(|noise| noise >= NOISE_MAX));
     noisy.map(|(report, _)| stem_of(&report.file).to_owned()).collect()
 }
 
-/// Returns the name of a report's file without ending and repetition: `street-2000.1.json` is
-/// `street-2000`.
+/// Returns the name of a report's file without its extension and the number of the repetition:
+/// `street-2000.1.json` is `street-2000`.
 fn stem_of(file: &str) -> &str {
     let stem = file.strip_suffix(".json").unwrap_or(file);
     match stem.rsplit_once('.') {

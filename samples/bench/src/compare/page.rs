@@ -100,7 +100,7 @@ pub fn swatches() -> String {
     format!("{light}\n@media(prefers-color-scheme:dark){{{dark}}}\n")
 }
 
-/// Returns the number of figures with each verdict, and that of wrong pixels, as cards.
+/// Returns cards with the number of figures per verdict and the number of wrong pixels.
 fn cards(comparison: &ReportComparison<'_>) -> String {
     let card = |count: &str, class: &str, what: &str| {
         format!("<div class=\"card\"><b class=\"{class}\">{count}</b>{what}</div>\n")

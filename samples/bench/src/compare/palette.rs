@@ -8,7 +8,7 @@
 
 use plotters::style::RGBColor;
 
-/// A colour on a light and on a dark background, as 0xRRGGBB; light ones are unique.
+/// A colour on a light and on a dark background, as 0xRRGGBB; the light ones are unique.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Colour {
     light: u32,
@@ -23,7 +23,7 @@ const fn colour(light: u32, dark: u32) -> Colour {
 pub const BACKGROUND: Colour = colour(0xFF_FF_FF, 0x14_18_1D);
 /// Text, and marks that must be seen first.
 pub const INK: Colour = colour(0x1F_23_28, 0xE8_EC_F0);
-/// Text that stands back: units, ticks.
+/// Less prominent text: units, ticks.
 pub const FAINT: Colour = colour(0x5B_64_6E, 0x9A_A4_AF);
 /// Lines of the grid.
 pub const GRID: Colour = colour(0xE4_E7_EB, 0x2B_32_3A);

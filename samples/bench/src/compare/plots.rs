@@ -17,12 +17,11 @@ use crate::strategy::{Strategy, named};
 
 /// The width of a plot over the whole page, in pixels.
 const WIDTH: u32 = 1120;
-/// The largest ratio that is shown once more, larger.
+/// The largest ratio of the enlarged plot.
 const NEAR: f64 = 3.6;
 /// The ratio of frame times above which they are shown on a logarithmic axis.
 const WIDE: f64 = 5.0;
-/// The values between which axes end: nothing that takes longer or shorter was measured, whatever
-/// a report says.
+/// The limits of axes: values beyond them are not plausible, even if a report has them.
 const SENSIBLE: [f64; 2] = [1e-6, 1e9];
 
 /// A plot, and the text that explains it.
@@ -84,7 +83,7 @@ fn goals(sizes: &[f64]) -> Vec<(f64, f64)> {
     goals.filter(|(size, _)| is_measured(*size)).collect()
 }
 
-/// Returns the strategy that ratios are taken to.
+/// Returns the strategy that times are divided by.
 pub fn yardstick(cases: &Cases<'_>, sizes: &[u64]) -> &'static str {
     let measured = |size: &u64| cases.at(&Place::street(*size)).strategies().contains(&IDEAL);
     if sizes.iter().any(measured) { IDEAL } else { FRUSTUM }
@@ -160,8 +159,8 @@ pub fn frame_times(cases: &Cases<'_>, place: &Place) -> Result<Option<Plot>, Dra
     Ok(Some(Plot { svg, caption }))
 }
 
-/// Returns a caption about the frames in which the work of a jump shows: later, but for strategies
-/// that wait for it within the frame.
+/// Returns a caption about the frames in which the work of a jump shows: later ones, except for
+/// strategies that wait for results within the frame.
 fn caption_of_cuts(strategies: &[&str], late: u32) -> String {
     let waits = |name: &&&str| named(name).is_some_and(Strategy::is_blocking);
     let waiting: Vec<&str> = strategies.iter().filter(waits).copied().collect();
@@ -194,7 +193,8 @@ pub fn counts(cases: &Cases<'_>, place: &Place) -> Result<Option<Plot>, DrawErro
             .collect(),
         names_px: 146,
     };
-    // Whoever has few queries may test many boxes by other means: both, or neither.
+    // A strategy with few queries may test many boxes by other means, so both charts are shown or
+    // neither.
     let tests = chart("Boxes tested per frame", |run| run.tests);
     let queries = chart("Occlusion queries per frame", |run| run.queries);
     let draws = chart("Draws per frame", |run| run.draws);
@@ -215,7 +215,7 @@ pub fn counts(cases: &Cases<'_>, place: &Place) -> Result<Option<Plot>, DrawErro
     Ok(Some(Plot { svg, caption }))
 }
 
-/// Returns a line for each strategy, `antumbra` above all others.
+/// Returns a line for each strategy; `antumbra` is drawn over all others.
 fn lines(names: Vec<&str>, line: impl Fn(&str) -> Vec<Point>) -> Vec<Series> {
     let mut names = names;
     names.sort_by_key(|name| (*name == ANTUMBRA, palette::place_of(name)));

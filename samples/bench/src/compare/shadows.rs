@@ -15,11 +15,11 @@ const SHADOW_PASSES: [&str; 6] = [
     "count shadow volumes",
 ];
 
-/// The ways that leave casters out, and those with all of them.
+/// Pairs of ways that cull casters and ways that draw all of them.
 const CULLED: [[&str; 2]; 2] =
     [["maps_uncached", "maps_unculled"], ["volumes", "volumes_unculled"]];
 
-/// The ways that keep no map.
+/// The ways that draw all maps in every frame.
 const AFRESH: [&str; 2] = ["maps_uncached", "maps_unculled"];
 
 /// The filter that others are compared with.
@@ -85,8 +85,8 @@ impl<'a> Lit<'a> {
         self.run.shadows.as_deref()
     }
 
-    /// Returns the run beside it of the same strategy and filter with shadows made in this way.
-    /// Without shadows all filters are one.
+    /// Returns the run of the same report, strategy and filter with shadows made in this way.
+    /// Without shadows the filter does not matter.
     fn with_way(&self, way: &str) -> Option<&'a RunReport> {
         self.report.runs.iter().find(|other| {
             other.shadows.as_deref() == Some(way)
@@ -95,7 +95,7 @@ impl<'a> Lit<'a> {
         })
     }
 
-    /// Returns the run beside it of the same strategy and way with this filter.
+    /// Returns the run of the same report, strategy and way with this filter.
     fn with_filter(&self, filter: &str) -> Option<&'a RunReport> {
         self.report.runs.iter().find(|other| {
             other.filter.as_deref() == Some(filter)
@@ -105,7 +105,7 @@ impl<'a> Lit<'a> {
     }
 }
 
-/// Returns the runs of one filter for each with the run of 64 samples beside it.
+/// Returns each run with maps, compared with the run of the filter `fixed64`.
 fn filters(reports: &[&Report]) -> Table {
     let row = |lit: Lit<'_>| {
         let fixed = lit.with_filter(FIXED)?;
@@ -145,7 +145,8 @@ fn filters(reports: &[&Report]) -> Table {
     Table::of(&columns, with_maps.filter_map(row).collect())
 }
 
-/// Returns the runs with a cache beside those without: with the casters that matter, and with all.
+/// Returns the runs with cached maps, compared with runs that draw all maps in every frame: with
+/// the casters that matter, and with all.
 fn cache(reports: &[&Report]) -> Table {
     let row = |lit: Lit<'_>, way: &str| {
         let afresh = lit.with_way(way)?;
@@ -179,7 +180,8 @@ fn cache(reports: &[&Report]) -> Table {
     Table::of(&columns, rows.collect())
 }
 
-/// Returns the runs with the casters that matter beside those with all casters, nothing kept.
+/// Returns the runs with the casters that matter, compared with the runs with all casters. Neither
+/// keeps maps.
 fn culling(reports: &[&Report]) -> Table {
     let row = |lit: Lit<'_>| {
         let [culled, whole] = CULLED.into_iter().find(|[culled, _]| lit.way() == Some(culled))?;
@@ -208,7 +210,7 @@ fn culling(reports: &[&Report]) -> Table {
     Table::of(&columns, Lit::all(reports).filter_map(row).collect())
 }
 
-/// Returns the runs with maps beside those with volumes, the smallest scenes first.
+/// Returns the runs with volumes, compared with the runs with maps, the smallest scenes first.
 fn ways(reports: &[&Report]) -> Table {
     let mut sorted = reports.to_vec();
     sorted.sort_by_key(|report| report.scene.objects);
@@ -264,7 +266,7 @@ fn lights(reports: &[&Report]) -> Table {
         "GPU ms of the maps",
         "maps drawn",
     ];
-    // Those of the other tables have no pass times, or other filters.
+    // Runs of the other tables have no pass times.
     let is_timed = |lit: &Lit<'_>| has_maps(lit.run) && shadows_ms(lit.run).is_some();
     Table::of(&columns, Lit::all(&sorted).filter(is_timed).map(row).collect())
 }

@@ -38,8 +38,8 @@ impl Spread {
         self.sorted.len()
     }
 
-    /// Returns each value of this times each of `other`: no repetition of one belongs to one of the
-    /// other.
+    /// Returns each value of this times each of `other`, since repetitions of the two are not
+    /// paired.
     pub fn times(&self, other: &Self) -> Option<Self> {
         Self::of(self.sorted.iter().flat_map(|a| other.sorted.iter().map(move |b| a * b)))
     }
@@ -49,13 +49,13 @@ impl Spread {
         Self::of(self.sorted.iter().flat_map(|a| other.sorted.iter().map(move |b| a / b)))
     }
 
-    /// Returns one over each value.
+    /// Returns the reciprocal of each value.
     pub fn inverse(&self) -> Option<Self> {
         Self::of(self.sorted.iter().map(|value| value.recip()))
     }
 }
 
-/// Shows it as "1.23 (1.20 to 1.31)", or the bare value where there is one.
+/// Shows it as "1.23 (1.20 to 1.31)", or the value alone if there is only one.
 impl fmt::Display for Spread {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(formatter, "{}", short(self.median()))?;

@@ -13,7 +13,7 @@ use crate::input_file;
 
 /// The most pixels of a thumbnail, horizontally and vertically.
 const SIZE_MAX: [u32; 2] = [240, 135];
-/// The largest file that is read: a larger one is no picture of a walk.
+/// The largest file that is read: a larger one is not a picture of a walk.
 const MOST_BYTES: u64 = 256 << 20;
 
 /// A picture of a scene on a path.
@@ -28,8 +28,8 @@ pub struct Thumbnail {
 }
 
 /// Returns a picture for each scene and path that stands still before one eye, and sentences about
-/// those that could not be shown. The pictures of the report `NAME.json` lie in the folder `NAME`
-/// in `folder`; the first one by its name is taken.
+/// pictures that could not be shown. The pictures of the report `NAME.json` lie in the folder
+/// `NAME` in `folder`; the first one by its name is taken.
 pub fn thumbnails(folder: &Path, cases: &Cases<'_>) -> (Vec<Thumbnail>, Vec<String>) {
     let mut found = Vec::<((&str, &str), Thumbnail)>::new();
     let mut missing = Vec::new();
@@ -38,7 +38,7 @@ pub fn thumbnails(folder: &Path, cases: &Cases<'_>) -> (Vec<Thumbnail>, Vec<Stri
         match shrunk(&file) {
             Ok((size, uri)) => {
                 let Place { scene, path, .. } = place;
-                // More objects come later, and show more.
+                // Cases with more objects come later, and their pictures show more.
                 found.retain(|(of, _)| *of != (scene, path));
                 let caption = place.name();
                 found.push(((scene, path), Thumbnail { caption, size, uri }));

@@ -1,5 +1,4 @@
-//! The page of a device: costs, trust and walks, so that what is known of it can be read and
-//! repeated.
+//! The page of a device: its costs, its self-test and its walks, with the commands to repeat them.
 
 pub mod args;
 mod text;

@@ -20,7 +20,7 @@ pub struct DevicePage<'a> {
     pub has_changes: bool,
     /// The outcome of the self-test.
     pub quirks: &'a SelfTest,
-    /// The extent of the costs.
+    /// The options that the costs were measured with.
     pub options: CostListOptions,
     /// The costs.
     pub device_costs: &'a [ItemCost],
@@ -39,7 +39,7 @@ pub fn file_stem(name: &str) -> String {
     words.join("_").to_lowercase()
 }
 
-/// Returns the uses that a page of this device is good for.
+/// Returns a text about the kind of device and the use of its figures.
 fn purpose(name: &str, is_software: bool) -> &'static str {
     const COMPUTE: [&str; 10] =
         ["A100", "A800", "B100", "B200", "GH200", "H100", "H200", "H800", "P100", "V100"];
@@ -48,7 +48,7 @@ fn purpose(name: &str, is_software: bool) -> &'static str {
     };
     if is_software {
         return "This device draws on the CPU. Exactness found here holds for its driver. Ratios of \
-                strategies within this page mean something for software drivers alone, and device_costs \
+                strategies within this page mean something for software drivers alone, and costs \
                 even less: on a GPU a box costs next to nothing, and breaks and empty draws count.";
     }
     if name.split(|letter: char| !letter.is_alphanumeric()).any(is_compute) {
@@ -56,7 +56,7 @@ fn purpose(name: &str, is_software: bool) -> &'static str {
                 of 66), and computes on all. Exactness found here holds. Costs compare raster with \
                 raster only: compute looks many times cheaper than on a GPU for games.";
     }
-    "This is a GPU: exactness, device_costs and ratios found here hold for it and this driver. Other \
+    "This is a GPU: exactness, costs and ratios found here hold for it and this driver. Other \
      machines have other ratios: measure them by the same command."
 }
 

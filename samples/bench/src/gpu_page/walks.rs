@@ -49,7 +49,7 @@ pub(super) fn exactness(page: &mut ResultPage, reports: &[Report], left_out: &[S
     lacking(page, reports, left_out);
 }
 
-/// Returns a row of what was compared of a strategy.
+/// Returns the row of a strategy: its compared frames, and its wrong pixels.
 fn of_strategy(verified: &[&Report], strategy: Strategy) -> Vec<String> {
     let runs = verified.iter().flat_map(|report| &report.runs);
     let [frames, wrong] = match compared(runs.filter(|run| run.strategy == strategy.name())) {
@@ -122,7 +122,7 @@ pub(super) fn timed(page: &mut ResultPage, reports: &[Report]) {
     page.table(&Table::of(&columns, rows));
 }
 
-/// Returns a walk in words: its scene and path, and what is more than plain objects that stand.
+/// Returns a walk in words: its scene and path, and all that differs from plain objects at rest.
 fn words(report: &Report) -> String {
     let mut words = vec![format!("{} {}", report.scene.name, report.path)];
     if report.moving_percent > 0 {

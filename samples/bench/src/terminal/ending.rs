@@ -6,8 +6,7 @@ use std::process::ExitCode;
 use super::output::say;
 use crate::signals::Signal;
 
-/// The end of a program whose work is done: each result is written regardless of failures of the
-/// others.
+/// The end of a program whose work is done: each result is written even if others failed.
 #[derive(Debug, Default)]
 pub struct Ending {
     failures: Vec<String>,

@@ -1,4 +1,4 @@
-//! File names and other foreign text, made harmless for terminals.
+//! File names and other untrusted text, escaped for terminals.
 
 use std::fmt::{self, Write};
 use std::path::Path;
@@ -27,8 +27,8 @@ impl fmt::Display for Shown<'_> {
     }
 }
 
-/// Returns the text with everything escaped that a terminal would obey instead of show; line breaks
-/// and tabs stay.
+/// Returns the text with everything escaped that a terminal would interpret; line breaks and tabs
+/// stay.
 pub fn harmless(text: &str) -> String {
     let mut harmless = String::with_capacity(text.len());
     for character in text.chars() {

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::names::harmless;
 use crate::outputs::WriteError;
 
-/// Writes text to standard output. A reader that has closed it is no error.
+/// Writes text to standard output. A closed reader is not an error.
 ///
 /// # Errors
 /// When the text cannot be written, as on a full disk.

@@ -18,7 +18,7 @@ use crate::signals::survive_file_limits;
 const HELP_WIDTH_MAX: usize = 100;
 
 /// Runs a program: reads its command line, starts the log as [`start`] does, does its work, and
-/// says why where that is impossible. Returns its exit code.
+/// prints the error if that is impossible. Returns its exit code.
 pub fn run_program<A: Parser>(
     level: &str,
     work: impl FnOnce(&A) -> Result<Ending, RunError>,
@@ -37,7 +37,7 @@ pub fn run_program<A: Parser>(
 /// on a limit of file sizes fails writes instead of the process.
 ///
 /// # Errors
-/// The exit code where nothing remains to be done: help or version were printed, or an error in the
+/// The exit code if nothing remains to be done: help or version were printed, or an error in the
 /// command line.
 pub fn start<A: Parser>(level: &str) -> Result<A, ExitCode> {
     survive_file_limits();
@@ -48,7 +48,7 @@ pub fn start<A: Parser>(level: &str) -> Result<A, ExitCode> {
     let log = tracing_subscriber::fmt::layer()
         .with_ansi(has_colour(&io::stderr()))
         .with_writer(io::stderr)
-        // It would panic where standard error is full.
+        // Printing an internal error would panic if standard error is full.
         .log_internal_errors(false);
     // Modules and times are for those who set `RUST_LOG`; users read sentences.
     if is_debugging {

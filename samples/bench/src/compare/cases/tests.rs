@@ -1,4 +1,4 @@
-//! Tests of the cases: grouping, ratios, ties, cuts.
+//! Tests of the cases: grouping, ratios, also through third strategies, and cuts.
 
 use super::super::testing::{measured, verified, walked};
 use super::*;
@@ -30,7 +30,7 @@ fn what_was_asked_for_names_the_size() {
     let mut report = measured("city", "street", 1_940, &[(ANTUMBRA, 1.0)]);
     report.provenance.command = ["walkthrough", "--objects", "2000"].map(str::to_owned).to_vec();
     assert_eq!(Place::of(&report).objects, 2_000);
-    // Said again by who called a script: the last counts.
+    // The caller of a script repeated the option: the last value counts.
     report.provenance.command.push("--objects=3000".to_owned());
     assert_eq!(Place::of(&report).objects, 3_000);
     assert_eq!([7, 99, 104, 1_949, 99_600].map(two_digits), [7, 99, 100, 1_900, 100_000]);
@@ -50,7 +50,7 @@ fn strategies_of_different_walks_are_tied_through_a_third() {
     assert_eq!(case.ratio(FRUSTUM, "hzb"), None);
     assert_eq!(case.ratio(FRUSTUM, FRUSTUM).unwrap().spread.median(), 1.0);
     assert_eq!(case.strategies(), [IDEAL, ANTUMBRA, "chc", FRUSTUM]);
-    // The ideal of the wider walk is the one beside the others.
+    // The time of the ideal comes from the walk with the most strategies.
     assert_eq!(case.frame_ms(IDEAL).unwrap().median(), 2.0);
 }
 

@@ -59,7 +59,7 @@ fn a_busy_machine_is_not_judged_and_the_impossible_neither() {
     assert_eq!(verdicts(&[[1.0, 1.1], [1.05, 1.2]]), [Verdict::Reached; 2]);
     assert_eq!(verdicts(&[[1.0, 1.1], [1.3, 1.4]]), [Verdict::TooNoisy; 2]);
     assert_eq!(verdicts(&[[1.0, 1.1], [1.3, 1.4], [1.01, 1.1]]), [Verdict::Reached; 2]);
-    // Nobody draws less than the ideal: below it by the noise is the noise, by more a mistake.
+    // No strategy is faster than the ideal: a lower time is noise or, beyond the noise, a mistake.
     assert_eq!(verdicts(&[[1.0, 0.97], [1.05, 1.02]]), [Verdict::Reached; 2]);
     assert_eq!(verdicts(&[[1.0, 0.8], [1.01, 0.8]]), [Verdict::Impossible; 2]);
     assert_eq!(verdicts(&[[1.0, 0.8]]), [Verdict::Impossible; 2], "also measured once");
@@ -142,7 +142,7 @@ fn wrong_pixels_are_never_nearly_none() {
         let still = verified("city", "street", 500, &[(ANTUMBRA, 9, 0), (IDEAL, 9, 0)]);
         figures(&[still, report])
     };
-    // The ideal cannot be where objects move; that antumbra is missing is a gap.
+    // The ideal cannot run where objects move; a missing antumbra is a gap.
     let reached = moving(&[(ANTUMBRA, 9, 0)]);
     assert_eq!(find(&reached, "moving objects", "wrong").verdict(), Verdict::Reached);
     let gap = moving(&[("frustum", 9, 0)]);
