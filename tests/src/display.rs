@@ -56,7 +56,7 @@ impl<'a> Show<'a> {
             PresentResult::Not(other) => panic!("{other:?}"),
         }
         assert!(self.swapchain.retiring() <= MOST_RETIRING, "{}", self.swapchain.retiring());
-        // Swapchains, and objects of a few frames, wait for a tick.
+        // Retired swapchains, and the objects of a few frames, wait for a tick.
         assert!(self.stage.device.retired() < 40, "{}", self.stage.device.retired());
     }
 

@@ -105,7 +105,7 @@ pub struct FaultInjection {
     pub is_fenceless: bool,
     /// The calls that fail.
     pub faults: Vec<Fault>,
-    /// The lie of the driver.
+    /// The fault that the driver does not report.
     pub lie: Option<Lie>,
     /// The user, if the user cancels the loading.
     pub impatience: Option<Impatience>,
@@ -123,7 +123,7 @@ thread_local! {
 }
 
 impl FaultInjection {
-    /// Makes these faults the machine of this thread, and restarts the counts of calls at 0.
+    /// Installs these faults for this thread, and restarts the counts of calls at 0.
     pub fn install(self) {
         STATE.with_borrow_mut(|state| {
             state.injected = self;
@@ -141,7 +141,7 @@ impl FaultInjection {
     }
 }
 
-/// Returns the number of calls of `call` by this thread since the machine was installed.
+/// Returns the number of calls of `call` by this thread since the faults were installed.
 pub fn calls(call: &'static CStr) -> usize {
     STATE.with_borrow(|state| state.calls.get(call).copied().unwrap_or(0))
 }

@@ -30,7 +30,7 @@ pub const IN_FLIGHT: usize = 2;
 
 /// The buckets that boxes are drawn in, in turn.
 const BUCKETS: u32 = 3;
-/// The box of removed boxes.
+/// The box in place of removed boxes.
 const NOWHERE: Aabb = Aabb { min: Vec3::splat(1.0e6), max: Vec3::splat(1.0e6) };
 
 /// The choices of a host with boxes.
@@ -246,8 +246,8 @@ impl<'a> ComparedScene<'a> {
                 DrawPhases::Two => listed.push((scope.list(planned)?, culled, view)),
             }
         }
-        // All views are listed before the tests of the first are recorded, as a host does that
-        // draws what is visible in all of them first.
+        // All views are listed before the tests of the first are recorded, as by a host that first
+        // draws the visible objects of all views.
         for (listed, culled, view) in listed {
             let revealed: PerView<DrawList> = listed.revealed().iter().copied().collect();
             culled.draw_lists(scope.commands(), listed.visible(), &view, Rendering::First);

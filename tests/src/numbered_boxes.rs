@@ -74,8 +74,7 @@ impl NumberedBoxes {
         self.boxes = boxes;
     }
 
-    /// Sets the views that are drawn at once from the next frame on. The pipeline has this number
-    /// of views.
+    /// Sets the views that are drawn at once from the next frame on: as many as the pipeline has.
     pub fn take_views(&mut self, device: &Device, views: &[CullView]) {
         // As in `eye.glsl`; the shader reads only this.
         let eye = |view: &CullView| {

@@ -19,7 +19,7 @@ pub struct Lens {
 }
 
 impl Lens {
-    /// The lens that changes nothing.
+    /// No changes.
     pub const PLAIN: Self = Self {
         depth: DepthConvention::Reversed,
         y: ClipY::Down,

@@ -33,9 +33,9 @@ pub struct Provocation {
     pub scene: Scene,
     /// The index of the object that other engines leave out.
     pub subject: usize,
-    /// A slow walk: the subject becomes hidden and visible, except for a sky, which always shows.
+    /// A slow walk, in which the subject becomes hidden and visible. A sky always shows.
     pub walk: Vec<Camera>,
-    /// 64 unordered eyes: the camera jumps.
+    /// 64 eyes in no order, so that the camera jumps.
     pub jumps: Vec<Camera>,
     /// The index of the walk's camera that shows the subject of the report.
     pub portrait: usize,
@@ -96,7 +96,7 @@ impl Provocation {
     }
 }
 
-/// Farther away than the camera ever is, in units of the smallest mesh.
+/// A distance beyond every camera, in units of the smallest mesh.
 const FAR: f32 = 1.0e5;
 
 /// The meshes of [`Blocks`].

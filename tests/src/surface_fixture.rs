@@ -1,4 +1,4 @@
-//! A studio that draws a scene with surfaces, pass by pass and without culling.
+//! A fixture that draws a scene with surfaces, pass by pass and without culling.
 
 use bytemuck::{Pod, Zeroable};
 use cull::{Camera, CullView, Hierarchy};

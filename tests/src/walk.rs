@@ -62,8 +62,8 @@ pub struct Found {
     pub draws: [u64; 2],
 }
 
-/// Walks `frames` frames of `path` with `antumbra` without a wait in between, as a user's loop
-/// would, and compares each image with plain frustum culling.
+/// Walks `frames` frames of `path` with `antumbra` without a wait in between, as in a user's loop,
+/// and compares each image with plain frustum culling.
 pub fn walk(
     device: &Device,
     scene: &GeneratedScene,

@@ -16,7 +16,7 @@ const END: &CStr = c"vkCmdEndConditionalRenderingEXT";
 pub(super) const DRAW: &CStr = c"vkCmdDrawIndexedIndirect";
 const DISPATCH: &CStr = c"vkCmdDispatch";
 
-/// Returns all these commands.
+/// Returns the replacements of all these commands.
 pub(super) fn lies() -> Vec<(&'static CStr, Function)> {
     // SAFETY: all are function pointers, and the caller knows the type by the name.
     unsafe {

@@ -8,7 +8,7 @@ use proc_macro2::{Span, TokenStream, TokenTree};
 /// stay where they are.
 ///
 /// # Panics
-/// If it is no Rust.
+/// If it is not Rust.
 pub fn without_comments_and_strings(text: &str) -> String {
     let tokens = TokenStream::from_str(text)
         .unwrap_or_else(|error| panic!("line {}: {error}, of:\n{text}", error.span().start().line));
@@ -18,7 +18,7 @@ pub fn without_comments_and_strings(text: &str) -> String {
     String::from_utf8(code.kept).expect("whole tokens")
 }
 
-/// A text and the bytes that are kept of it.
+/// A text, and the parts of it that are kept.
 struct Code<'a> {
     text: &'a str,
     kept: Vec<u8>,
@@ -29,7 +29,7 @@ impl Code<'_> {
         for token in tokens {
             let piece = &self.text[token.span().byte_range()];
             if piece.starts_with("//") || piece.starts_with("/*") {
-                // The tokens that a comment of documentation stands for lie within it.
+                // A doc comment becomes tokens that lie within it.
                 continue;
             }
             match token {
@@ -84,7 +84,7 @@ fn item_length(item: &str) -> usize {
     item.len()
 }
 
-/// Returns true if a line has a word, not as a part of a longer one.
+/// Returns true if a line has a word that is not a part of a longer one.
 pub fn has_word(line: &str, word: &str) -> bool {
     let joins = |character: char| character.is_alphanumeric() || character == '_';
     line.match_indices(word)

@@ -3,11 +3,11 @@
 use std::fs;
 use std::path::Path;
 
-/// A file, by its path from the workspace's root with `/` between the parts.
+/// A file, with its path from the workspace's root.
 pub struct SourceFile {
-    /// The path, as "engine/gpu/src/lib.rs".
+    /// The path, such as "engine/gpu/src/lib.rs", with `/` on every system.
     pub path: String,
-    /// The contents; empty for a file that is no text.
+    /// The contents; empty for a file that is not text.
     pub text: String,
 }
 
@@ -26,7 +26,7 @@ impl SourceFile {
         self.extension() == "rs"
     }
 
-    /// Returns the syntax of a file of Rust.
+    /// Returns the syntax tree of a Rust file.
     pub fn syntax(&self) -> syn::File {
         syn::parse_file(&self.text).unwrap_or_else(|error| panic!("{}: {error}", self.path))
     }

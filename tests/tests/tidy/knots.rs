@@ -1,13 +1,13 @@
-//! Rules against knots: files of a crate lie above each other, and the methods of a type stand in
-//! its file or in one folder `api/`.
+//! Rules about the structure of a crate: files do not import each other in long cycles, and the
+//! methods of a type are in its file or in one folder `api/`.
 
 use std::collections::BTreeMap;
 
 use crate::files::SourceFile;
 use crate::modules::{Modules, Ties, product_code};
 
-/// The largest circle of files that import each other: these are read as one, and more than three
-/// are too much to read.
+/// The largest cycle of files that import each other: they must be read as one, and more than three
+/// are too much for that.
 const MAX_CIRCLE: usize = 3;
 
 /// Returns the root of each library and program among the files.
@@ -22,7 +22,7 @@ fn roots<'a>(code: &BTreeMap<&'a str, String>) -> Vec<&'a str> {
     code.keys().copied().filter(|path| is_root(path)).collect()
 }
 
-/// Finds files of a crate that import each other in a circle of more than three.
+/// Finds files of a crate that import each other in a cycle of more than three.
 pub fn circles(files: &[SourceFile]) -> Vec<String> {
     let code = product_code(files);
     let mut findings = Vec::new();
@@ -38,7 +38,7 @@ pub fn circles(files: &[SourceFile]) -> Vec<String> {
     findings
 }
 
-/// Returns a circle's arrows, each with the names that are imported.
+/// Returns the imports within a cycle, each with the names that are imported.
 fn arrows(circle: &[usize], modules: &Modules<'_>, ties: &Ties) -> String {
     let inside = ties.iter().filter(|((a, b), _)| circle.contains(a) && circle.contains(b));
     let arrows = inside.map(|((from, to), names)| {
@@ -48,7 +48,7 @@ fn arrows(circle: &[usize], modules: &Modules<'_>, ties: &Ties) -> String {
     arrows.collect::<Vec<_>>().join("\n")
 }
 
-/// Returns the strongly connected files in sets that are too large.
+/// Returns the sets of strongly connected files that are too large.
 fn large_circles(count: usize, ties: &Ties) -> Vec<Vec<usize>> {
     let reached = |from: usize| {
         let mut reached = vec![false; count];
@@ -75,7 +75,7 @@ fn large_circles(count: usize, ties: &Ties) -> Vec<Vec<usize>> {
     circles
 }
 
-/// Finds blocks `impl X` outside of X's file and of one folder `api/`.
+/// Finds blocks `impl X` outside of X's file, unless they are all in one folder `api/`.
 pub fn scattered_impls(files: &[SourceFile]) -> Vec<String> {
     let code = product_code(files);
     let mut findings = Vec::new();

@@ -34,7 +34,7 @@ impl<'a> Link<'a> {
     }
 }
 
-/// Returns the path that a target leads to, seen from a page.
+/// Returns the path of a link target, relative to its page.
 fn resolve(page: &str, target: &str) -> String {
     let path = target.split('#').next().unwrap_or_default();
     let mut parts: Vec<&str> = page.split('/').collect();
@@ -48,7 +48,7 @@ fn resolve(page: &str, target: &str) -> String {
     parts.join("/")
 }
 
-/// Finds links to nothing.
+/// Finds links to files that do not exist.
 pub fn ends(files: &[SourceFile]) -> Vec<String> {
     let exists = |path: &str| {
         let folder = format!("{path}/");

@@ -1,8 +1,8 @@
-//! The rules of the workspace that no lint knows, as tests: style, arrows between crates, forbidden
-//! code. The lints stand in `Cargo.toml` and `clippy.toml`.
+//! The rules of the workspace that no lint checks, as tests: style, dependencies between crates,
+//! forbidden code. The lints are in `Cargo.toml` and `clippy.toml`.
 //!
-//! Each rule is a function from the files to findings, "file:line: reason". One test runs a rule
-//! over the workspace, another shows it something forbidden and expects a finding.
+//! Each rule is a function from the files to findings, "file:line: reason". A test applies a rule
+//! to the workspace, and to examples that it must report.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -29,7 +29,7 @@ fn assert_obeyed(rule: Rule) {
     assert!(findings.is_empty(), "\n{}\n", findings.join("\n"));
 }
 
-/// Checks that the rule finds something in each of these files by itself.
+/// Checks that the rule finds something in each of these files alone.
 fn assert_catches(rule: Rule, forbidden: &[(&str, &str)]) {
     for &(path, text) in forbidden {
         let findings = rule(&[SourceFile::new(path, text)]);

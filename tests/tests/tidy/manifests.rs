@@ -3,8 +3,7 @@
 use crate::files::SourceFile;
 use crate::{assert_catches, assert_obeyed, assert_permits};
 
-/// The crates that each crate may depend on, of all kinds of dependencies; only `gpu` may know
-/// Vulkan's, and one file of the window programs.
+/// The crates of the workspace that each crate may depend on, by any kind of dependency.
 const ARROWS: [(&str, &[&str]); 17] = [
     ("engine/animation/Cargo.toml", &["cull"]),
     (
@@ -45,7 +44,7 @@ const ARROWS: [(&str, &[&str]); 17] = [
 /// Finds dependencies between crates that [`ARROWS`] does not allow.
 pub fn arrows(files: &[SourceFile]) -> Vec<String> {
     const VULKAN: [&str; 3] = ["ash", "ash-window", "gpu-allocator"];
-    /// The manifests that may name them: of the window programs for one file
+    /// The manifests that may name crates of Vulkan; the window programs need them for one file
     /// ([`EGUI_OVER_VULKAN`](crate::rules::EGUI_OVER_VULKAN)).
     const KNOW_VULKAN: [(&str, &[&str]); 2] =
         [("engine/gpu/Cargo.toml", &VULKAN), ("samples/Cargo.toml", &["ash"])];

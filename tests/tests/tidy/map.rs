@@ -11,7 +11,7 @@ use crate::{assert_catches, assert_obeyed};
 
 const MAP: &str = "engine/ARCHITECTURE.md";
 
-/// A map that is longer is not read.
+/// The most lines of the map, so that it is read.
 const MAX_LINES: usize = 199;
 
 /// Finds a map that is missing or too long.
@@ -24,7 +24,7 @@ pub fn length(files: &[SourceFile]) -> Vec<String> {
     if lines > MAX_LINES { vec![map.finding(lines, &reason)] } else { Vec::new() }
 }
 
-/// Finds the files, folders, types and functions that the map names and nobody has.
+/// Finds files, folders, types and functions in the map that do not exist.
 pub fn names(files: &[SourceFile]) -> Vec<String> {
     let Some(map) = files.iter().find(|file| file.path == MAP) else { return Vec::new() };
     let names = Names::of(files);
@@ -49,7 +49,7 @@ pub fn names(files: &[SourceFile]) -> Vec<String> {
     findings
 }
 
-/// Returns true if a file is, or lies in, what the map calls `name`.
+/// Returns true if a file has this name in the map, or lies in a folder that has it.
 fn lies_at(path: &str, name: &str) -> bool {
     let path = format!("/{path}");
     if name.ends_with('/') {
@@ -89,8 +89,8 @@ impl Names {
         self.members.extend(members.flatten().map(|member| (owner.to_owned(), member)));
     }
 
-    /// Returns true if each part of a name such as `Frame::submit` is declared, or the name is none
-    /// of ours: Vulkan's, the language's, or no name at all.
+    /// Returns true if each part of a name such as `Frame::submit` is declared, or the name is not
+    /// ours: a name of Vulkan or Rust, or not a name.
     fn has(&self, span: &str) -> bool {
         let is_name = span.chars().all(|c| c.is_alphanumeric() || "_:<>".contains(c));
         let path = span.split('<').next().unwrap_or_default();

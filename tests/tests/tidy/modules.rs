@@ -45,7 +45,8 @@ enum Place {
     Item(usize),
 }
 
-/// Returns the code of each file but tests, without items that are compiled for tests alone.
+/// Returns the code of each file that is not a test, without items that are compiled for tests
+/// alone.
 pub fn product_code(files: &[SourceFile]) -> BTreeMap<&str, String> {
     let product = files.iter().filter(|file| file.is_rust() && !file.is_test());
     let code = |file: &SourceFile| without_tests(&without_comments_and_strings(&file.text));
@@ -96,7 +97,7 @@ impl<'a> Modules<'a> {
     }
 
     /// Returns the names that each file takes from each other one. Names of a re-export come from
-    /// the file that defines them; a child that is declared is not taken.
+    /// the file that defines them. The declaration of a child module does not count.
     pub fn ties(&self) -> Ties {
         let mut ties = Ties::new();
         for own in 0..self.modules.len() {
@@ -144,7 +145,8 @@ impl<'a> Modules<'a> {
                 "self" | "*" => {}
                 _ => match self.look_up(here, name, seen) {
                     Some(Place::Module(module)) => here = module,
-                    // An item made by a macro is found nowhere: it belongs to the module named.
+                    // An item that a macro makes is not found: it belongs to the module in the
+                    // path.
                     None if is_ours && at > 0 => return Some(Place::Item(here)),
                     other => return other,
                 },
@@ -154,7 +156,7 @@ impl<'a> Modules<'a> {
         Some(Place::Module(here))
     }
 
-    /// Finds the target of a name in a module; names of other crates are found nowhere.
+    /// Finds the target of a name in a module; names of other crates have none.
     fn look_up(&self, module: usize, name: &str, seen: &mut Vec<(usize, String)>) -> Option<Place> {
         let key = (module, name.to_owned());
         if seen.contains(&key) {
@@ -193,7 +195,7 @@ impl<'ast> Visit<'ast> for Module<'_> {
     }
 
     fn visit_macro(&mut self, call: &'ast Macro) {
-        // Other macros than those of expressions are not looked into.
+        // Only macros whose arguments are expressions are searched.
         let list = Punctuated::<Expr, Token![,]>::parse_terminated;
         for expression in call.parse_body_with(list).into_iter().flatten() {
             self.visit_expr(&expression);
@@ -256,7 +258,7 @@ pub fn name_of(item: &Item) -> Option<String> {
     Some(name.to_string())
 }
 
-/// Returns the name of a module that lies in a file of its own.
+/// Returns the name of a module that has its own file.
 fn declared(item: &Item) -> Option<String> {
     let Item::Mod(module) = item else { return None };
     module.content.is_none().then(|| module.ident.to_string())

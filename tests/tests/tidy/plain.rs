@@ -11,8 +11,8 @@ struct Findings<'a> {
     found: Vec<String>,
 }
 
-/// Finds a `let` that takes a tuple or array apart which is written out beside it, and parameters
-/// of functions that are taken apart: their values have no names where the function is called.
+/// Finds a `let` that destructures a tuple or array literal, and function parameters that are tuple
+/// or array patterns, whose values have no name for a caller.
 pub fn packed(files: &[SourceFile]) -> Vec<String> {
     let of_file = |file| {
         let mut findings = Findings { file, found: Vec::new() };

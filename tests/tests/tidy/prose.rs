@@ -7,7 +7,7 @@ use crate::{assert_catches, assert_obeyed, assert_permits};
 const MAX_COLUMNS: usize = 100;
 /// Words that turn a description into a question.
 const QUESTIONS: [&str; 8] = ["What", "Who", "Whose", "Whether", "How", "Where", "When", "Whoever"];
-/// Words with an s at the end that are no verbs in the third person, or none of a function.
+/// Words that end with s and are not verbs in the third person, or not what a function does.
 const NO_VERBS: [&str; 21] = [
     "Across", "Always", "As", "Besides", "Boxes", "Frames", "Has", "Is", "Its", "Less", "Objects",
     "Others", "Perhaps", "Pixels", "This", "Thus", "Towards", "Unless", "Was", "Words", "Yes",
@@ -31,7 +31,7 @@ pub fn function_verbs(files: &[SourceFile]) -> Vec<String> {
     findings
 }
 
-/// Finds documentation and file headers that begin like a question.
+/// Finds documentation and file headers that begin with a question word.
 pub fn questions(files: &[SourceFile]) -> Vec<String> {
     let mut findings = Vec::new();
     for file in files.iter().filter(|file| is_checked(file)) {
@@ -120,7 +120,7 @@ fn begins_function(lines: &[&str]) -> bool {
     false
 }
 
-/// Returns the first word of a text, without the marks behind it.
+/// Returns the first word of a text, without the punctuation after it.
 fn first_word(text: &str) -> &str {
     let text = text.trim_start();
     text.split(|c: char| !c.is_alphanumeric() && !['\'', '-', '`'].contains(&c))

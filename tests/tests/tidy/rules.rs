@@ -27,7 +27,7 @@ fn in_code(
     findings
 }
 
-/// Finds crates beside `gpu` and the C boundary that allow themselves unsafe code.
+/// Finds crates other than `gpu` and the C boundary that allow unsafe code.
 pub fn safe_crates(files: &[SourceFile]) -> Vec<String> {
     const UNSAFE: [&str; 2] = ["engine/gpu/", "engine/capi/"];
     in_code(
@@ -94,8 +94,8 @@ pub fn own_files(files: &[SourceFile]) -> Vec<String> {
     findings
 }
 
-/// The one file of the programs that knows Vulkan: the crate that draws egui's triangles is made of
-/// its calls.
+/// The only file of the programs that uses Vulkan: the crate that draws egui's triangles needs its
+/// types.
 pub const EGUI_OVER_VULKAN: &str = "samples/src/hud/overlay.rs";
 
 /// Finds Vulkan in other files of the programs.
@@ -108,8 +108,8 @@ pub fn programs_without_vulkan(files: &[SourceFile]) -> Vec<String> {
     )
 }
 
-/// The files with state of the whole process, and why it is there. Numbers that no two objects have
-/// and libraries that are loaded once are no state that two devices could disturb each other by.
+/// The files with state of the whole process, and why it is there. Through unique numbers, and
+/// through libraries that are loaded once, two devices cannot affect each other.
 const GLOBAL: [(&str, &str); 6] = [
     ("engine/gpu/src/core/ownership.rs", "numbers of devices"),
     ("engine/gpu/src/core/pipeline_cache.rs", "numbers of temporary files"),
@@ -119,8 +119,8 @@ const GLOBAL: [(&str, &str); 6] = [
     ("engine/render/src/render_view.rs", "numbers of renderers"),
 ];
 
-/// Finds state of the whole process in the engine's crates: what can change, or is made when it is
-/// used first.
+/// Finds state of the whole process in the engine's crates: statics that can change or are
+/// initialised on first use.
 pub fn global_state(files: &[SourceFile]) -> Vec<String> {
     let changing = ["Atomic", "Cell<", "Lazy", "Mutex<", "OnceLock", "RwLock<"];
     let is_allowed = |file: &SourceFile| GLOBAL.iter().any(|(path, _)| file.path == *path);
@@ -145,9 +145,9 @@ pub fn global_state(files: &[SourceFile]) -> Vec<String> {
     findings
 }
 
-/// Finds marks of unfinished work, which belongs in an issue.
+/// Finds marks of unfinished work, which belong in an issue.
 pub fn unfinished(files: &[SourceFile]) -> Vec<String> {
-    // Put together, so that this file does not find itself.
+    // Joined from parts, so that the rule does not find this file.
     let marks =
         [["TO", "DO"], ["FIX", "ME"], ["XX", "X"], ["HA", "CK"]].map(|parts| parts.concat());
     let mut findings = Vec::new();
@@ -192,8 +192,8 @@ pub fn unbounded_waits(files: &[SourceFile]) -> Vec<String> {
     findings
 }
 
-/// Finds modules that do not lie where their names say; code that several programs share is a
-/// module or a crate.
+/// Finds modules whose files are not where their names say. Code that several programs share must
+/// be a module or a crate.
 pub fn module_paths(files: &[SourceFile]) -> Vec<String> {
     in_code(
         files,
@@ -203,7 +203,7 @@ pub fn module_paths(files: &[SourceFile]) -> Vec<String> {
     )
 }
 
-/// Finds empty names: they attract too many purposes.
+/// Finds names without a meaning, which attract too many purposes.
 pub fn names(files: &[SourceFile]) -> Vec<String> {
     let empty = |word: &str| {
         ["Manager", "Helper", "Helpers", "Util", "Utils"].iter().any(|end| word.ends_with(end))
@@ -220,7 +220,8 @@ pub fn names(files: &[SourceFile]) -> Vec<String> {
     )
 }
 
-/// Finds Rust code in pages that is no example of a crate's documentation, where it is compiled.
+/// Finds Rust code in pages that is not an example in a crate's documentation, where it would be
+/// compiled.
 pub fn quoted_examples(files: &[SourceFile]) -> Vec<String> {
     let shown = |file: &SourceFile| {
         let documented = file.text.lines().filter_map(|line| {

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use crate::files::SourceFile;
 
-/// Finds public types of two packages with one name: a reader of a third package cannot tell them
-/// apart. Each crate of the engine has an `Error` of its own, as Rust's crates do.
+/// Finds public types of two packages with the same name: in a third package a reader cannot
+/// distinguish them. Each crate of the engine has an `Error` of its own, as Rust's crates do.
 pub fn one_name_one_type(files: &[SourceFile]) -> Vec<String> {
     let mut known = BTreeMap::<&str, &str>::new();
     let mut findings = Vec::new();
@@ -23,8 +23,8 @@ pub fn one_name_one_type(files: &[SourceFile]) -> Vec<String> {
     findings
 }
 
-/// Returns the package whose library a file is part of; `None` for unit tests and for all beside
-/// `src`.
+/// Returns the package whose library a file is part of; `None` for unit tests and for files outside
+/// of `src`.
 fn package_of(path: &str) -> Option<&str> {
     let (package, file) = path.split_once("/src/")?;
     let is_unit_test =
