@@ -1,4 +1,4 @@
-//! The interface as C and C++ compilers see it: sizes and places of fields, constants, symbols.
+//! The interface as C and C++ compilers see it: sizes and offsets of fields, constants, symbols.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 

@@ -1,5 +1,5 @@
-//! Every field of every struct that functions read: what the header says about 0 is what happens.
-//! The fields come from the header, so a new one without a word about 0 fails.
+//! Every field of every struct that functions read: the value 0 has the effect that the header
+//! documents. The fields come from the header, so a new field without documentation of 0 fails.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -102,7 +102,7 @@ fn required(layout: &StructLayout, fields: &[Field]) -> Vec<u8> {
             bytes[place.offset] = 1;
         }
     }
-    // Where images are required, these have reserved fields in them.
+    // Required images have reserved fields in them.
     let nested = layout.fields.iter().filter(|place| !place.fields.is_empty());
     nested.for_each(|place| bytes[place.offset..place.offset + place.size].fill(0));
     bytes
@@ -130,7 +130,7 @@ fn zero_is_the_default_of_every_field() {
                 assert!(!field.doc.contains("Default"), "{name}");
                 let mut without = good.clone();
                 without[place.offset..place.offset + place.size].fill(0);
-                // Handles, images and the version are refused by those who look at them.
+                // Handles, images and the version are refused later, where they are used.
                 let is_refused_later = !place.fields.is_empty() || place.name == "abi_version";
                 let refused = (layout.read)(&without).err();
                 let names =
@@ -149,7 +149,7 @@ fn zero_is_the_default_of_every_field() {
 fn reserved_fields_are_checked_in_every_struct_and_in_arrays() {
     let all = fields();
     let mut checked = 0;
-    // The places of reserved bytes, of structs in structs, too.
+    // The offsets of reserved bytes, including nested structs.
     fn places(fields: &[antumbra_capi::layout::FieldLayout], at: usize, found: &mut Vec<usize>) {
         for field in fields {
             if field.name.starts_with("reserved") {
@@ -177,7 +177,7 @@ fn reserved_fields_are_checked_in_every_struct_and_in_arrays() {
 
 #[test]
 fn enumerations_have_a_zero() {
-    // A field that names a set of constants without a plural has a default among them.
+    // A field that takes one constant of a set has a default in the set.
     for field in fields().values().flatten().filter(|field| field.doc.starts_with("An `ANTUMBRA_"))
     {
         let prefix = field.doc.split('`').nth(1).unwrap().trim_end_matches("..");

@@ -1,4 +1,4 @@
-//! The committed header is what the sources declare.
+//! The committed header matches the declarations in the sources.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -21,7 +21,7 @@ fn the_header_is_fresh() {
     }
 }
 
-/// Checks that every name in a comment is one that a program can use.
+/// Checks that a program can use every name in a comment.
 #[test]
 fn what_comments_name_is_declared() {
     let header = Path::new(env!("CARGO_MANIFEST_DIR")).join("include/antumbra.h");
@@ -41,7 +41,8 @@ fn what_comments_name_is_declared() {
         words.filter(|word| word.starts_with("ANTUMBRA_")).map(str::to_owned).collect()
     };
     let declared = words(&code);
-    // A name that ends with a line stands for all that begin so: `ANTUMBRA_SHADOWS_..`.
+    // A name that ends with an underscore stands for all names that begin so:
+    // `ANTUMBRA_SHADOWS_..`.
     let is_declared = |word: &&String| {
         let begins = |other: &String| other.starts_with(word.as_str());
         declared.contains(word.as_str()) || word.ends_with('_') && declared.iter().any(begins)

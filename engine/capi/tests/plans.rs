@@ -1,4 +1,4 @@
-//! Plans through the interface are those of the culler, and making them allocates nothing.
+//! Plans through the interface equal those of the culler, and planning allocates no memory.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 #![allow(unsafe_code, reason = "a host in C calls it so")]
@@ -27,7 +27,7 @@ use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 #[global_allocator]
 static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
-/// Returns a wall, and behind it boxes of which those at its edge show.
+/// Returns a wall, and boxes behind it. The boxes at the edge of the wall show.
 fn boxes() -> Vec<Aabb> {
     let wall = Aabb::new(vec3(-4.0, -3.0, -6.0), vec3(4.0, 3.0, -5.5));
     let small = (0..1_000).map(|number| {
@@ -116,7 +116,7 @@ fn view(frame: u32) -> (AntumbraCamera, CullView) {
     (desc, CullView::from_matrix(&projection, [160, 80], 8).unwrap())
 }
 
-/// Answers the queries of a plan: those at the wall and far to the right show.
+/// Answers the queries of a plan: boxes at the wall and far to the right show.
 fn answers(hierarchy: &Hierarchy, plan: &FramePlan) -> Vec<Answer> {
     let tested = plan.tests.iter().map(|test| test.tag);
     let queried = plan.queried_draws.iter().map(|(_, tag)| *tag);
@@ -128,10 +128,10 @@ fn answers(hierarchy: &Hierarchy, plan: &FramePlan) -> Vec<Answer> {
     tested.chain(queried).map(answer).collect()
 }
 
-/// Returns the parts of a plan for C as slices.
+/// Returns the arrays of a plan for C as slices.
 ///
 /// # Safety
-/// The plan is the last of its culler.
+/// The plan is the newest one of its culler.
 unsafe fn parts(
     plan: &AntumbraFramePlan,
 ) -> (&[AntumbraDraw], &[AntumbraQueryTag], &[AntumbraTest], &[AntumbraRound]) {
@@ -215,7 +215,8 @@ fn plans_are_those_of_the_culler_and_allocate_nothing_when_calm() {
     assert!(queried > 20, "{queried} draws with queries");
 }
 
-/// Checks what once drew 2,914 boxes of a town where 149 are drawn with the documented default.
+/// Checks that 0 means the documented default. It once meant no queries, and 2,914 boxes of a town
+/// were drawn in place of 149.
 #[test]
 fn a_budget_of_zero_is_the_default_and_no_queries_are_another() {
     let boxes = boxes();

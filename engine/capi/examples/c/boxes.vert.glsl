@@ -1,4 +1,5 @@
-// The host's own vertex shader: a box per instance, its vertices snapped as those of proxies are.
+// The host's own vertex shader: one box per instance, with vertices on the sub-pixel grid, as
+// proxies expect.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "snap.glsl"
@@ -8,7 +9,7 @@ layout(push_constant) uniform Constants {
     vec2 snap_steps;
 };
 
-// The same in every pipeline that draws the boxes, to the bit.
+// Bit-identical in every pipeline that draws the boxes.
 invariant gl_Position;
 
 void main() {

@@ -1,6 +1,6 @@
 /* The executor in a host of plain Vulkan, which has its own instance, device, depth image and command
- * buffers: `draw_boxes DEVICE`. Each frame is drawn under the executor's answers, and again by brute
- * force: the two depth images must be the same to the bit. */
+ * buffers: `draw_boxes DEVICE`. Each frame is drawn with the executor's culling, and again by brute
+ * force. The bits of both depth images must be the same. */
 #include "plain_vulkan.h"
 #include <antumbra_vulkan.h>
 
@@ -18,7 +18,7 @@ static void check(AntumbraResult result) {
     exit(1);
 }
 
-/* Binds what the draws of the boxes need. */
+/* Binds the pipeline and the index buffer for draws of boxes. */
 static void bind(void *user, const AntumbraBinding *binding) {
     (void)user;
     vkCmdBindPipeline(binding->commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline.pipeline);
@@ -27,13 +27,13 @@ static void bind(void *user, const AntumbraBinding *binding) {
                        sizeof constants, &constants);
 }
 
-/* Adds the boxes that the shader draws: a wall, and a thousand behind it. */
+/* Adds the boxes that the shader draws: a wall, and a thousand boxes behind it. */
 static void add_boxes(AntumbraContext *context, AntumbraScene scene) {
     static AntumbraObject objects[BOXES];
     static AntumbraObjectDraw draws[BOXES];
     static uint32_t ids[BOXES];
     for (uint32_t n = 0; n < BOXES; n++) {
-        /* A box may be larger than what it is around, and must never be smaller. */
+        /* A box may be larger than the object in it, and must never be smaller. */
         float x = (n % 20) * 0.7F - 7.01F, y = (n / 20 % 10) * 0.7F - 3.51F, z = (n / 200) * -1.3F - 12.01F;
         objects[n] = (AntumbraObject){{{x, y, z}, {x + 0.47F, y + 0.47F, z + 0.47F}}, n, 1};
         draws[n] = (AntumbraObjectDraw){0, INDICES, 1, 0, 0, n};
@@ -57,7 +57,7 @@ int main(int argument_count, char **arguments) {
     }
     if (!physical) return fprintf(stderr, "there is no such device\n"), 1;
 
-    /* Ask first: the executor adds what it needs to the features of the host, who has two here. */
+    /* First query the requirements: the executor adds its features to those of the host, which are two here. */
     AntumbraContextDesc context_desc = {.struct_size = sizeof context_desc, .abi_version = ANTUMBRA_ABI_VERSION};
     AntumbraContext *context;
     check(antumbra_context_create(&context_desc, &context, &error));
@@ -81,7 +81,7 @@ int main(int argument_count, char **arguments) {
     VkDevice device;
     VK(vkCreateDevice(physical, &device_info, NULL, &device));
 
-    /* Take over second. */
+    /* Then let the library adopt the device. */
     AntumbraDeviceDesc adopted = {.struct_size = sizeof adopted, .queue_family = needs.queue_family,
         .adapter = &adapter, .device = device, .features = &features, .extensions = needs.extensions,
         .extension_count = needs.extension_count};

@@ -1,4 +1,4 @@
-/* Plain Vulkan that every renderer has in some form: memory, a buffer, a pipeline for boxes, copies. */
+/* Vulkan code that every renderer has in some form: memory, a buffer, a pipeline for boxes, copies. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -35,7 +35,7 @@ typedef struct Buffer {
     char *mapped;
 } Buffer;
 
-/* A queue, and for each frame in flight a command buffer with a fence behind it. */
+/* A queue, and a command buffer with a fence for each frame in flight. */
 typedef struct Commands {
     VkQueue queue;
     VkCommandPool pool;
@@ -153,7 +153,7 @@ static inline void submit(const Commands *commands, int slot) {
     VK(vkQueueSubmit(commands->queue, 1, &info, commands->fences[slot]));
 }
 
-/* Orders everything before and everything behind; changes the layout of the depth image. */
+/* Orders all commands before against all commands after; changes the layout of the depth image. */
 static inline void change(VkCommandBuffer commands, Image image, VkImageLayout from, VkImageLayout to) {
     VkImageMemoryBarrier2 barrier = {TYPE(IMAGE_MEMORY_BARRIER_2), .image = image.image,
         .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
@@ -167,7 +167,7 @@ static inline void change(VkCommandBuffer commands, Image image, VkImageLayout f
     vkCmdPipelineBarrier2(commands, &info);
 }
 
-/* Begins a rendering of the host's own, which clears. */
+/* Begins a rendering of the host, which clears the depth image. */
 static inline void begin_rendering(VkCommandBuffer commands, Image image) {
     VkRect2D area = {{0, 0}, {WIDTH, HEIGHT}};
     VkViewport viewport = {0, 0, WIDTH, HEIGHT, 0, 1};
@@ -188,7 +188,7 @@ static inline void end_rendering(VkCommandBuffer commands, Image image) {
            VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
 }
 
-/* Copies the depth image, which is in the layout for that, to a place in a buffer. */
+/* Copies the depth image, which is in the layout of a transfer source, to an offset in a buffer. */
 static inline void copy(VkCommandBuffer commands, Image image, VkBuffer buffer, VkDeviceSize at) {
     VkBufferImageCopy region = {.bufferOffset = at, .imageExtent = {WIDTH, HEIGHT, 1},
         .imageSubresource = {VK_IMAGE_ASPECT_DEPTH_BIT, 0, 0, 1}};

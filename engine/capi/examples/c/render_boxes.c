@@ -1,6 +1,5 @@
 /* The renderer on the device of a host of plain Vulkan: `render_boxes DEVICE`. Each frame is rendered twice, with
- * all that is in view and with what is hidden left out: the host copies both images, and they must be the same to
- * the bit. */
+ * frustum culling only and with occlusion culling. The host copies both images, and their bits must be the same. */
 #include "plain_vulkan.h"
 #include <antumbra_vulkan.h>
 
@@ -38,7 +37,7 @@ static AntumbraRenderer create_renderer(AntumbraContext *context, AntumbraDevice
         .index_count = 36};
     AntumbraShadowDesc shadows = {.struct_size = sizeof shadows, .method = ANTUMBRA_SHADOWS_MAPS, .map_side = 512,
         .cascades = 2, .distance = 40, .penumbra = 0.1F};
-    /* So small a scene is drawn whole where tests cost more than they save: the costs are ignored here. */
+    /* In such a small scene tests may cost more than they save, so the costs are ignored here. */
     AntumbraRendererDesc desc = {.struct_size = sizeof desc, .device = device, .width = WIDTH,
         .height = HEIGHT, .meshes = (const AntumbraMeshDesc *[]){&mesh}, .mesh_count = 1, .objects = objects,
         .object_count = BOXES, .cost_model = ANTUMBRA_COST_MODEL_OFF, .shadows = &shadows};
@@ -47,7 +46,7 @@ static AntumbraRenderer create_renderer(AntumbraContext *context, AntumbraDevice
     return renderer;
 }
 
-/* Copies a finished image, behind the frame that draws it, and gives it back in its state. */
+/* Copies a finished image, after the frame that draws it, and returns it to its state. */
 static void copy_finished(VkCommandBuffer commands, const AntumbraFinishedImage *image, VkBuffer buffer,
                           VkDeviceSize at) {
     VkBufferImageCopy region = {at, 0, 0, {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1}, {0, 0, 0}, {WIDTH, HEIGHT, 1}};
@@ -85,7 +84,7 @@ int main(int argument_count, char **arguments) {
     }
     if (!physical) return fprintf(stderr, "there is no such device\n"), 1;
 
-    /* Ask first: the library adds what it needs to the features of the host. */
+    /* First query the requirements: the library adds its features to those of the host. */
     AntumbraContextDesc context_desc = {.struct_size = sizeof context_desc, .abi_version = ANTUMBRA_ABI_VERSION};
     AntumbraContext *context;
     check(antumbra_context_create(&context_desc, &context, &error));
@@ -105,7 +104,7 @@ int main(int argument_count, char **arguments) {
     VkDevice device;
     VK(vkCreateDevice(physical, &device_info, NULL, &device));
 
-    /* Take over second. This program has one thread, so that the queue needs no lock. */
+    /* Then let the library adopt the device. This program has one thread, so the queue needs no lock. */
     AntumbraQueueDesc queue = ANTUMBRA_INIT(AntumbraQueueDesc);
     vkGetDeviceQueue(device, needs.queue_family, 0, &queue.queue);
     AntumbraDeviceDesc adopted = {.struct_size = sizeof adopted, .queue_family = needs.queue_family,

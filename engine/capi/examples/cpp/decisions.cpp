@@ -1,5 +1,6 @@
-// Decisions alone, no GPU: a ray caster stands for it. It draws what the plans say, tests boxes by
-// counting pixels, and returns the counts two frames late. Each image must be that of brute force.
+// Decisions alone, with a ray caster in place of a GPU. The ray caster draws what the plans say,
+// tests boxes by counting pixels, and returns the counts two frames late. Each image must equal the
+// image by brute force.
 #include <antumbra.h>
 
 #include <cmath>
@@ -27,7 +28,7 @@ struct Image {
     std::vector<float> depths = std::vector<float>(WIDTH * HEIGHT, INFINITY);
     std::vector<uint32_t> objects = std::vector<uint32_t>(WIDTH * HEIGHT, ANTUMBRA_NO_OBJECT);
 
-    // Returns the depth at which a pixel's ray enters a box; infinity if it does not.
+    // Returns the depth at which a pixel's ray enters a box; infinity if it misses.
     float depth(const AntumbraAabb &box, uint32_t pixel) const {
         const float x = (static_cast<float>(pixel % WIDTH) + 0.5F) / WIDTH;
         const float y = (static_cast<float>(pixel / WIDTH) + 0.5F) / HEIGHT;
@@ -50,7 +51,7 @@ struct Image {
             if (here == INFINITY || here > depths[pixel])
                 continue;
             samples++;
-            // Of two objects at one depth the one with the lower number shows, in any order.
+            // Of two objects at the same depth, the lower number wins in any order.
             if (writes && (here < depths[pixel] || *writes < objects[pixel])) {
                 depths[pixel] = here;
                 objects[pixel] = *writes;
@@ -60,7 +61,7 @@ struct Image {
     }
 };
 
-// Returns a wall, and behind it a thousand boxes of which those at its edge show.
+// Returns a wall, and a thousand boxes behind it. The boxes at the edge of the wall show.
 std::vector<AntumbraAabb> boxes() {
     std::vector<AntumbraAabb> boxes = {{{-4, -3, -6}, {4, 3, -5.5F}}};
     for (uint32_t number = 0; number < COUNT; number++) {

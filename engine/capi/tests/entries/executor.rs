@@ -1,4 +1,4 @@
-//! Functions of the executor with handles that are none; no Vulkan is needed to say so.
+//! Functions of the executor with invalid handles, which are refused without Vulkan.
 
 use std::ptr::{null, null_mut};
 

@@ -1,5 +1,5 @@
-//! Every function that C calls catches panics: found in the sources, since no call makes all of
-//! them panic.
+//! Every function that C calls catches panics. The sources are searched, since calls cannot make
+//! every function panic.
 
 use std::path::{Path, PathBuf};
 
@@ -14,8 +14,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     entries.flat_map(|path| if path.is_dir() { files(&path) } else { vec![path] }).collect()
 }
 
-/// Returns name and body of the functions of a source that are exported, without blanks and
-/// comments.
+/// Returns name and body of the exported functions of a source, without blanks and comments.
 fn exported(source: &str) -> Vec<(String, String)> {
     let after = source.split("#[unsafe(no_mangle)]").skip(1);
     let function = |text: &str| {
@@ -30,14 +29,14 @@ fn exported(source: &str) -> Vec<(String, String)> {
     after.map(function).collect()
 }
 
-/// Returns true if all that a function does is done within one guarded call.
+/// Returns true if the whole body of a function is one guarded call.
 fn is_guarded(body: &str) -> bool {
     let starts = ["unsafe{entry(context,error,|", "unsafe{guarded(error,||"];
     let Some(call) = body.strip_suffix('}') else { return false };
     if !starts.iter().any(|start| call.starts_with(start)) {
         return false;
     }
-    // The parenthesis that the call opens is closed by the last letter.
+    // The parenthesis that the call opens is closed by the last character.
     let mut depth = 0;
     let opened = call.find('(').unwrap_or(0);
     let closed = call[opened..].char_indices().find(|(_, letter)| {

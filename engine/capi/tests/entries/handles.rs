@@ -1,4 +1,4 @@
-//! Handles that are none: 0, destroyed, foreign, of another kind.
+//! Invalid handles: 0, destroyed, foreign, of another kind.
 
 use std::ptr::{null, null_mut};
 
@@ -14,7 +14,7 @@ use antumbra_capi::layout::Versioned;
 
 use crate::{CAMERA, Host};
 
-/// A function of the interface, called with a context and handles, and with good values else.
+/// A function of the interface, called with a context and handles. All other values are valid.
 type Call<'a> = (&'a str, &'a dyn Fn(*const AntumbraContext, u64, u64) -> AntumbraResult);
 
 #[test]
@@ -86,12 +86,12 @@ fn every_function_checks_its_handles() {
             assert_eq!(call(host.context, hierarchy, culler), Ok, "{name}");
         }
     }
-    // The last call of all, then one more.
+    // The functions that destroy succeed once, and fail the second time.
     for (name, call) in calls.iter().filter(|(name, _)| name.ends_with("destroy")) {
         assert_eq!(call(host.context, hierarchy, culler), Ok, "{name}");
         assert_eq!(call(host.context, hierarchy, culler), UnknownHandle, "{name}");
     }
-    // Its place is used again, its handle is not.
+    // The slot of a destroyed object is used again, its handle is not.
     let mut again = h(0);
     // SAFETY: as above.
     let created =

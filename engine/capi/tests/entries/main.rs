@@ -1,4 +1,5 @@
-//! Every function with what a program in C may get wrong: null, sizes, handles, values.
+//! Every function, called with the mistakes that a program in C can make: null, sizes, handles,
+//! values.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 #![allow(unsafe_code, reason = "a host in C calls it so")]
@@ -170,7 +171,7 @@ fn objects_come_move_and_go() {
     assert!(grown > revision);
     let there = leaves.iter().filter(|object| **object != ANTUMBRA_NO_OBJECT).count();
     assert_eq!((there, leaves.len()), (22, 22));
-    // One more than there is room for: its leaf is the last but for free ones.
+    // One object more than the capacity: its leaf is the last one, except for free leaves.
     let mut last = [0];
     // SAFETY: as above.
     unsafe {

@@ -1,4 +1,4 @@
-//! Functions of renderers with handles that are none; no Vulkan is needed to say so.
+//! Functions of renderers with invalid handles, which are refused without Vulkan.
 
 use std::ptr::{null, null_mut};
 

@@ -1,4 +1,4 @@
-//! Threads that use one context, and the same objects of it, without any order.
+//! Threads that use one context and the same objects in any order.
 
 use std::ptr::null_mut;
 use std::sync::Barrier;
@@ -43,7 +43,7 @@ fn call(handles: Handles, number: usize) -> AntumbraResult {
             3 => antumbra_culler_reset(x, c, none),
             4 => antumbra_culler_ingest(x, c, h, std::ptr::null(), 0, none),
             5 => {
-                // An object of this thread alone is never busy.
+                // An object that only this thread uses is never busy.
                 let mut own = AntumbraHierarchy { id: 0 };
                 let made = antumbra_hierarchy_create(x, &Versioned::INIT, &mut own, none);
                 assert_eq!([made, antumbra_hierarchy_destroy(x, own, none)], [Ok; 2]);

@@ -1,4 +1,4 @@
-//! Pointers and values that are refused, each by its name.
+//! Pointers and values that are refused, with their names in the message.
 
 use std::ptr::{from_ref, null, null_mut};
 

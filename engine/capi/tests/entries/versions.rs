@@ -34,7 +34,7 @@ fn contexts_are_refused_with_a_reason() {
         assert!(text(&error).contains("version 2 of antumbra.h"), "{}", text(&error));
         assert_eq!(antumbra_context_create(&loud, &mut context, &mut error), BadArgument);
         assert!(context.is_null());
-        // Without room for a message, too.
+        // Also without a place for the message.
         assert_eq!(antumbra_context_create(null(), &mut context, null_mut()), BadPointer);
 
         assert_eq!(antumbra_context_destroy(null_mut(), &mut error), Ok);
@@ -49,13 +49,13 @@ fn contexts_are_refused_with_a_reason() {
 #[test]
 fn callers_of_other_versions_are_understood() {
     let mut host = Host::new();
-    /// The struct of a caller who is older than `log` and all behind it.
+    /// The struct of an older caller, without `log` and the fields after it.
     #[repr(C)]
     struct Older {
         struct_size: u32,
         abi_version: u32,
     }
-    /// The struct of a caller who knows more.
+    /// The struct of a newer caller, with one more field.
     #[repr(C)]
     struct Newer {
         desc: AntumbraContextDesc,
@@ -87,14 +87,14 @@ fn callers_of_other_versions_are_understood() {
         reason.contains(&format!("AntumbraContextDesc) has a field at byte {ours}")),
         "{reason}"
     );
-    // In the middle of a field, before the required ones end, never set.
+    // Sizes that end within a field or before the last required one, and sizes that were never set.
     for size in [0, 1, 4, 7, 10, ours - 1, 5000, u32::MAX as usize] {
         let (refused, reason) = create(size, 0, false);
         assert_eq!(refused, BadStructSize, "{size}");
         assert!(reason.contains("sizeof(AntumbraContextDesc)"), "{reason}");
     }
 
-    // Of a struct for output only what the caller has is written.
+    // In a struct for output, only the fields that the caller has are written.
     #[repr(C)]
     struct NewerLeaves {
         leaves: AntumbraLeaves,
