@@ -92,7 +92,7 @@ impl Interface {
 
 impl Drop for Interface {
     fn drop(&mut self) {
-        // SAFETY: nobody uses it any more.
+        // SAFETY: it is no longer used.
         unsafe { antumbra_context_destroy(self.context, null_mut()) };
     }
 }

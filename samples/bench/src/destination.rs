@@ -19,7 +19,7 @@ const READER_POLL: Duration = Duration::from_millis(50);
 /// The destination that a path leads to.
 #[derive(Debug)]
 pub enum Destination {
-    /// A file, existing or not, under its own name, which is no link. It is replaced whole.
+    /// A file, existing or not, under its own name and not by a link. It is replaced whole.
     File(PathBuf),
     /// The output of this process itself, such as `/dev/stdout`: writing continues at its position.
     Output(File),

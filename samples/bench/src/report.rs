@@ -277,7 +277,7 @@ pub struct RunReport {
     pub cpu_ms: TimeSummary,
     /// Draws submitted, predicated ones included.
     pub draws: Option<u64>,
-    /// Triangles submitted, those of predicated draws included.
+    /// Triangles submitted, including predicated draws.
     pub triangles: Option<u64>,
     /// Proxies tested, by queries or otherwise.
     pub tests: Option<u64>,

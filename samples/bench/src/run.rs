@@ -52,7 +52,7 @@ pub fn run(
     progress: &dyn WalkProgress,
     signals: &Signals,
 ) -> Result<Walked, RunError> {
-    // What the command line asks for is checked before anything takes time.
+    // The recorded path is checked before anything takes time.
     if let PathChoice::Recorded(file) = &options.path {
         RecordedPath::read(file)?;
     }

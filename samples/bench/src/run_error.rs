@@ -40,7 +40,7 @@ impl RunError {
         Self { blame: Blame::Machine, message: message.to_string() }
     }
 
-    /// Creates the error of work given up because the program is to end. It is no failure.
+    /// Creates the error of work given up because the program is to end, which is not a failure.
     pub fn given_up() -> Self {
         Self { blame: Blame::Nobody, message: "it was given up".to_owned() }
     }

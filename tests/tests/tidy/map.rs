@@ -66,7 +66,7 @@ struct Names {
     items: HashSet<String>,
     /// Functions, fields, variants and constants with the type or trait that has them.
     members: HashSet<(String, String)>,
-    /// Packages, dependencies, and names that users write, such as those of strategies.
+    /// Packages, dependencies, and names that users write, such as `antumbra_queries`.
     others: HashSet<String>,
 }
 

@@ -141,7 +141,7 @@ impl Host {
 
 impl Drop for Host {
     fn drop(&mut self) {
-        // SAFETY: nobody uses it any more.
+        // SAFETY: it is no longer used.
         unsafe { antumbra_context_destroy(self.context, null_mut()) };
     }
 }

@@ -181,8 +181,8 @@ impl<'a> ReportComparison<'a> {
     }
 }
 
-/// Returns sentences about strategies that smaller cases have and larger ones have not, and about
-/// those of this build without any case.
+/// Returns sentences about strategies that only smaller cases have, and about strategies of this
+/// build without any case.
 fn left_out(cases: &Cases<'_>, sizes: &[u64]) -> Vec<String> {
     let mut sentences = Vec::new();
     let at = |size: u64| cases.at(&Place::street(size));

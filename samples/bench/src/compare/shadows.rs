@@ -111,7 +111,7 @@ fn filters(reports: &[&Report]) -> Table {
         let fixed = lit.with_filter(FIXED)?;
         let without = lit.with_way("off");
         let single = lit.with_filter("single");
-        // What the filter adds to the frame, and what its samples beyond the first one add.
+        // The time that the filter adds to the frame, and the time of its samples beyond the first.
         let beyond = |run: &RunReport, base: Option<&RunReport>| {
             Some(run.frame_ms.median? - base?.frame_ms.median?)
         };
