@@ -1,7 +1,7 @@
-//! Tests of boxes against the view frustum: the bounding sphere first, then the box. A mask of
-//! planes saves tests below a node that lies completely inside of a plane.
+//! Tests of boxes against the view frustum. A mask of planes saves tests below a node that lies
+//! completely inside of a plane.
 
-use glam::{DVec4, Mat4, Vec3};
+use glam::{DVec4, Mat4, Vec3, Vec4};
 
 use crate::geom::bounds::Aabb;
 use crate::geom::margin::rounding;
@@ -46,20 +46,51 @@ impl PlaneMask {
 pub struct Frustum {
     origin: Vec3,
     coordinate: f32,
-    /// Inward normals, and the distance of the plane from the origin along them.
-    planes: [(Vec3, f32); PLANES],
+    /// The planes: near, left, right, top; then bottom and far.
+    planes: [FourPlanes; 2],
 }
 
-/// The number of planes.
-const PLANES: usize = 6;
+/// Four planes, a coordinate of all of them in one vector: a box is tested against four at once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct FourPlanes {
+    /// The inward normals.
+    x: Vec4,
+    y: Vec4,
+    z: Vec4,
+    /// The distances of the planes from the origin along their normals.
+    offset: Vec4,
+}
+
+impl FourPlanes {
+    /// Four planes that cut off nothing.
+    const NONE: Self =
+        Self { x: Vec4::ZERO, y: Vec4::ZERO, z: Vec4::ZERO, offset: Vec4::NEG_INFINITY };
+
+    /// Creates the planes of inward normals with the offsets as `w`.
+    fn new(planes: [Vec4; 4]) -> Self {
+        let Mat4 { x_axis, y_axis, z_axis, w_axis } =
+            Mat4::from_cols_array_2d(&planes.map(|plane| plane.to_array())).transpose();
+        Self { x: x_axis, y: y_axis, z: z_axis, offset: w_axis }
+    }
+
+    /// Returns the distances of a point from the planes (metres).
+    fn distances(&self, point: Vec3) -> Vec4 {
+        self.x * point.x + self.y * point.y + self.z * point.z - self.offset
+    }
+
+    /// Returns the distances by which a box of this half extent reaches along the normals (metres).
+    fn reaches(&self, half: Vec3) -> Vec4 {
+        self.x.abs() * half.x + self.y.abs() * half.y + self.z.abs() * half.z
+    }
+}
 
 /// A plane that cuts off nothing.
-const NO_PLANE: (Vec3, f32) = (Vec3::ZERO, f32::NEG_INFINITY);
+const NO_PLANE: Vec4 = Vec4::new(0.0, 0.0, 0.0, f32::NEG_INFINITY);
 
 impl Frustum {
     /// The frustum that contains everything.
     pub const EVERYTHING: Self =
-        Self { origin: Vec3::ZERO, coordinate: 0.0, planes: [NO_PLANE; PLANES] };
+        Self { origin: Vec3::ZERO, coordinate: 0.0, planes: [FourPlanes::NONE; 2] };
 
     /// Creates the frustum of a matrix (to clip space with y down) for points relative to `anchor`,
     /// from the depth convention and the rays of the matrix.
@@ -70,23 +101,29 @@ impl Frustum {
         let plane = |row: DVec4| {
             let length = row.truncate().length();
             let offset = -row.dot(origin) / length;
-            ((row.truncate() / length).as_vec3(), offset as f32)
+            (row.truncate() / length).extend(offset).as_vec4()
         };
         let (near, far, far_terms) = match depth {
             DepthConvention::Reversed => (w - z, z, 0.0),
             DepthConvention::Standard => (z, w - z, 1.0),
         };
         let far = far_plane(far, w, far_terms, rays).map_or(NO_PLANE, plane);
-        let planes = [plane(near), plane(w + x), plane(w - x), plane(w + y), plane(w - y), far];
+        let planes = [
+            FourPlanes::new([plane(near), plane(w + x), plane(w - x), plane(w + y)]),
+            FourPlanes::new([plane(w - y), far, NO_PLANE, NO_PLANE]),
+        ];
         Self { origin: rays.origin, coordinate: rays.coordinate, planes }
     }
 
     /// Returns true if a convex body is completely outside of one plane. `most` returns the largest
     /// coordinate of its points along a normal (metres).
     pub(crate) fn is_outside(&self, most: impl Fn(Vec3) -> f32) -> bool {
-        let is_beyond =
-            |(normal, offset): &(Vec3, f32)| most(*normal) - normal.dot(self.origin) < *offset;
-        self.planes.iter().any(is_beyond)
+        self.planes.iter().any(|planes| {
+            let FourPlanes { x, y, z, .. } = planes;
+            let most =
+                Vec4::from_array(std::array::from_fn(|at| most(Vec3::new(x[at], y[at], z[at]))));
+            (most + planes.distances(-self.origin)).cmplt(Vec4::ZERO).any()
+        })
     }
 
     /// Tests a box against the planes in `mask`. Also returns the planes that parts of the box must
@@ -101,30 +138,23 @@ impl Frustum {
         }
         let centre = bounds.centre() - self.origin;
         let half = bounds.half_extent();
-        let radius = half.length();
         let slack = rounding(bounds, self.coordinate);
-        let mut remaining = 0;
-        for (number, (normal, offset)) in self.planes.iter().enumerate() {
-            let bit = 1 << number;
-            if mask.0 & bit == 0 {
+        let mut outside = 0;
+        let mut inside = 0;
+        for (planes, first) in self.planes.iter().zip([0, 4]) {
+            if mask.0 >> first & 0b1111 == 0 {
                 continue;
             }
-            let distance = normal.dot(centre) - offset;
-            if distance > radius + slack {
-                continue;
-            }
-            if distance < -(radius + slack) {
-                return (Containment::Outside, PlaneMask(0));
-            }
-            let reach = normal.abs().dot(half) + slack;
-            if distance < -reach {
-                return (Containment::Outside, PlaneMask(0));
-            }
-            // Written so that a NaN keeps the plane.
-            if !matches!(distance.partial_cmp(&reach), Some(std::cmp::Ordering::Greater)) {
-                remaining |= bit;
-            }
+            let distances = planes.distances(centre);
+            let reaches = planes.reaches(half) + slack;
+            outside |= distances.cmplt(-reaches).bitmask() << first;
+            // A NaN keeps the plane.
+            inside |= distances.cmpgt(reaches).bitmask() << first;
         }
+        if outside & u32::from(mask.0) != 0 {
+            return (Containment::Outside, PlaneMask(0));
+        }
+        let remaining = mask.0 & !(inside as u8);
         let containment =
             if remaining == 0 { Containment::Inside } else { Containment::Intersects };
         (containment, PlaneMask(remaining))

@@ -140,6 +140,9 @@ impl<'a> MultiView<'a> {
         if let Some(volumes) = self.volumes {
             return volumes.proxy(bounds, self.first());
         }
+        if let [view] = self.views {
+            return view.margin.proxy(bounds);
+        }
         let seeing = || {
             let views = self.views.iter().zip(masks.0);
             views.filter(|(_, mask)| *mask != PlaneMask::OUTSIDE).map(|(view, _)| &view.margin)

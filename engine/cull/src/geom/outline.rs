@@ -1,6 +1,6 @@
 //! The part of the screen that a box covers: its outline and its approximate number of pixels.
 
-use glam::Vec2;
+use glam::{Vec2, Vec4};
 
 use crate::geom::bounds::Aabb;
 use crate::geom::margin::rounding;
@@ -22,23 +22,9 @@ impl Outline {
     /// The outline of nothing.
     pub(crate) const EMPTY: Self = Self { corners: [Vec2::ZERO; Self::MOST], count: 0 };
 
-    /// Returns the outline of a box that is completely in front of the eye. `None` if it is not, or
-    /// if the numbers fail.
-    pub(crate) fn of(bounds: &Aabb, view: &CullView) -> Option<Self> {
-        let scale = Vec2::new(view.size[0] as f32, view.size[1] as f32) * 0.5;
-        let mut points = [Vec2::ZERO; 8];
-        let mut nearest = f32::INFINITY;
-        for (point, corner) in points.iter_mut().zip(bounds.corners()) {
-            let clip = view.view_proj * corner.extend(1.0);
-            nearest = nearest.min(clip.w);
-            *point = (Vec2::new(clip.x, clip.y) / clip.w + 1.0) * scale;
-        }
-        let is_sound = nearest > 0.0 && points.iter().all(|point| point.is_finite());
-        is_sound.then(|| Self::around(points))
-    }
-
-    /// Returns the convex hull, by Andrew's monotone chain.
-    fn around(mut points: [Vec2; 8]) -> Self {
+    /// Returns the outline of a box with these corners on the screen: the convex hull, by Andrew's
+    /// monotone chain.
+    pub(crate) fn around(mut points: [Vec2; 8]) -> Self {
         points.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
         let mut hull = Self::EMPTY;
         for backwards in [false, true] {
@@ -82,13 +68,10 @@ impl Outline {
         self.corners[..self.count].iter().copied()
     }
 
-    /// Returns true if the outline covers nothing.
-    pub(crate) fn is_empty(&self) -> bool {
-        self.count == 0
-    }
-
     fn edges(&self) -> impl Iterator<Item = (Vec2, Vec2)> {
-        (0..self.count).map(|at| (self.corners[at], self.corners[(at + 1) % self.count]))
+        let corners = &self.corners[..self.count];
+        let next = corners.iter().skip(1).chain(corners.first());
+        corners.iter().copied().zip(next.copied())
     }
 
     /// Returns the part of the outline on the screen, which may be empty.
@@ -96,6 +79,9 @@ impl Outline {
         let [width, height] = size;
         let sides = [(Vec2::X, 0.0), (Vec2::NEG_X, width), (Vec2::Y, 0.0), (Vec2::NEG_Y, height)];
         sides.into_iter().fold(*self, |outline, (normal, offset)| {
+            if outline.points().all(|point| normal.dot(point) + offset >= 0.0) {
+                return outline;
+            }
             let mut kept = Self::EMPTY;
             let mut keep = |point| {
                 if kept.count < Self::MOST {
@@ -131,6 +117,61 @@ impl Outline {
                 edge.perp_dot(point - from) >= -ALLOWED_PIXELS * edge.length()
             })
     }
+}
+
+/// The rectangle around a part of the screen (pixels): the low corner, and the high corner negated,
+/// so that one comparison decides about all four sides.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ScreenExtent(Vec4);
+
+impl ScreenExtent {
+    /// The extent of nothing, which every extent contains.
+    pub(crate) const NOTHING: Self = Self(Vec4::INFINITY);
+
+    pub(crate) fn around(points: impl Iterator<Item = Vec2>) -> Self {
+        Self(points.fold(Vec4::INFINITY, |extent, point| {
+            extent.min(Vec4::new(point.x, point.y, -point.x, -point.y))
+        }))
+    }
+
+    /// Returns the extent of the whole image of a view.
+    pub(crate) fn of_screen(view: &CullView) -> Self {
+        let [width, height] = view.size.map(|pixels| pixels as f32);
+        Self(Vec4::new(0.0, 0.0, -width, -height))
+    }
+
+    pub(crate) fn is_nothing(self) -> bool {
+        self.0.x == f32::INFINITY
+    }
+
+    pub(crate) fn contains(self, other: Self) -> bool {
+        self.0.cmple(other.0).all()
+    }
+
+    /// Returns the area (square pixels).
+    pub(crate) fn area(self) -> f32 {
+        if self.is_nothing() { 0.0 } else { (self.0.x + self.0.z) * (self.0.y + self.0.w) }
+    }
+}
+
+/// Returns the positions on the screen (pixels) of the corners of a box that is completely in front
+/// of the eye. `None` if it is not, or if the numbers fail.
+pub(crate) fn screen_corners(bounds: &Aabb, view: &CullView) -> Option<[Vec2; 8]> {
+    let scale = Vec2::new(view.size[0] as f32, view.size[1] as f32) * 0.5;
+    let matrix = &view.view_proj;
+    // The products of the columns and the six coordinates, which the corners share.
+    let along = |column: Vec4, axis: usize| [bounds.min, bounds.max].map(|at| column * at[axis]);
+    let x = along(matrix.x_axis, 0);
+    let y = along(matrix.y_axis, 1);
+    let z = along(matrix.z_axis, 2);
+    let mut nearest = f32::INFINITY;
+    let corners = std::array::from_fn(|corner| {
+        let clip = x[corner & 1] + y[corner >> 1 & 1] + z[corner >> 2] + matrix.w_axis;
+        nearest = nearest.min(clip.w);
+        ((clip / clip.w).truncate().truncate() + 1.0) * scale
+    });
+    let is_sound = nearest > 0.0 && corners.iter().all(|corner: &Vec2| corner.is_finite());
+    is_sound.then_some(corners)
 }
 
 /// Returns the approximate number of pixels of `view` that a box covers, at most all pixels. Takes

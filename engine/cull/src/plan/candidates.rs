@@ -1,8 +1,5 @@
 //! The lists of a plan in the making: draws and tests, in their order.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
-
 use crate::geom::bounds::Aabb;
 use crate::geom::multi_view::{MultiView, ViewMasks};
 use crate::history::record::FrameStamp;
@@ -23,32 +20,20 @@ impl Nearness {
     }
 }
 
-/// A node in the frustum that waits in the queue; the nearest comes first, then the smallest id.
-pub(crate) type Waiting = Reverse<(Nearness, u32, Above)>;
+/// A node in the frustum that is to be visited.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Waiting {
+    pub(crate) node: u32,
+    pub(crate) nearness: Nearness,
+    pub(crate) above: Above,
+}
 
-/// The state that a node inherits from the nodes above. It does not affect the order of the queue.
+/// The state that a node inherits from the nodes above.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Above {
     pub(crate) masks: ViewMasks,
     /// The frame since which a node above has been hidden as a whole.
     pub(crate) hidden_since: Option<FrameStamp>,
-}
-
-impl PartialEq for Above {
-    fn eq(&self, _: &Self) -> bool {
-        true
-    }
-}
-impl Eq for Above {}
-impl PartialOrd for Above {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-impl Ord for Above {
-    fn cmp(&self, _: &Self) -> std::cmp::Ordering {
-        std::cmp::Ordering::Equal
-    }
 }
 
 /// A leaf to draw.
@@ -71,6 +56,7 @@ pub(crate) struct Retest {
 /// A node to test.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Candidate {
+    pub(crate) nearness: Nearness,
     pub(crate) node: u32,
     /// The kind: proxy, pull-up query or own box.
     pub(crate) kind: QueryKind,
@@ -92,7 +78,7 @@ impl Candidate {
 /// The lists of one plan in the making, kept so that steady frames do not allocate.
 #[derive(Debug, Default)]
 pub(crate) struct Scratch {
-    pub(crate) queue: BinaryHeap<Waiting>,
+    pub(crate) waiting: Vec<Waiting>,
     pub(crate) draws: Vec<Draw>,
     pub(crate) retests: Vec<Retest>,
     pub(crate) tests: Vec<Candidate>,
@@ -112,7 +98,7 @@ pub(crate) struct Scratch {
 
 impl Scratch {
     pub(crate) fn clear(&mut self) {
-        self.queue.clear();
+        self.waiting.clear();
         self.draws.clear();
         self.retests.clear();
         self.tests.clear();
@@ -126,7 +112,15 @@ impl Scratch {
             let before = self.draws.partition_point(|draw| draw.nearness <= retest.nearness);
             retest.after = before as u32;
         }
+        self.sort_retests();
+    }
+
+    pub(crate) fn sort_retests(&mut self) {
         self.retests.sort_unstable_by_key(|retest| (retest.nearness, retest.leaf));
+    }
+
+    pub(crate) fn sort_tests(&mut self) {
+        self.tests.sort_unstable_by_key(|test| (test.nearness, test.node));
     }
 
     /// Returns the tests that decide about draws.

@@ -5,7 +5,7 @@ use glam::{Vec2, Vec4};
 use crate::geom::bounds::Aabb;
 use crate::geom::frustum::{Containment, PlaneMask};
 use crate::geom::multi_view::MultiView;
-use crate::geom::outline::Outline;
+use crate::geom::outline::{Outline, ScreenExtent, screen_corners};
 use crate::geom::view::CullView;
 
 /// A proxy whose result others may share.
@@ -19,14 +19,6 @@ pub(crate) struct SharedProxy {
     pub(crate) most_behind: u32,
 }
 
-/// The outline of a front in one view; empty where the front hides nothing.
-#[derive(Clone, Copy, Debug)]
-struct FrontOutline {
-    outline: Outline,
-    low: Vec2,
-    high: Vec2,
-}
-
 /// The outlines of a box in one view: of the whole box, and of its part on the screen.
 #[derive(Clone, Copy, Debug)]
 struct BoxOutline {
@@ -34,17 +26,31 @@ struct BoxOutline {
     seen: Outline,
 }
 
-/// The fronts of a plan, and the outlines of the box examined last. Reused from frame to frame for
-/// its memory.
+/// The box examined last, in one view.
+#[derive(Clone, Copy, Debug)]
+struct BoxInView {
+    /// The corners on the screen (pixels); `None` if the box is outside of the view.
+    corners: Option<[Vec2; 8]>,
+    /// The extent of the part on the screen.
+    extent: ScreenExtent,
+    /// The outlines, once something needs them: most boxes are distinguished by their extents.
+    outlines: Option<BoxOutline>,
+}
+
+/// The fronts of a plan, and the box examined last. Reused from frame to frame for its memory.
 #[derive(Debug, Default)]
 pub(crate) struct Fronts {
     fronts: Vec<SharedProxy>,
     /// The area of each front on the screen (square pixels).
     areas: Vec<f32>,
-    /// The outlines of each front, one per view.
-    outlines: Vec<FrontOutline>,
-    /// The outlines of the box examined last, one per view.
-    looked_at: Vec<BoxOutline>,
+    /// The place of the smallest front.
+    smallest: Option<usize>,
+    /// The extent of each front, one per view. Nothing where the front hides nothing.
+    extents: Vec<ScreenExtent>,
+    /// The outline of each front, one per view. Empty where the front hides nothing.
+    outlines: Vec<Outline>,
+    /// The box examined last, one per view.
+    looked_at: Vec<BoxInView>,
 }
 
 impl Fronts {
@@ -52,24 +58,25 @@ impl Fronts {
     pub(crate) fn clear(&mut self) {
         self.fronts.clear();
         self.areas.clear();
+        self.smallest = None;
+        self.extents.clear();
         self.outlines.clear();
     }
 
-    /// Finds the outlines of a box in all views. Returns false if the numbers fail, if a view that
-    /// may see the box has a part of it behind the eye, or if the box is not completely before the
-    /// eye in any view.
+    /// Examines a box in all views. Returns false if the numbers fail, if a view that may see the
+    /// box has a part of it behind the eye, or if the box is not completely before the eye in any
+    /// view.
     pub(crate) fn look_at(&mut self, bounds: &Aabb, views: MultiView<'_>) -> bool {
         self.looked_at.clear();
         let mut is_anywhere = false;
         for view in views.as_slice() {
-            let whole = match Outline::of(bounds, view) {
-                Some(outline) => outline,
-                None if is_outside(bounds, view) => Outline::EMPTY,
+            let in_view = match screen_corners(bounds, view) {
+                Some(corners) => BoxInView::of(corners, view),
+                None if is_outside(bounds, view) => BoxInView::OUTSIDE,
                 None => return false,
             };
-            is_anywhere |= !whole.is_empty();
-            let seen = whole.clipped(view.size.map(|pixels| pixels as f32));
-            self.looked_at.push(BoxOutline { whole, seen });
+            is_anywhere |= in_view.corners.is_some();
+            self.looked_at.push(in_view);
         }
         is_anywhere
     }
@@ -82,18 +89,24 @@ impl Fronts {
         leaves: u32,
         views: MultiView<'_>,
     ) -> Option<&mut SharedProxy> {
-        let Self { fronts, outlines, looked_at, .. } = self;
         let views = views.as_slice();
-        let hides = |(front, outlines): &(&mut SharedProxy, &[FrontOutline])| {
-            let mut views = views.iter().zip(*outlines).zip(&*looked_at);
-            front.leaves_behind.saturating_add(leaves) <= front.most_behind
-                && views.all(|((view, outline), BoxOutline { seen, .. })| {
-                    seen.is_empty()
-                        || front.is_before(bounds, view.rays.eye()) && outline.holds(seen)
-                })
-        };
-        let mut fronts = fronts.iter_mut().zip(outlines.chunks_exact(views.len()));
-        fronts.find(hides).map(|(front, _)| front)
+        let Self { fronts, extents, outlines, looked_at, .. } = self;
+        let mut in_views = extents.chunks_exact(views.len()).zip(fronts.iter()).enumerate();
+        let (place, _) = in_views.find(|(place, (extents, front))| {
+            // Most fronts fail here.
+            let contain =
+                |(front, box_in): (&ScreenExtent, &BoxInView)| front.contains(box_in.extent);
+            extents.iter().zip(&*looked_at).all(contain)
+                && front.leaves_behind.saturating_add(leaves) <= front.most_behind
+                && looked_at.iter_mut().zip(views).zip(&outlines[place * views.len()..]).all(
+                    |((box_in, view), outline)| {
+                        box_in.extent.is_nothing()
+                            || front.is_before(bounds, view.rays.eye())
+                                && box_in.outlines(view).seen.points().all(|at| outline.holds(at))
+                    },
+                )
+        })?;
+        self.fronts.get_mut(place)
     }
 
     /// Adds a front, whose box was [examined](Fronts::look_at) last, if it covers at least
@@ -106,57 +119,75 @@ impl Fronts {
         least_area: f32,
         most: usize,
     ) {
-        let views = views.as_slice();
-        let sharp = |(view, outlines): (&CullView, &BoxOutline)| {
-            // A box that the near plane may cut hides nothing in this view.
-            let hides = view.margin.is_beyond_near(&front.bounds, 0.0)
-                && outlines.whole.is_sharp(&front.bounds, view);
-            hides.then_some(*outlines)
-        };
-        let outlines = || views.iter().zip(&self.looked_at).map(sharp);
-        let area: f32 = outlines().flatten().map(|outlines| outlines.seen.area()).sum();
-        // A front of unknown area is not added.
-        if area.is_nan() || area < least_area {
+        let smallest = self.smallest.filter(|_| self.fronts.len() >= most);
+        let is_enough =
+            |area: f32| area >= least_area && smallest.is_none_or(|place| area > self.areas[place]);
+        if !is_enough(self.looked_at.iter().map(|box_in| box_in.extent.area()).sum()) {
             return;
         }
-        let place = if self.fronts.len() < most {
-            self.fronts.len()
-        } else {
-            let areas = self.areas.iter().enumerate();
-            let smallest = areas.min_by(|(_, a), (_, b)| a.total_cmp(b));
-            let Some((place, _)) = smallest.filter(|(_, smallest)| **smallest < area) else {
-                return;
-            };
-            place
-        };
-        if place == self.fronts.len() {
-            self.fronts.push(front);
-            self.areas.push(area);
-            self.outlines.extend(outlines().map(FrontOutline::of));
-        } else {
+        let start = self.outlines.len();
+        let mut area = 0.0;
+        for (box_in, view) in self.looked_at.iter_mut().zip(views.as_slice()) {
+            let BoxOutline { whole, seen } = box_in.outlines(view);
+            // A box that the near plane may cut hides nothing in this view.
+            let hides = view.margin.is_beyond_near(&front.bounds, 0.0)
+                && whole.is_sharp(&front.bounds, view);
+            if hides {
+                area += seen.area();
+            }
+            let outline = if hides { whole } else { Outline::EMPTY };
+            self.extents.push(ScreenExtent::around(outline.points()));
+            self.outlines.push(outline);
+        }
+        // A front of unknown area is not added.
+        if !is_enough(area) {
+            self.extents.truncate(start);
+            self.outlines.truncate(start);
+            return;
+        }
+        if let Some(place) = smallest {
             self.fronts[place] = front;
             self.areas[place] = area;
-            let of_front = self.outlines.iter_mut().skip(place * views.len());
-            of_front.zip(outlines()).for_each(|(to, outline)| *to = FrontOutline::of(outline));
+            let first = place * self.looked_at.len();
+            self.extents.copy_within(start.., first);
+            self.extents.truncate(start);
+            self.outlines.copy_within(start.., first);
+            self.outlines.truncate(start);
+        } else {
+            self.fronts.push(front);
+            self.areas.push(area);
         }
+        let areas = self.areas.iter().enumerate();
+        self.smallest = areas.min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(place, _)| place);
     }
 }
 
-impl FrontOutline {
-    fn of(outlines: Option<BoxOutline>) -> Self {
-        let outline = outlines.map_or(Outline::EMPTY, |outlines| outlines.whole);
-        let low = Vec2::INFINITY;
-        let high = Vec2::NEG_INFINITY;
-        let (low, high) = outline
-            .points()
-            .fold((low, high), |(low, high), point| (low.min(point), high.max(point)));
-        Self { outline, low, high }
+impl BoxInView {
+    const OUTSIDE: Self = Self { corners: None, extent: ScreenExtent::NOTHING, outlines: None };
+
+    fn of(corners: [Vec2; 8], view: &CullView) -> Self {
+        let mut box_in = Self {
+            corners: Some(corners),
+            extent: ScreenExtent::around(corners.into_iter()),
+            outlines: None,
+        };
+        if !ScreenExtent::of_screen(view).contains(box_in.extent) {
+            box_in.extent = ScreenExtent::around(box_in.outlines(view).seen.points());
+        }
+        box_in
     }
 
-    /// Returns true if this outline contains another completely.
-    fn holds(&self, outline: &Outline) -> bool {
-        outline.points().all(|point| point.cmpge(self.low).all() && point.cmple(self.high).all())
-            && outline.points().all(|point| self.outline.holds(point))
+    /// Returns the outlines, computed at the first call.
+    fn outlines(&mut self, view: &CullView) -> BoxOutline {
+        *self.outlines.get_or_insert_with(|| {
+            let whole = self.corners.map_or(Outline::EMPTY, Outline::around);
+            let seen = if ScreenExtent::of_screen(view).contains(self.extent) {
+                whole
+            } else {
+                whole.clipped(view.size.map(|pixels| pixels as f32))
+            };
+            BoxOutline { whole, seen }
+        })
     }
 }
 

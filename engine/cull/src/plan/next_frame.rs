@@ -46,9 +46,10 @@ pub(crate) struct NextFrame {
 }
 
 impl NextFrame {
-    /// Takes an answer about a node of `hierarchy`; ignores answers about inner nodes.
+    /// Takes an answer about a node of `hierarchy`. Ignores answers about inner nodes, and all
+    /// answers before the first plan.
     pub(crate) fn take(&mut self, hierarchy: &Hierarchy, tag: &QueryTag, samples: u32) {
-        if hierarchy.leaves(tag.node).count != 1 {
+        if self.records.is_empty() || hierarchy.leaves(tag.node).count != 1 {
             return;
         }
         let Some(record) = self.record(hierarchy, tag.node) else { return };

@@ -32,6 +32,6 @@ pub(crate) fn draw_occluders(scratch: &mut Scratch, walk: &Walk<'_>, stats: &mut
             stats.occluders += 1;
         });
     }
-    scratch.retests.sort_unstable_by_key(|retest| (retest.nearness, retest.leaf));
+    scratch.sort_retests();
     scratch.discard();
 }

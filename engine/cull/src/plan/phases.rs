@@ -2,7 +2,7 @@
 
 use crate::geom::multi_view::ViewMasks;
 use crate::ids::NodeId;
-use crate::plan::candidates::{Candidate, Draw, Nearness, Scratch};
+use crate::plan::candidates::{Candidate, Draw, Scratch};
 use crate::plan::frame_plan::{PlanStats, QueryKind};
 use crate::plan::traverse::Walk;
 
@@ -11,15 +11,15 @@ pub(crate) fn test_boxes_of_retests(scratch: &mut Scratch, walk: &Walk<'_>, stat
     if scratch.retests.is_empty() {
         return;
     }
-    let bounds = |node| walk.hierarchy.bounds(NodeId(node));
     for retest in scratch.retests.drain(..) {
         scratch.draws.push(Draw { nearness: retest.nearness, leaf: retest.leaf });
-        let bounds = bounds(retest.node);
+        let bounds = walk.hierarchy.bounds(NodeId(retest.node));
         let (_, masks) = walk.classify(NodeId(retest.node), ViewMasks::ALL);
         // A box that the near plane cuts has no proxy.
         let Some(proxy) = walk.views.proxy(&bounds, masks) else { continue };
         stats.visible_box_queries += 1;
         scratch.tests.push(Candidate {
+            nearness: retest.nearness,
             node: retest.node,
             kind: QueryKind::VisibleDrawQuery,
             proxy,
@@ -29,7 +29,6 @@ pub(crate) fn test_boxes_of_retests(scratch: &mut Scratch, walk: &Walk<'_>, stat
         });
     }
     scratch.sort_draws();
-    let nearness = |node| Nearness::of(&bounds(node), walk.views);
-    scratch.tests.sort_unstable_by_key(|test| (nearness(test.node), test.node));
+    scratch.sort_tests();
     scratch.keep_all();
 }

@@ -109,7 +109,7 @@ mod tests {
     use super::*;
     use crate::geom::bounds::Aabb;
     use crate::geom::camera::{Camera, Projection};
-    use crate::geom::outline::Outline;
+    use crate::geom::outline::{Outline, screen_corners};
     use crate::geom::view::CullView;
     use crate::ids::{FrameId, Generation, LeafIndex, LeafRange, NodeId};
     use crate::plan::frame_plan::QueryTag;
@@ -148,7 +148,8 @@ mod tests {
             let centre = view.rays.point(aside, distance);
             let half = Vec3::new(between(0.1, 1.0), between(0.1, 1.0), between(0.1, 1.0)) * size;
             let bounds = Aabb::new(centre - half, centre + half);
-            let Some(outline) = Outline::of(&bounds, &view) else { continue };
+            let Some(corners) = screen_corners(&bounds, &view) else { continue };
+            let outline = Outline::around(corners);
             let nearest = bounds.corners().map(|corner| view.rays.depth_m(corner));
             let is_near = nearest.into_iter().any(|depth_m| depth_m < view.rays.near);
             if is_near || !outline.is_sharp(&bounds, &view) {

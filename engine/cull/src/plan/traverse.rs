@@ -1,7 +1,8 @@
-//! The traversal of the hierarchy, front to back by a priority queue ("Hardware Occlusion Queries
-//! Made Useful", 6.5.7), shared by all strategies.
-
-use std::cmp::Reverse;
+//! The traversal of the hierarchy, shared by all strategies.
+//!
+//! "Hardware Occlusion Queries Made Useful", 6.5.7, visits the nodes front to back by a priority
+//! queue, because its answers arrive during the traversal. Here no decision about a node depends on
+//! another node in front, so the nodes are visited in any order, and the lists are sorted.
 
 use crate::geom::bounds::Aabb;
 use crate::geom::frustum::Containment;
@@ -10,7 +11,7 @@ use crate::hierarchy::Hierarchy;
 use crate::history::record::{FrameStamp, NodeRecord, NodeState};
 use crate::history::records::History;
 use crate::ids::{LeafIndex, NodeId};
-use crate::plan::candidates::{Above, Candidate, Draw, Nearness, Retest, Scratch};
+use crate::plan::candidates::{Above, Candidate, Draw, Nearness, Retest, Scratch, Waiting};
 use crate::plan::config::{CullConfig, CullTuning};
 use crate::plan::frame_plan::{PlanStats, QueryKind};
 use crate::plan::strategy::Strategy;
@@ -105,9 +106,8 @@ impl Walk<'_> {
             let above = Above { masks: ViewMasks::ALL, hidden_since: None };
             self.push(root.0, above, scratch);
         }
-        while let Some(Reverse((nearness, node, Above { masks, hidden_since }))) =
-            scratch.queue.pop()
-        {
+        while let Some(Waiting { node, nearness, above }) = scratch.waiting.pop() {
+            let Above { masks, hidden_since } = above;
             stats.nodes_visited += 1;
             let (record, inherited) = self.record_below(node, hidden_since);
             let visit = Visit {
@@ -124,6 +124,9 @@ impl Walk<'_> {
             }
             self.settle(&visit, scratch, stats);
         }
+        scratch.sort_draws();
+        scratch.sort_retests();
+        scratch.sort_tests();
     }
 
     fn settle(&self, visit: &Visit, scratch: &mut Scratch, stats: &mut PlanStats) {
@@ -139,6 +142,7 @@ impl Walk<'_> {
             NodeDecision::TestVisibleBox(proxy) => {
                 scratch.draws.push(Draw { nearness: visit.nearness, leaf });
                 scratch.tests.push(Candidate {
+                    nearness: visit.nearness,
                     node: visit.node,
                     kind: QueryKind::VisibleBoxQuery,
                     proxy,
@@ -148,6 +152,7 @@ impl Walk<'_> {
                 });
             }
             NodeDecision::Test(proxy) => scratch.tests.push(Candidate {
+                nearness: visit.nearness,
                 node: visit.node,
                 kind: QueryKind::Proxy,
                 proxy,
@@ -187,9 +192,10 @@ impl Walk<'_> {
                 // A node whose pull-up query failed would show again.
                 let is_worth_it =
                     self.coarseness > 0 && (record.stable_queries == 0 || record.due <= self.now);
-                let hidden = self.children_hidden_since(visit).filter(|_| is_worth_it);
-                let is_closed =
-                    hidden.is_some_and(|since| self.may_share(visit, self.now.since(since)));
+                let is_closed = is_worth_it
+                    && self
+                        .children_hidden_since(visit)
+                        .is_some_and(|since| self.may_share(visit, self.now.since(since)));
                 if is_closed { NodeDecision::Test(proxy) } else { NodeDecision::Open(Some(proxy)) }
             }
             NodeState::Hidden if is_leaf || self.may_share(visit, record.hidden_frames()) => {
@@ -238,8 +244,8 @@ impl Walk<'_> {
         visit.record.stable_queries == 0 || self.now.since(visit.record.answered) >= interval
     }
 
-    /// Adds the children in the frustum to the queue, and requests a pull-up query of the node if
-    /// all of them are hidden.
+    /// Adds the children in the frustum to the waiting nodes, and requests a pull-up query of the
+    /// node if all of them are hidden.
     fn open(&self, visit: &Visit, proxy: Option<Aabb>, scratch: &mut Scratch) {
         let Some(children) = self.hierarchy.children(NodeId(visit.node)) else {
             return;
@@ -259,6 +265,7 @@ impl Walk<'_> {
         let is_pull_up = hidden.is_some_and(|since| self.may_share(visit, self.now.since(since)));
         if is_pull_up {
             scratch.tests.push(Candidate {
+                nearness: visit.nearness,
                 node: visit.node,
                 kind: QueryKind::PullUpQuery,
                 proxy,
@@ -316,13 +323,14 @@ impl Walk<'_> {
         (record, inherited)
     }
 
-    /// Queues a node unless it is outside of the frustum.
+    /// Adds a node to the waiting nodes unless it is outside of the frustum.
     fn push(&self, node: u32, above: Above, scratch: &mut Scratch) {
         let (containment, masks) = self.classify(NodeId(node), above.masks);
         if containment != Containment::Outside {
             let bounds = self.hierarchy.bounds(NodeId(node));
             let nearness = Nearness::of(&bounds, self.views);
-            scratch.queue.push(Reverse((nearness, node, Above { masks, ..above })));
+            let above = Above { masks, ..above };
+            scratch.waiting.push(Waiting { node, nearness, above });
         }
     }
 
