@@ -63,12 +63,20 @@ impl AntumbraCamera {
         let depth = match self.depth {
             ANTUMBRA_DEPTH_REVERSED => DepthConvention::Reversed,
             ANTUMBRA_DEPTH_STANDARD => DepthConvention::Standard,
-            _ => return Err(Failure::argument("camera.depth is no ANTUMBRA_DEPTH_..")),
+            other => {
+                let message =
+                    format_args!("camera.depth is {other}, which is no ANTUMBRA_DEPTH_..");
+                return Err(Failure::argument(message));
+            }
         };
         let y = match self.clip_y {
             ANTUMBRA_CLIP_Y_DOWN => ClipY::Down,
             ANTUMBRA_CLIP_Y_UP => ClipY::Up,
-            _ => return Err(Failure::argument("camera.clip_y is no ANTUMBRA_CLIP_Y_..")),
+            other => {
+                let message =
+                    format_args!("camera.clip_y is {other}, which is no ANTUMBRA_CLIP_Y_..");
+                return Err(Failure::argument(message));
+            }
         };
         let matrix = Mat4::from_cols_array(&self.clip_from_world);
         Ok(ViewProjection { matrix, depth, y })

@@ -302,8 +302,9 @@ unsafe fn meshes_of(
         // SAFETY: as above.
         unsafe {
             let desc = read(&name, *mesh)?;
-            let vertices = slice("vertices of a mesh", desc.vertices, desc.vertex_count)?;
-            let indices = slice("indices of a mesh", desc.indices, desc.index_count)?;
+            let of = |field: &str| format!("{name}.{field}");
+            let vertices = slice(of("vertices"), desc.vertices, desc.vertex_count)?;
+            let indices = slice(of("indices"), desc.indices, desc.index_count)?;
             Ok(mesh_of(name, vertices, indices))
         }
     };
