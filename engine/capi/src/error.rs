@@ -24,7 +24,8 @@ pub enum AntumbraResult {
     UnknownHandle = -4,
     /// Another call is using the object.
     Busy = -5,
-    /// The object was being changed when a panic happened: destroy it.
+    /// An earlier call that was changing the object ended with `ANTUMBRA_RESULT_PANIC`: destroy the
+    /// object.
     Poisoned = -6,
     /// A defect of the library: please report the message.
     Panic = -7,

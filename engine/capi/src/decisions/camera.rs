@@ -6,9 +6,9 @@ use glam::Mat4;
 use crate::error::Failure;
 use crate::layout::{layout, versioned};
 
-/// Depth is 1 at the near plane and 0 infinitely far away.
+/// Depth is 1 at the near plane, and 0 at the far plane or infinitely far away.
 pub const ANTUMBRA_DEPTH_REVERSED: u32 = 0;
-/// Depth is 0 at the near plane and 1 at the far plane, or infinitely far away.
+/// Depth is 0 at the near plane, and 1 at the far plane or infinitely far away.
 pub const ANTUMBRA_DEPTH_STANDARD: u32 = 1;
 
 /// The y axis of clip space points down, as in Vulkan.

@@ -73,7 +73,7 @@ versioned!(AntumbraHierarchyDesc: 4, required: [], defaults: {});
 pub struct AntumbraLeaves {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// Must be 0.
+    /// Is 0.
     pub reserved: u32,
     /// The object of each leaf; `ANTUMBRA_NO_OBJECT` for a leaf without one. Valid until objects
     /// are added or removed, or the hierarchy is updated or rebuilt. Moves change nothing.

@@ -50,7 +50,10 @@ layout!(AntumbraAdapterDesc: struct_size, api_version, instance_proc_addr, insta
 
 versioned!(AntumbraAdapterDesc: 5, required: [instance_proc_addr, instance, physical_device], defaults: {api_version: vk::API_VERSION_1_3});
 
-/// The features of a device, in structs of the host. Null counts as a struct with all features off.
+/// The features of a device, in structs of the host. Null counts as a struct with all features off:
+/// `antumbra_requirements` then turns none of them on, and `antumbra_device_adopt` refuses the
+/// device if one of them is needed. Features that the host turned on by other structs, such as
+/// `VkPhysicalDeviceDynamicRenderingFeatures`, are set in these structs for the adoption.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct AntumbraFeatures {
@@ -58,13 +61,14 @@ pub struct AntumbraFeatures {
     pub struct_size: u32,
     /// Must be 0.
     pub reserved: u32,
-    /// The features of Vulkan 1.0. Default: null.
+    /// The features of Vulkan 1.0, of which some are needed. Default: null.
     pub core: *mut vk::PhysicalDeviceFeatures,
-    /// The features of Vulkan 1.2, with their `sType`. Default: null.
+    /// The features of Vulkan 1.2, with their `sType`; a renderer needs some. Default: null.
     pub vulkan_12: *mut vk::PhysicalDeviceVulkan12Features<'static>,
-    /// The features of Vulkan 1.3, with their `sType`. Default: null.
+    /// The features of Vulkan 1.3, with their `sType`, of which some are needed. Default: null.
     pub vulkan_13: *mut vk::PhysicalDeviceVulkan13Features<'static>,
-    /// The features of `VK_EXT_conditional_rendering`, with their `sType`. Default: null.
+    /// The features of `VK_EXT_conditional_rendering`, with their `sType`. Never needed. Default:
+    /// null.
     pub conditional_rendering: *mut vk::PhysicalDeviceConditionalRenderingFeaturesEXT<'static>,
 }
 layout!(AntumbraFeatures: struct_size, reserved, core, vulkan_12, vulkan_13,

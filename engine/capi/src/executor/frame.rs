@@ -16,7 +16,7 @@ use crate::error::Failure;
 use crate::layout::{layout, pointers, versioned};
 use crate::pointers::{read, slice};
 
-/// The draws that follow a call of [`AntumbraBindCallback`].
+/// The draws that follow a call of `AntumbraBindCallback`.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct AntumbraBinding {
@@ -106,10 +106,12 @@ pub struct AntumbraFrameDesc {
     /// Required: a primary command buffer that is being recorded, outside of renderings and
     /// queries.
     pub commands: vk::CommandBuffer,
-    /// Required: the number of this frame, above the numbers of all earlier frames on the device.
+    /// Required: the number of this frame, above the numbers of all earlier frames on the device,
+    /// of other scenes, too.
     pub current: u64,
     /// The number of a frame: it and all earlier frames are over on the GPU, or will never be
-    /// submitted. The newest such frame is best. Default: 0, none.
+    /// submitted. The newest such frame is best. Below `current`, and never below the `safe` of an
+    /// earlier frame. Default: 0, none.
     pub safe: u64,
     /// Binds the state that draws need. Default: null, only for a host that draws from lists.
     pub bind: AntumbraBindCallback,

@@ -170,7 +170,7 @@ impl From<&AntumbraObjectDraw> for BucketDraw {
 pub struct AntumbraViewStats {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// Must be 0.
+    /// Is 0.
     pub reserved: u32,
     /// The frame, counted from 1 in its view; 0 if none is known.
     pub frame: u64,

@@ -48,8 +48,9 @@ pub struct AntumbraImage {
     pub view: vk::ImageView,
     /// The format of the view.
     pub format: vk::Format,
-    /// The usage that the image was created with. `VK_IMAGE_USAGE_TRANSFER_SRC_BIT` of a depth
-    /// image allows tests by compute shaders.
+    /// The usage that the image was created with: `VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT` at
+    /// least for a depth, `VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT` for a colour.
+    /// `VK_IMAGE_USAGE_TRANSFER_SRC_BIT` of a depth image allows tests by compute shaders.
     pub usage: vk::ImageUsageFlags,
     /// The state before the first command of the executor.
     pub entry: AntumbraImageState,
@@ -104,10 +105,10 @@ pub struct AntumbraAttachments {
     pub depth: u32,
     /// The number of colour attachments, up to `ANTUMBRA_COLOURS_MAX`. Default: 0.
     pub colour_count: u32,
-    /// The subpass that is drawn in. Default: 0.
+    /// The subpass of `render_pass` that is drawn in. Default: 0.
     pub subpass: u32,
-    /// The formats of the colours, in the order of their locations. Default:
-    /// `VK_FORMAT_UNDEFINED`, for a location without an image.
+    /// The formats of the colours, in the order of their locations. The first `colour_count` of
+    /// them must be set. Default: `VK_FORMAT_UNDEFINED`, for the others.
     pub colour_formats: [vk::Format; ANTUMBRA_COLOURS_MAX],
     /// The render pass of a host that begins its renderings itself. Default: `VK_NULL_HANDLE`, for
     /// dynamic rendering.

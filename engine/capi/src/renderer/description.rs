@@ -56,7 +56,8 @@ versioned!(AntumbraMeshDesc: 6, required: [vertices, vertex_count, indices, inde
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AntumbraTransform {
-    /// The images of the x, y and z axis, then the position of the origin (metres).
+    /// The vectors that the x, y and z axis of the mesh become, then the position of its origin
+    /// (metres).
     pub columns: [f32; 12],
 }
 layout!(AntumbraTransform: columns);
