@@ -265,8 +265,8 @@ uint32_t antumbra_abi_version(void);
 /**
  * Creates a context.
  *
- * The caller promises that `desc.log` may be called on each thread that uses the context, until the
- * context is destroyed.
+ * The caller promises that `desc.log` may be called on each thread that uses the context, until
+ * the context is destroyed.
  */
 AntumbraResult antumbra_context_create(const AntumbraContextDesc *desc,
                                        AntumbraContext **context,
@@ -1993,8 +1993,8 @@ AntumbraResult antumbra_view_lists(const AntumbraContext *context,
  * not be submitted, and the next frame needs a higher number.
  *
  * The caller promises: the command buffer belongs to the scene's device and to the queue family of
- * its `AntumbraDeviceDesc`. All frames up to `safe` are over. When the command buffer executes, the
- * images are in their `entry` states, and nothing else uses them until it is over.
+ * its `AntumbraDeviceDesc`. All frames up to `safe` are over. When the command buffer executes,
+ * the images are in their `entry` states, and nothing else uses them until it is over.
  */
 AntumbraResult antumbra_scene_record(const AntumbraContext *context,
                                      AntumbraScene scene,
@@ -2634,7 +2634,8 @@ AntumbraResult antumbra_renderer_shadow_stats(const AntumbraContext *context,
 
 /**
  * Adds objects and writes their ids, which may be those of objects that were removed.
- * `AntumbraRendererDesc::spare_objects` must leave room for them. After an error nothing was added.
+ * `AntumbraRendererDesc::spare_objects` must leave room for them. After an error nothing was
+ * added.
  */
 AntumbraResult antumbra_renderer_add_objects(const AntumbraContext *context,
                                              AntumbraRenderer renderer,

@@ -16,8 +16,8 @@ pub extern "C" fn antumbra_abi_version() -> u32 {
 /// # Safety
 /// The rules of the interface.
 ///
-/// The caller promises that `desc.log` may be called on each thread that uses the context, until the
-/// context is destroyed.
+/// The caller promises that `desc.log` may be called on each thread that uses the context, until
+/// the context is destroyed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn antumbra_context_create(
     desc: *const AntumbraContextDesc,

@@ -203,7 +203,8 @@ pub unsafe extern "C" fn antumbra_renderer_shadow_stats(
 }
 
 /// Adds objects and writes their ids, which may be those of objects that were removed.
-/// `AntumbraRendererDesc::spare_objects` must leave room for them. After an error nothing was added.
+/// `AntumbraRendererDesc::spare_objects` must leave room for them. After an error nothing was
+/// added.
 ///
 /// # Safety
 /// The rules of the interface.

@@ -276,8 +276,8 @@ pub unsafe extern "C" fn antumbra_view_lists(
 /// The rules of the interface.
 ///
 /// The caller promises: the command buffer belongs to the scene's device and to the queue family of
-/// its `AntumbraDeviceDesc`. All frames up to `safe` are over. When the command buffer executes, the
-/// images are in their `entry` states, and nothing else uses them until it is over.
+/// its `AntumbraDeviceDesc`. All frames up to `safe` are over. When the command buffer executes,
+/// the images are in their `entry` states, and nothing else uses them until it is over.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn antumbra_scene_record(
     context: *const AntumbraContext,

@@ -302,7 +302,8 @@ fn colours_are_named_by_their_places() {
         let mut target = plain;
         let colours = [good, second];
         (target.colour_count, target.colours) = (2, colours.as_ptr());
-        let (camera, target) = (&camera, &target);
+        let camera = &camera;
+        let target = &target;
         let view = AntumbraViewFrame { view: c.view, camera, target, ..Versioned::INIT };
         let refused = c.record(&[&view], |_| {});
         expect(refused, result, words, &c.error);
@@ -337,7 +338,8 @@ fn objects_and_draws_of_a_scene_are_named_by_their_indices() {
         first_instance: 0,
     };
     let draws = [draw, AntumbraObjectDraw { bucket: 4, ..draw }];
-    let (x, s) = (c.context, c.scene);
+    let x = c.context;
+    let s = c.scene;
     let e = &mut c.error;
     let mut ids = [9; 2];
     // SAFETY: pointers to values on this stack.
@@ -354,7 +356,8 @@ fn objects_and_draws_of_a_scene_are_named_by_their_indices() {
             ),
         ] {
             let objects = [object, second];
-            let (at, ids) = (objects.as_ptr(), ids.as_mut_ptr());
+            let at = objects.as_ptr();
+            let ids = ids.as_mut_ptr();
             let added = antumbra_scene_add(x, s, at, 2, draws.as_ptr(), 2, ids, e);
             expect(added, BadArgument, words, e);
         }
