@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Builds the C interface and installs it: `engine/capi/install.sh PREFIX [CARGO OPTION..]`.
 #
-# Below PREFIX lie then include/antumbra.h and include/antumbra_vulkan.h, the shared and the static library, a pkg-config file, a
-# CMake package, and share/antumbra/snap.glsl for shaders of hosts. What follows PREFIX goes to `cargo build`, `--release` if there is nothing:
-# `install.sh /usr/local`, `install.sh out --profile dev`. Linux only.
+# Below PREFIX lie then include/antumbra.h and include/antumbra_vulkan.h, the shared and the static library, a pkg-config
+# file, a CMake package, and share/antumbra/snap.glsl for shaders of hosts. What follows PREFIX goes to `cargo build`,
+# `--release` if there is nothing: `install.sh /usr/local`, `install.sh out --profile dev`. At the end it prints what to
+# do where the library is not found. Linux only.
 set -euo pipefail
 
 { [ "$#" -ge 1 ] && [[ $1 != -* ]]; } || { echo "usage: install.sh PREFIX [CARGO OPTION..]" >&2; exit 2; }
@@ -30,4 +31,11 @@ sed "s/@VERSION@/$version/" package/antumbra.pc.in >"$prefix/lib/pkgconfig/antum
 cmake=$prefix/lib/cmake/antumbra
 install -m 644 package/antumbra-config.cmake "$cmake/"
 sed "s/@VERSION@/$version/" package/antumbra-config-version.cmake.in >"$cmake/antumbra-config-version.cmake"
-echo "installed to $prefix"
+cat <<END
+installed to $prefix
+If the library is not found:
+- when a program starts: run ldconfig once as root, for a prefix of the system such as /usr/local. For another prefix,
+  set LD_LIBRARY_PATH=$prefix/lib or link with -Wl,-rpath,$prefix/lib
+- when a program is built: set PKG_CONFIG_PATH=$prefix/lib/pkgconfig
+  or call CMake with -DCMAKE_PREFIX_PATH=$prefix
+END

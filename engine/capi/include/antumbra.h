@@ -1,40 +1,57 @@
 /* Antumbra: exact occlusion culling that never waits for the GPU. The C interface.
  *
+ * Made from the sources of antumbra-capi by cbindgen: do not edit.
+ *
+ * Sections:
+ * 1. Version, results, log and contexts
+ * 2. Decisions alone: boxes in, plan out, answers in. Any graphics API.
+ * 3. Devices                                                             (Vulkan)
+ * 4. The self-test and the costs of a device                             (Vulkan)
+ * 5. The executor: tests and draws in your command buffer                (Vulkan)
+ * 6. The renderer: meshes in, images out                                 (Vulkan)
+ *
+ * Words: the host is the program that calls the library. `AntumbraCamera::width` is the field
+ * `width` of the struct AntumbraCamera. An `ANTUMBRA_DEPTH_..` is one of the constants that begin
+ * so. A set of such constants is their bits, joined by `|`.
+ *
  * Rules of all functions:
  * - The result is ANTUMBRA_RESULT_OK or an error. An error leaves the outputs unchanged, unless the
  *   function says otherwise; the message in the AntumbraError says what to do. The pointer to the
  *   AntumbraError may be null.
  * - Initialise every struct that has a struct_size with ANTUMBRA_INIT(its type), including
- *   AntumbraError and structs for output: struct_size becomes the sizeof, and all other fields become
- *   0. Then set the fields that you need; every other field must stay 0. 0 means the default, which
- *   the comment of the field names; a required field has no default. To ask for none where the default
- *   is not none, pass the constant that the comment names, such as ANTUMBRA_NO_QUERIES. The structs
- *   that the library passes to callbacks are filled in by the library.
- * - Structs without a struct_size are plain values: a box, a vertex, an answer. Set all their fields.
+ *   AntumbraError and structs for output: struct_size becomes the sizeof, and all other fields
+ *   become 0. Then set the fields that you need; every other field must stay 0. 0 means the
+ *   default, which the comment of the field names; a required field has no default. To ask for none
+ *   where the default is not none, pass the constant that the comment names, such as
+ *   ANTUMBRA_NO_QUERIES. The structs that the library passes to callbacks are filled in by the
+ *   library.
+ * - Structs without a struct_size are plain values: a box, a vertex, an answer. Set all their
+ *   fields.
  * - A reserved field must be 0 in input, and is 0 in output.
- * - A pointer and a count describe an array; null is allowed if the count is 0. Input and output
- *   arrays must not overlap.
- * - Every object belongs to a context. A handle that is 0, was destroyed, or belongs to another
- *   context or kind of object is an error.
- * - Any function may be called on any thread. A call that changes an object must not overlap any other
- *   call with this object; calls that only read it may overlap. The result of a conflict is
- *   ANTUMBRA_RESULT_BUSY, and no call waits. Call antumbra_context_destroy after all other calls have
- *   returned.
+ * - A pointer and a count describe an array; null is allowed if the count is 0. An array of structs
+ *   with a struct_size is an array of pointers to them. Input and output arrays must not overlap.
+ * - Input is copied during the call, unless the comment says otherwise.
+ * - Every object belongs to a context. A handle that was destroyed, or belongs to another context
+ *   or kind of object, is an error. So is a handle of 0, unless the comment says otherwise.
+ * - Any function may be called on any thread. A call that changes an object must not overlap any
+ *   other call with this object; calls that only read it may overlap. The result of a conflict is
+ *   ANTUMBRA_RESULT_BUSY, and no call waits. Call antumbra_context_destroy after all other calls
+ *   have returned.
  * - A bug in the library becomes ANTUMBRA_RESULT_PANIC. Later calls with the object that was being
  *   changed return ANTUMBRA_RESULT_POISONED, except its destruction.
  * - Callbacks must return: no exception and no longjmp may leave them.
  * - The interface has no global state of its own: contexts are independent of each other.
+ * - Where a comment says that the caller promises something, the library cannot check it, and the
+ *   behaviour is undefined otherwise.
  */
-
 
 #ifndef ANTUMBRA_H
 #define ANTUMBRA_H
 
-/* Made from the sources of antumbra-capi by cbindgen: do not edit. */
-
 #include <stddef.h>
 #include <stdint.h>
-/* Executor and renderer need Vulkan: include <antumbra_vulkan.h>, or <vulkan/vulkan.h> before this header. */
+
+/* Sections 3 to 6 need Vulkan: include <antumbra_vulkan.h>, or <vulkan/vulkan.h> before this. */
 #if defined(VULKAN_CORE_H_) && !defined(ANTUMBRA_VULKAN)
 #define ANTUMBRA_VULKAN
 #endif
@@ -42,10 +59,10 @@
 #include <vulkan/vulkan_core.h>
 #endif
 
-/* A budget of no occlusion queries: objects that no other tester tests are drawn. */
-#define ANTUMBRA_NO_QUERIES SIZE_MAX
-
-/* A struct with its struct_size, and with 0 in all other fields: AntumbraPlanDesc desc = ANTUMBRA_INIT(AntumbraPlanDesc); */
+/* The initial value of a struct: its struct_size, and 0 in all other fields.
+ *     AntumbraPlanDesc desc = ANTUMBRA_INIT(AntumbraPlanDesc);
+ * In C it is an initialiser; to assign it later, write a cast before it:
+ *     desc = (AntumbraPlanDesc)ANTUMBRA_INIT(AntumbraPlanDesc); */
 #ifdef __cplusplus
 extern "C++" {
 namespace antumbra {
@@ -61,283 +78,24 @@ template <typename T> constexpr T init() {
 #define ANTUMBRA_INIT(type) {.struct_size = (uint32_t)sizeof(type)}
 #endif
 
+/* A budget of no occlusion queries: objects that no other tester tests are drawn. */
+#define ANTUMBRA_NO_QUERIES SIZE_MAX
 
-/**
- * Depth is 1 at the near plane and 0 infinitely far away.
- */
-#define ANTUMBRA_DEPTH_REVERSED 0
-
-/**
- * Depth is 0 at the near plane and 1 at the far plane, or infinitely far away.
- */
-#define ANTUMBRA_DEPTH_STANDARD 1
-
-/**
- * The y axis of clip space points down, as in Vulkan.
- */
-#define ANTUMBRA_CLIP_Y_DOWN 0
-
-/**
- * The y axis of clip space points up: the host flips images by a viewport of negative height.
- */
-#define ANTUMBRA_CLIP_Y_UP 1
-
-/**
- * The host can test by flags that fragments set. These tests take no queries.
- */
-#define ANTUMBRA_HAS_FLAGS 1
-
-/**
- * The host can test by a compute shader that reads the depth buffer.
- */
-#define ANTUMBRA_HAS_COMPUTE 2
-
-/**
- * Answers of earlier frames decide what is drawn first; tests in the same frame make it exact.
- */
-#define ANTUMBRA_STRATEGY_ANTUMBRA 0
-
-/**
- * Everything in the view frustum is drawn, nothing is tested: the reference.
- */
-#define ANTUMBRA_STRATEGY_FRUSTUM 1
-
-
-
-/**
- * The object number of a leaf without an object.
- */
-#define ANTUMBRA_NO_OBJECT UINT32_MAX
-
-/**
- * The purpose of a query: a box whose leaves are drawn if it shows.
- */
-#define ANTUMBRA_QUERY_PROXY 0
-
-/**
- * The purpose of a query: a box on which no draw of this frame depends.
- */
-#define ANTUMBRA_QUERY_PULL_UP 1
-
-/**
- * The purpose of a query: the box of a leaf that is drawn anyway.
- */
-#define ANTUMBRA_QUERY_VISIBLE_BOX 2
-
-/**
- * The purpose of a query: the draw of a leaf that is drawn anyway.
- */
-#define ANTUMBRA_QUERY_VISIBLE_DRAW 3
-
-/**
- * The mechanism that tests a box: an occlusion query.
- */
-#define ANTUMBRA_TESTER_QUERY 0
-
-/**
- * The mechanism that tests a box: a flag that its fragments set.
- */
-#define ANTUMBRA_TESTER_FLAG 1
-
-/**
- * The mechanism that tests a box: a comparison with the depth buffer in a compute shader.
- */
-#define ANTUMBRA_TESTER_COMPUTE 2
-
-/**
- * The value of `AntumbraDraw::query` for a draw without a query.
- */
-#define ANTUMBRA_NO_QUERY UINT32_MAX
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * The largest number of extensions that the library requests.
- */
-#define ANTUMBRA_EXTENSIONS_MAX 8
+#ifdef __cplusplus
+extern "C" {
 #endif
 
-#if defined(ANTUMBRA_VULKAN)
-/**
- * The executor draws: it calls the host to bind what the draws of a bucket need.
- */
-#define ANTUMBRA_DRAWS_BY_CALLBACK 0
-#endif
+/* =================================================================================================
+ * 1. Version, results, log and contexts
+ * A program creates a context first: it owns all other objects, and passes messages on.
+ * ============================================================================================== */
 
-#if defined(ANTUMBRA_VULKAN)
 /**
- * The host draws from lists, before and after the tests that the executor records.
+ * The version of the interface: its declarations and their meaning. It grows by one with each
+ * change that breaks compiled programs. New functions, and new fields at the end of structs with a
+ * `struct_size`, do not change it.
  */
-#define ANTUMBRA_DRAWS_BY_LISTS 1
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Occlusion queries distinguish visible from hidden geometry, and count exactly.
- */
-#define ANTUMBRA_ASSUMPTION_QUERY_COUNTS (1 << 0)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * The results of a frame are in mapped memory when the frame is over.
- */
-#define ANTUMBRA_ASSUMPTION_LATE_RESULTS (1 << 1)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * A proxy covers every sample that its object covers.
- */
-#define ANTUMBRA_ASSUMPTION_PROXY_COVERAGE (1 << 2)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * A fragment of a proxy is never farther away than the object's fragment at the same sample.
- */
-#define ANTUMBRA_ASSUMPTION_PROXY_DEPTH (1 << 3)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Fragment shaders with early tests write nothing where the depth test fails.
- */
-#define ANTUMBRA_ASSUMPTION_EARLY_TESTS (1 << 4)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Later commands see the writes of fragment shaders.
- */
-#define ANTUMBRA_ASSUMPTION_FLAG_WRITES (1 << 5)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Compute shaders read the depth that was drawn.
- */
-#define ANTUMBRA_ASSUMPTION_COMPUTED_DEPTHS (1 << 6)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Conditional rendering skips draws whose predicate is zero, and no others.
- */
-#define ANTUMBRA_ASSUMPTION_CONDITIONAL_RENDERING (1 << 7)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Draws obey draw counts in a buffer.
- */
-#define ANTUMBRA_ASSUMPTION_DRAW_COUNTS (1 << 8)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Draws obey instance counts that a compute shader wrote.
- */
-#define ANTUMBRA_ASSUMPTION_INSTANCE_COUNTS (1 << 9)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Lists of commands that compute shaders wrote are drawn in their order.
- */
-#define ANTUMBRA_ASSUMPTION_COMPACTED_LISTS (1 << 10)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Of draws with equal depth the first one wins.
- */
-#define ANTUMBRA_ASSUMPTION_DRAW_ORDER (1 << 11)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Two passes give the same vertex the same depth.
- */
-#define ANTUMBRA_ASSUMPTION_REPEATED_DEPTH (1 << 12)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * A walk with occlusion queries draws the same images as frustum culling.
- */
-#define ANTUMBRA_ASSUMPTION_QUERIED_WALK (1 << 13)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * A walk with flags draws the same images as frustum culling.
- */
-#define ANTUMBRA_ASSUMPTION_FLAGGED_WALK (1 << 14)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * A walk with the compute tester draws the same images as frustum culling.
- */
-#define ANTUMBRA_ASSUMPTION_COMPUTED_WALK (1 << 15)
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Hidden draws are skipped in the device's best way, or in the cheapest way if costs are given.
- */
-#define ANTUMBRA_PREDICATION_BEST 0
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Hidden draws are skipped by conditional rendering.
- */
-#define ANTUMBRA_PREDICATION_CONDITIONAL 1
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Hidden draws are skipped by draw counts.
- */
-#define ANTUMBRA_PREDICATION_COUNTS 2
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Hidden draws are skipped by instance counts.
- */
-#define ANTUMBRA_PREDICATION_INSTANCES 3
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Compacted lists hold only draws that show: one list per bucket and round, with a draw count.
- */
-#define ANTUMBRA_PREDICATION_COMPACTED 4
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * The host may submit a frame again before it is safe: commands reset its queries in each run.
- */
-#define ANTUMBRA_RESUBMISSION_ALLOWED 0
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * The host submits each frame at most once. The CPU resets its queries if the device's
- * `hostQueryReset` is on, since some drivers wait once per query that a command resets.
- */
-#define ANTUMBRA_RESUBMISSION_NEVER 1
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * The most colour images of a view.
- */
-#define ANTUMBRA_COLOURS_MAX 8
-#endif
+#define ANTUMBRA_ABI_VERSION 1
 
 /**
  * The default: warnings and errors.
@@ -363,150 +121,6 @@ template <typename T> constexpr T init() {
  * Details for debugging.
  */
 #define ANTUMBRA_LOG_DEBUG 4
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Tests that cost more than they are expected to save are left out, by a built-in table of costs
- * that the times of frames correct.
- */
-#define ANTUMBRA_COST_MODEL_BUILT_IN 0
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Everything that may be hidden is tested.
- */
-#define ANTUMBRA_COST_MODEL_OFF 1
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Tests that cost more than they are expected to save are left out, by costs that are measured
- * when the renderer is made; they also choose the predication mode.
- */
-#define ANTUMBRA_COST_MODEL_MEASURED 2
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * No shadows.
- */
-#define ANTUMBRA_SHADOWS_OFF 0
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Shadow maps, which are kept until something in them changes.
- */
-#define ANTUMBRA_SHADOWS_MAPS 1
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Stencil shadow volumes: hard edges, exact to the pixel. They need one sample per pixel, and the
- * features `depthClamp` and `fragmentStoresAndAtomics` of the device.
- */
-#define ANTUMBRA_SHADOWS_VOLUMES 2
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * A disk of samples as wide as the penumbra: 8 on its edge, and 56 more where these disagree.
- */
-#define ANTUMBRA_SHADOW_FILTER_ADAPTIVE 0
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * One sample: edges as wide as a texel.
- */
-#define ANTUMBRA_SHADOW_FILTER_SINGLE 1
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Three by three samples.
- */
-#define ANTUMBRA_SHADOW_FILTER_PCF3 2
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * PCSS, whose width depends on the distance to the blocker: 8 samples find it, 12 filter.
- */
-#define ANTUMBRA_SHADOW_FILTER_PCSS12 3
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * All 64 samples of the disk, at every pixel.
- */
-#define ANTUMBRA_SHADOW_FILTER_FIXED64 4
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * As `ANTUMBRA_SHADOW_FILTER_PCSS12`, with 32 and 64 samples.
- */
-#define ANTUMBRA_SHADOW_FILTER_PCSS64 5
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Samples are compared with the depth of the receiver's plane.
- */
-#define ANTUMBRA_SHADOW_BIAS_PLANE 0
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * The maps hold the surfaces that face away from the light, for closed meshes.
- */
-#define ANTUMBRA_SHADOW_BIAS_BACK_FACES 1
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * The maps hold depths halfway between fronts and backs, and all casters are drawn.
- */
-#define ANTUMBRA_SHADOW_BIAS_MIDPOINT 2
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * A map is drawn again only if something in it changed.
- */
-#define ANTUMBRA_SHADOW_CACHING_CACHED 0
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Every map is drawn in every frame.
- */
-#define ANTUMBRA_SHADOW_CACHING_UNCACHED 1
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Casters whose shadow cannot fall on something visible are left out. Needs one sample per pixel;
- * otherwise all casters are drawn.
- */
-#define ANTUMBRA_CASTER_CULLING_CULLED 0
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * All casters are drawn.
- */
-#define ANTUMBRA_CASTER_CULLING_UNCULLED 1
-#endif
-
-/**
- * The version of the interface: its declarations and their meaning. It grows by one with each
- * change that breaks compiled programs. New functions, and new fields at the end of structs with a
- * `struct_size`, do not change it.
- */
-#define ANTUMBRA_ABI_VERSION 1
 
 /**
  * The result of a call.
@@ -542,7 +156,8 @@ enum AntumbraResult
      */
     ANTUMBRA_RESULT_BUSY = -5,
     /**
-     * The object was being changed when a panic happened: destroy it.
+     * An earlier call that was changing the object ended with `ANTUMBRA_RESULT_PANIC`: destroy the
+     * object.
      */
     ANTUMBRA_RESULT_POISONED = -6,
     /**
@@ -643,6 +258,205 @@ typedef struct AntumbraError {
 } AntumbraError;
 
 /**
+ * Returns the version of the interface that the library was compiled with.
+ */
+uint32_t antumbra_abi_version(void);
+
+/**
+ * Creates a context.
+ *
+ * The caller promises that `desc.log` may be called on each thread that uses the context, until
+ * the context is destroyed.
+ */
+AntumbraResult antumbra_context_create(const AntumbraContextDesc *desc,
+                                       AntumbraContext **context,
+                                       AntumbraError *error);
+
+/**
+ * Destroys a context and all objects in it. Null is not an error.
+ *
+ * The caller promises that no other call uses the context, now or later.
+ */
+AntumbraResult antumbra_context_destroy(AntumbraContext *context,
+                                        AntumbraError *error);
+
+/* =================================================================================================
+ * 2. Decisions alone
+ * The host has objects with boxes, in a hierarchy. Each leaf of it has one object or none;
+ * plans name leaves, and antumbra_hierarchy_leaves says which objects they are. In each
+ * frame a culler plans, for a camera, which leaves to draw at once, and which boxes to test
+ * against the depth so far. If a box shows, its leaves are drawn, too. A tester is a way to
+ * test a box: an occlusion query, or another one that the host has. The results of queries
+ * go back to the culler in a later frame, as answers.
+ * ============================================================================================== */
+
+/**
+ * Depth is 1 at the near plane, and 0 at the far plane or infinitely far away.
+ */
+#define ANTUMBRA_DEPTH_REVERSED 0
+
+/**
+ * Depth is 0 at the near plane, and 1 at the far plane or infinitely far away.
+ */
+#define ANTUMBRA_DEPTH_STANDARD 1
+
+/**
+ * The y axis of clip space points down, as in Vulkan.
+ */
+#define ANTUMBRA_CLIP_Y_DOWN 0
+
+/**
+ * The y axis of clip space points up: the host flips images by a viewport of negative height.
+ */
+#define ANTUMBRA_CLIP_Y_UP 1
+
+/**
+ * The object number of a leaf without an object.
+ */
+#define ANTUMBRA_NO_OBJECT UINT32_MAX
+
+/**
+ * The host can test by flags that fragments set. These tests take no queries.
+ */
+#define ANTUMBRA_HAS_FLAGS 1
+
+/**
+ * The host can test by a compute shader that reads the depth buffer.
+ */
+#define ANTUMBRA_HAS_COMPUTE 2
+
+/**
+ * Answers of earlier frames decide what is drawn first; tests in the same frame make it exact.
+ */
+#define ANTUMBRA_STRATEGY_ANTUMBRA 0
+
+/**
+ * Everything in the view frustum is drawn, nothing is tested: the reference.
+ */
+#define ANTUMBRA_STRATEGY_FRUSTUM 1
+
+/**
+ * The purpose of a query: a box whose leaves are drawn if it shows.
+ */
+#define ANTUMBRA_QUERY_PROXY 0
+
+/**
+ * The purpose of a query: a box on which no draw of this frame depends.
+ */
+#define ANTUMBRA_QUERY_PULL_UP 1
+
+/**
+ * The purpose of a query: the box of a leaf that is drawn anyway.
+ */
+#define ANTUMBRA_QUERY_VISIBLE_BOX 2
+
+/**
+ * The purpose of a query: the draw of a leaf that is drawn anyway.
+ */
+#define ANTUMBRA_QUERY_VISIBLE_DRAW 3
+
+/**
+ * The mechanism that tests a box: an occlusion query.
+ */
+#define ANTUMBRA_TESTER_QUERY 0
+
+/**
+ * The mechanism that tests a box: a flag that its fragments set.
+ */
+#define ANTUMBRA_TESTER_FLAG 1
+
+/**
+ * The mechanism that tests a box: a comparison with the depth buffer in a compute shader.
+ */
+#define ANTUMBRA_TESTER_COMPUTE 2
+
+/**
+ * The value of `AntumbraDraw::query` for a draw without a query.
+ */
+#define ANTUMBRA_NO_QUERY UINT32_MAX
+
+/**
+ * An axis-aligned box in world space (metres). Coordinates are finite and at most 1e15, and no
+ * minimum is above its maximum.
+ */
+typedef struct AntumbraAabb {
+    /**
+     * The corner with the smallest coordinates.
+     */
+    float min[3];
+    /**
+     * The corner with the largest coordinates.
+     */
+    float max[3];
+} AntumbraAabb;
+
+/**
+ * The objects of a new hierarchy.
+ */
+typedef struct AntumbraHierarchyDesc {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+    /**
+     * The boxes of the objects; the position of a box is its object's id. They are copied.
+     * Default: null, with a `box_count` of 0.
+     */
+    const AntumbraAabb *boxes;
+    /**
+     * The number of boxes, up to 2^30. Default: 0.
+     */
+    size_t box_count;
+    /**
+     * The number of objects that fit before the hierarchy must grow, up to 2^30. A value below
+     * `box_count` counts as `box_count`. Default: 0.
+     */
+    size_t capacity;
+} AntumbraHierarchyDesc;
+
+/**
+ * A hierarchy of bounding volumes.
+ */
+typedef struct AntumbraHierarchy {
+    /**
+     * The number of the handle; 0 for none.
+     */
+    uint64_t id;
+} AntumbraHierarchy;
+
+/**
+ * The leaves of a hierarchy, in the order that plans refer to. Objects near each other in space
+ * are near each other in this order, and a test decides about one range of leaves.
+ */
+typedef struct AntumbraLeaves {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * Is 0.
+     */
+    uint32_t reserved;
+    /**
+     * The object of each leaf; `ANTUMBRA_NO_OBJECT` for a leaf without one. Valid until objects
+     * are added or removed, or the hierarchy is updated or rebuilt. Moves change nothing.
+     */
+    const uint32_t *objects;
+    /**
+     * The number of leaves.
+     */
+    size_t count;
+    /**
+     * A number that changes whenever an entry of `objects` changes.
+     */
+    uint64_t revision;
+} AntumbraLeaves;
+
+/**
  * The options of a culler.
  */
 typedef struct AntumbraCullerDesc {
@@ -682,16 +496,6 @@ typedef struct AntumbraCuller {
 } AntumbraCuller;
 
 /**
- * A hierarchy of bounding volumes.
- */
-typedef struct AntumbraHierarchy {
-    /**
-     * The number of the handle; 0 for none.
-     */
-    uint64_t id;
-} AntumbraHierarchy;
-
-/**
  * The identity of a query. The host returns it unchanged with the answer.
  */
 typedef struct AntumbraQueryTag {
@@ -724,7 +528,7 @@ typedef struct AntumbraAnswer {
     /**
      * The tag, as in the plan.
      */
-    struct AntumbraQueryTag tag;
+    AntumbraQueryTag tag;
     /**
      * The number of samples that passed. If queries are not precise, any number above 0 means
      * "some".
@@ -793,7 +597,7 @@ typedef struct AntumbraPlanDesc {
     /**
      * Required: the camera.
      */
-    const struct AntumbraCamera *camera;
+    const AntumbraCamera *camera;
     /**
      * The most occlusion queries of the plan, any number, or `ANTUMBRA_NO_QUERIES`. Leaves for
      * which no query is left are drawn. Default: 4096.
@@ -820,32 +624,17 @@ typedef struct AntumbraDraw {
 } AntumbraDraw;
 
 /**
- * An axis-aligned box in world space (metres). Coordinates are finite and at most 1e15, and no
- * minimum is above its maximum.
- */
-typedef struct AntumbraAabb {
-    /**
-     * The corner with the smallest coordinates.
-     */
-    float min[3];
-    /**
-     * The corner with the largest coordinates.
-     */
-    float max[3];
-} AntumbraAabb;
-
-/**
  * A box to test against the depth of all that was drawn before.
  */
 typedef struct AntumbraTest {
     /**
      * The identity of its query.
      */
-    struct AntumbraQueryTag tag;
+    AntumbraQueryTag tag;
     /**
      * The box, enlarged to make up for rounding errors.
      */
-    struct AntumbraAabb bounds;
+    AntumbraAabb bounds;
     /**
      * The first of the leaves to draw in this frame if the box shows.
      */
@@ -907,7 +696,7 @@ typedef struct AntumbraFramePlan {
     /**
      * The leaves to draw without a test, front to back.
      */
-    const struct AntumbraDraw *draws;
+    const AntumbraDraw *draws;
     /**
      * The number of `draws`.
      */
@@ -915,7 +704,7 @@ typedef struct AntumbraFramePlan {
     /**
      * The queries of `draws`.
      */
-    const struct AntumbraQueryTag *queries;
+    const AntumbraQueryTag *queries;
     /**
      * The number of `queries`.
      */
@@ -923,7 +712,7 @@ typedef struct AntumbraFramePlan {
     /**
      * The boxes to test, front to back.
      */
-    const struct AntumbraTest *tests;
+    const AntumbraTest *tests;
     /**
      * The number of `tests`.
      */
@@ -931,22 +720,153 @@ typedef struct AntumbraFramePlan {
     /**
      * Consecutive ranges of `tests`.
      */
-    const struct AntumbraRound *rounds;
+    const AntumbraRound *rounds;
     /**
      * The number of `rounds`.
      */
     size_t round_count;
 } AntumbraFramePlan;
 
-#if defined(ANTUMBRA_VULKAN)
+/**
+ * Creates a hierarchy over the boxes of objects.
+ */
+AntumbraResult antumbra_hierarchy_create(const AntumbraContext *context,
+                                         const AntumbraHierarchyDesc *desc,
+                                         AntumbraHierarchy *hierarchy,
+                                         AntumbraError *error);
+
+/**
+ * Destroys a hierarchy. A handle of 0 is not an error.
+ */
+AntumbraResult antumbra_hierarchy_destroy(const AntumbraContext *context,
+                                          AntumbraHierarchy hierarchy,
+                                          AntumbraError *error);
+
+/**
+ * Moves objects: object `objects[i]` has the box `boxes[i]` from now on. After an error the
+ * objects before the one in the message have moved. The order of leaves does not change.
+ */
+AntumbraResult antumbra_hierarchy_move(const AntumbraContext *context,
+                                       AntumbraHierarchy hierarchy,
+                                       const uint32_t *objects,
+                                       const AntumbraAabb *boxes,
+                                       size_t count,
+                                       AntumbraError *error);
+
+/**
+ * Adds objects and writes their ids, which may be those of objects that were removed. Ids and
+ * histories of other objects stay. After an error nothing was added.
+ *
+ * The time depends on the number of added objects. If they do not fit
+ * (`AntumbraHierarchyDesc::capacity`), the hierarchy grows to hold them and a further sixteenth of
+ * all objects: 0.2 seconds for 10,000,000 objects. If their number reaches the number of existing
+ * objects, everything is rebuilt: about a second per 1,000,000 objects.
+ */
+AntumbraResult antumbra_hierarchy_insert(const AntumbraContext *context,
+                                         AntumbraHierarchy hierarchy,
+                                         const AntumbraAabb *boxes,
+                                         size_t count,
+                                         uint32_t *objects,
+                                         AntumbraError *error);
+
+/**
+ * Removes objects. Objects that are added later reuse their ids. After an error the objects before
+ * the one in the message have been removed.
+ */
+AntumbraResult antumbra_hierarchy_remove(const AntumbraContext *context,
+                                         AntumbraHierarchy hierarchy,
+                                         const uint32_t *objects,
+                                         size_t count,
+                                         AntumbraError *error);
+
+/**
+ * Rebuilds subtrees that moving objects have degraded, up to a bounded number of leaves. If
+ * objects move, call it once per frame, after the other changes of the frame.
+ */
+AntumbraResult antumbra_hierarchy_update(const AntumbraContext *context,
+                                         AntumbraHierarchy hierarchy,
+                                         AntumbraError *error);
+
+/**
+ * Rebuilds the whole hierarchy for the current boxes. After many insertions or long moves plans
+ * become longer, though they stay correct; a rebuild makes them short again. Ids and histories
+ * stay. Takes about a second per 1,000,000 objects, so it is meant for a pause of the program.
+ */
+AntumbraResult antumbra_hierarchy_rebuild(const AntumbraContext *context,
+                                          AntumbraHierarchy hierarchy,
+                                          AntumbraError *error);
+
+/**
+ * Writes the objects of all leaves, in the order that plans refer to. Call it again after
+ * `antumbra_hierarchy_insert`, `_remove`, `_update` and `_rebuild`. Moves change nothing.
+ */
+AntumbraResult antumbra_hierarchy_leaves(const AntumbraContext *context,
+                                         AntumbraHierarchy hierarchy,
+                                         AntumbraLeaves *leaves,
+                                         AntumbraError *error);
+
+/**
+ * Creates a culler without a history.
+ */
+AntumbraResult antumbra_culler_create(const AntumbraContext *context,
+                                      const AntumbraCullerDesc *desc,
+                                      AntumbraCuller *culler,
+                                      AntumbraError *error);
+
+/**
+ * Destroys a culler. A handle of 0 is not an error.
+ */
+AntumbraResult antumbra_culler_destroy(const AntumbraContext *context,
+                                       AntumbraCuller culler,
+                                       AntumbraError *error);
+
+/**
+ * Clears the history of a culler, after a change that makes the history worthless.
+ */
+AntumbraResult antumbra_culler_reset(const AntumbraContext *context,
+                                     AntumbraCuller culler,
+                                     AntumbraError *error);
+
+/**
+ * Takes answers to queries of earlier plans. Answers may come in any order, late, twice, or never;
+ * outdated answers are ignored. If an answer is invalid, no answer is taken.
+ */
+AntumbraResult antumbra_culler_ingest(const AntumbraContext *context,
+                                      AntumbraCuller culler,
+                                      AntumbraHierarchy hierarchy,
+                                      const AntumbraAnswer *answers,
+                                      size_t count,
+                                      AntumbraError *error);
+
+/**
+ * Plans the next frame.
+ */
+AntumbraResult antumbra_culler_plan(const AntumbraContext *context,
+                                    AntumbraCuller culler,
+                                    AntumbraHierarchy hierarchy,
+                                    const AntumbraPlanDesc *desc,
+                                    AntumbraFramePlan *plan,
+                                    AntumbraError *error);
+
+#ifdef ANTUMBRA_VULKAN
+
+/* =================================================================================================
+ * 3. Devices
+ * The host asks for the requirements, creates its VkDevice with them, and adopts it: with a
+ * queue for a renderer, and without one for scenes of the executor.
+ * ============================================================================================== */
+
+/**
+ * The largest number of extensions that the library requests.
+ */
+#define ANTUMBRA_EXTENSIONS_MAX 8
+
 /**
  * The type of `vkGetInstanceProcAddr`.
  */
 typedef PFN_vkVoidFunction (*AntumbraInstanceProcAddr)(VkInstance,
                                                        const char*);
-#endif
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * A physical device of a host.
  */
@@ -973,11 +893,12 @@ typedef struct AntumbraAdapterDesc {
      */
     VkPhysicalDevice physical_device;
 } AntumbraAdapterDesc;
-#endif
 
-#if defined(ANTUMBRA_VULKAN)
 /**
- * The features of a device, in structs of the host. Null counts as a struct with all features off.
+ * The features of a device, in structs of the host. Null counts as a struct with all features off:
+ * `antumbra_requirements` then turns none of them on, and `antumbra_device_adopt` refuses the
+ * device if one of them is needed. Features that the host turned on by other structs, such as
+ * `VkPhysicalDeviceDynamicRenderingFeatures`, are set in these structs for the adoption.
  */
 typedef struct AntumbraFeatures {
     /**
@@ -989,25 +910,24 @@ typedef struct AntumbraFeatures {
      */
     uint32_t reserved;
     /**
-     * The features of Vulkan 1.0. Default: null.
+     * The features of Vulkan 1.0, of which some are needed. Default: null.
      */
     VkPhysicalDeviceFeatures *core;
     /**
-     * The features of Vulkan 1.2, with their `sType`. Default: null.
+     * The features of Vulkan 1.2, with their `sType`; a renderer needs some. Default: null.
      */
     VkPhysicalDeviceVulkan12Features *vulkan_12;
     /**
-     * The features of Vulkan 1.3, with their `sType`. Default: null.
+     * The features of Vulkan 1.3, with their `sType`, of which some are needed. Default: null.
      */
     VkPhysicalDeviceVulkan13Features *vulkan_13;
     /**
-     * The features of `VK_EXT_conditional_rendering`, with their `sType`. Default: null.
+     * The features of `VK_EXT_conditional_rendering`, with their `sType`. Never needed. Default:
+     * null.
      */
     VkPhysicalDeviceConditionalRenderingFeaturesEXT *conditional_rendering;
 } AntumbraFeatures;
-#endif
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * The requirements of the library on a physical device, besides features.
  */
@@ -1042,17 +962,13 @@ typedef struct AntumbraRequirements {
      */
     const char *extensions[ANTUMBRA_EXTENSIONS_MAX];
 } AntumbraRequirements;
-#endif
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * Takes or releases the host's lock of a queue. The callback runs on the thread that renders, and
  * must not call the library.
  */
 typedef void (*AntumbraQueueLockCallback)(void *user);
-#endif
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * A queue that host and renderer share.
  */
@@ -1083,9 +999,7 @@ typedef struct AntumbraQueueDesc {
      */
     void *user;
 } AntumbraQueueDesc;
-#endif
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * A device that a host created and still owns.
  */
@@ -1102,7 +1016,7 @@ typedef struct AntumbraDeviceDesc {
     /**
      * Required: the physical device.
      */
-    const struct AntumbraAdapterDesc *adapter;
+    const AntumbraAdapterDesc *adapter;
     /**
      * Required: the device.
      */
@@ -1110,7 +1024,7 @@ typedef struct AntumbraDeviceDesc {
     /**
      * Required: the features that are on.
      */
-    const struct AntumbraFeatures *features;
+    const AntumbraFeatures *features;
     /**
      * The names of the extensions that are on, and `VK_EXT_debug_utils` if the instance has it:
      * then all Vulkan objects get names for debuggers. Names that the library does not know are
@@ -1134,11 +1048,9 @@ typedef struct AntumbraDeviceDesc {
      * The queue that a renderer submits to, of the family `queue_family`. Default: null, for a
      * device on which scenes are recorded into command buffers of the host.
      */
-    const struct AntumbraQueueDesc *queue;
+    const AntumbraQueueDesc *queue;
 } AntumbraDeviceDesc;
-#endif
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * An adopted device of a host.
  */
@@ -1148,114 +1060,142 @@ typedef struct AntumbraDevice {
      */
     uint64_t id;
 } AntumbraDevice;
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * The device and the image for which costs are measured.
- */
-typedef struct AntumbraDeviceCostsDesc {
-    /**
-     * Size of this struct in bytes.
-     */
-    uint32_t struct_size;
-    /**
-     * A set of `ANTUMBRA_ASSUMPTION_..` that a self-test found broken: ways to skip draws that
-     * rest on them are not measured. Default: 0, none.
-     */
-    uint32_t disabled;
-    /**
-     * Required: the device, which was adopted with a queue.
-     */
-    struct AntumbraDevice device;
-    /**
-     * Required: width of the image (pixels).
-     */
-    uint32_t width;
-    /**
-     * Required: height of the image (pixels).
-     */
-    uint32_t height;
-    /**
-     * Samples per pixel, 1 or 4. Default: 1.
-     */
-    uint32_t samples;
-    /**
-     * Must be 0.
-     */
-    uint32_t reserved;
-} AntumbraDeviceCostsDesc;
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * The costs of tests and draws on a device, and of the ways to skip hidden draws.
- */
-typedef struct AntumbraDeviceCosts {
-    /**
-     * The number of the handle; 0 for none.
-     */
-    uint64_t id;
-} AntumbraDeviceCosts;
-#endif
 
 /**
- * The objects of a new hierarchy.
+ * Writes the requirements of the executor on a physical device. Turns on the features in the
+ * structs of `features` that the executor needs or can use, and leaves all others as they are.
+ * Call it before the device is created, with the structs that the device is created with. If the
+ * result is `ANTUMBRA_RESULT_UNSUPPORTED`, the message names what is missing.
+ *
+ * The caller promises that the handles are valid.
  */
-typedef struct AntumbraHierarchyDesc {
-    /**
-     * Size of this struct in bytes.
-     */
-    uint32_t struct_size;
-    /**
-     * Must be 0.
-     */
-    uint32_t reserved;
-    /**
-     * The boxes of the objects; the position of a box is its object's id. They are copied.
-     * Default: null, with a `box_count` of 0.
-     */
-    const struct AntumbraAabb *boxes;
-    /**
-     * The number of boxes, up to 2^30. Default: 0.
-     */
-    size_t box_count;
-    /**
-     * The number of objects that fit before the hierarchy must grow, up to 2^30. A value below
-     * `box_count` counts as `box_count`. Default: 0.
-     */
-    size_t capacity;
-} AntumbraHierarchyDesc;
+AntumbraResult antumbra_requirements(const AntumbraContext *context,
+                                     const AntumbraAdapterDesc *adapter,
+                                     const AntumbraFeatures *features,
+                                     AntumbraRequirements *requirements,
+                                     AntumbraError *error);
 
 /**
- * The leaves of a hierarchy, in the order that plans refer to. Objects near each other in space
- * are near each other in this order, and a test decides about one range of leaves.
+ * Adopts the device of a host. The library never destroys objects of the host. A device with a
+ * queue is for renderers, which submit to the queue. A device without a queue is for scenes:
+ * nothing is submitted, and the host's frame numbers say which frames are over. If the result is
+ * `ANTUMBRA_RESULT_UNSUPPORTED`, the message names what is not on.
+ *
+ * The caller promises that the handles belong together, and live until this device and everything
+ * that is created on it are destroyed. All features and extensions that `desc` names are on.
  */
-typedef struct AntumbraLeaves {
-    /**
-     * Size of this struct in bytes.
-     */
-    uint32_t struct_size;
-    /**
-     * Must be 0.
-     */
-    uint32_t reserved;
-    /**
-     * The object of each leaf; `ANTUMBRA_NO_OBJECT` for a leaf without one. Valid until objects
-     * are added or removed, or the hierarchy is updated or rebuilt. Moves change nothing.
-     */
-    const uint32_t *objects;
-    /**
-     * The number of leaves.
-     */
-    size_t count;
-    /**
-     * A number that changes whenever an entry of `objects` changes.
-     */
-    uint64_t revision;
-} AntumbraLeaves;
+AntumbraResult antumbra_device_adopt(const AntumbraContext *context,
+                                     const AntumbraDeviceDesc *desc,
+                                     AntumbraDevice *device,
+                                     AntumbraError *error);
 
-#if defined(ANTUMBRA_VULKAN)
+/**
+ * Declares that all frames are over on the GPU, or will never be submitted, so that their
+ * resources can be freed. Call it before the device is destroyed; otherwise resources that the
+ * last frames may still use are never freed, and the log says so. A device with a queue tracks its
+ * frames itself: the result is `ANTUMBRA_RESULT_BAD_ARGUMENT`.
+ *
+ * The caller promises that this is true.
+ */
+AntumbraResult antumbra_device_finished(const AntumbraContext *context,
+                                        AntumbraDevice device,
+                                        AntumbraError *error);
+
+/**
+ * Ends the adoption of a device, which the host still owns. Scenes and renderers on it live on
+ * until they are destroyed. With a queue, this call or the destruction of the last renderer waits
+ * until all submitted frames are over; the wait is bounded. A handle of 0 is not an error.
+ */
+AntumbraResult antumbra_device_destroy(const AntumbraContext *context,
+                                       AntumbraDevice device,
+                                       AntumbraError *error);
+
+/* =================================================================================================
+ * 4. The self-test and the costs of a device
+ * Both are optional, and need a device that was adopted with a queue. The self-test finds
+ * assumptions about the driver that do not hold; what rests on them can be disabled.
+ * ============================================================================================== */
+
+/**
+ * Occlusion queries distinguish visible from hidden geometry, and count exactly.
+ */
+#define ANTUMBRA_ASSUMPTION_QUERY_COUNTS (1 << 0)
+
+/**
+ * The results of a frame are in mapped memory when the frame is over.
+ */
+#define ANTUMBRA_ASSUMPTION_LATE_RESULTS (1 << 1)
+
+/**
+ * A proxy covers every sample that its object covers.
+ */
+#define ANTUMBRA_ASSUMPTION_PROXY_COVERAGE (1 << 2)
+
+/**
+ * A fragment of a proxy is never farther away than the object's fragment at the same sample.
+ */
+#define ANTUMBRA_ASSUMPTION_PROXY_DEPTH (1 << 3)
+
+/**
+ * Fragment shaders with early tests write nothing where the depth test fails.
+ */
+#define ANTUMBRA_ASSUMPTION_EARLY_TESTS (1 << 4)
+
+/**
+ * Later commands see the writes of fragment shaders.
+ */
+#define ANTUMBRA_ASSUMPTION_FLAG_WRITES (1 << 5)
+
+/**
+ * Compute shaders read the depth that was drawn.
+ */
+#define ANTUMBRA_ASSUMPTION_COMPUTED_DEPTHS (1 << 6)
+
+/**
+ * Conditional rendering skips draws whose predicate is zero, and no others.
+ */
+#define ANTUMBRA_ASSUMPTION_CONDITIONAL_RENDERING (1 << 7)
+
+/**
+ * Draws obey draw counts in a buffer.
+ */
+#define ANTUMBRA_ASSUMPTION_DRAW_COUNTS (1 << 8)
+
+/**
+ * Draws obey instance counts that a compute shader wrote.
+ */
+#define ANTUMBRA_ASSUMPTION_INSTANCE_COUNTS (1 << 9)
+
+/**
+ * Lists of commands that compute shaders wrote are drawn in their order.
+ */
+#define ANTUMBRA_ASSUMPTION_COMPACTED_LISTS (1 << 10)
+
+/**
+ * Of draws with equal depth the first one wins.
+ */
+#define ANTUMBRA_ASSUMPTION_DRAW_ORDER (1 << 11)
+
+/**
+ * Two passes give the same vertex the same depth.
+ */
+#define ANTUMBRA_ASSUMPTION_REPEATED_DEPTH (1 << 12)
+
+/**
+ * A walk with occlusion queries draws the same images as frustum culling.
+ */
+#define ANTUMBRA_ASSUMPTION_QUERIED_WALK (1 << 13)
+
+/**
+ * A walk with flags draws the same images as frustum culling.
+ */
+#define ANTUMBRA_ASSUMPTION_FLAGGED_WALK (1 << 14)
+
+/**
+ * A walk with the compute tester draws the same images as frustum culling.
+ */
+#define ANTUMBRA_ASSUMPTION_COMPUTED_WALK (1 << 15)
+
 /**
  * The outcome of a self-test: sets of `ANTUMBRA_ASSUMPTION_..`. Assumptions in neither set hold.
  */
@@ -1280,9 +1220,892 @@ typedef struct AntumbraSelfTest {
      */
     uint32_t can_cull;
 } AntumbraSelfTest;
-#endif
 
-#if defined(ANTUMBRA_VULKAN)
+/**
+ * The device and the image for which costs are measured.
+ */
+typedef struct AntumbraDeviceCostsDesc {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * A set of `ANTUMBRA_ASSUMPTION_..` that a self-test found broken: ways to skip draws that
+     * rest on them are not measured. Default: 0, none.
+     */
+    uint32_t disabled;
+    /**
+     * Required: the device, which was adopted with a queue.
+     */
+    AntumbraDevice device;
+    /**
+     * Required: width of the image (pixels).
+     */
+    uint32_t width;
+    /**
+     * Required: height of the image (pixels).
+     */
+    uint32_t height;
+    /**
+     * Samples per pixel, 1 or 4. Default: 1.
+     */
+    uint32_t samples;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+} AntumbraDeviceCostsDesc;
+
+/**
+ * The costs of tests and draws on a device, and of the ways to skip hidden draws.
+ */
+typedef struct AntumbraDeviceCosts {
+    /**
+     * The number of the handle; 0 for none.
+     */
+    uint64_t id;
+} AntumbraDeviceCosts;
+
+/**
+ * Tests the driver of a device that was adopted with a queue: small frames check each assumption
+ * that exactness rests on. Takes about a second, and waits for the device repeatedly. Call it
+ * before the first frame.
+ *
+ * The caller promises that the callbacks of the queue do what `AntumbraQueueDesc` says.
+ */
+AntumbraResult antumbra_self_test(const AntumbraContext *context,
+                                  AntumbraDevice device,
+                                  AntumbraSelfTest *outcome,
+                                  AntumbraError *error);
+
+/**
+ * Measures the costs of tests, of draws, and of the ways to skip hidden draws, on a device that
+ * was adopted with a queue. Scenes use the costs (`AntumbraSceneDesc::costs`) on the same device,
+ * which may be adopted again without a queue. Takes half a second on a software driver, and waits
+ * for the device repeatedly. Call it before the first frame.
+ *
+ * The caller promises that the callbacks of the queue do what `AntumbraQueueDesc` says.
+ */
+AntumbraResult antumbra_device_costs_measure(const AntumbraContext *context,
+                                             const AntumbraDeviceCostsDesc *desc,
+                                             AntumbraDeviceCosts *costs,
+                                             AntumbraError *error);
+
+/**
+ * Destroys costs. Scenes that were created with them stay as they are. A handle of 0 is not an
+ * error.
+ */
+AntumbraResult antumbra_device_costs_destroy(const AntumbraContext *context,
+                                             AntumbraDeviceCosts costs,
+                                             AntumbraError *error);
+
+/* =================================================================================================
+ * 5. The executor
+ * A scene has the objects of the host, each with a box and with indexed indirect draws. A
+ * draw is in a bucket: a pipeline of the host. A view of the scene has a history of its own.
+ * In each frame antumbra_scene_record records the tests and draws of all views into a
+ * command buffer of the host. Predication is the way that the GPU skips hidden draws. Frames
+ * have numbers, and the host says which frames are over.
+ * ============================================================================================== */
+
+/**
+ * The most colour images of a view.
+ */
+#define ANTUMBRA_COLOURS_MAX 8
+
+/**
+ * Hidden draws are skipped in the device's best way, or in the cheapest way if costs are given.
+ */
+#define ANTUMBRA_PREDICATION_BEST 0
+
+/**
+ * Hidden draws are skipped by conditional rendering.
+ */
+#define ANTUMBRA_PREDICATION_CONDITIONAL 1
+
+/**
+ * Hidden draws are skipped by draw counts.
+ */
+#define ANTUMBRA_PREDICATION_COUNTS 2
+
+/**
+ * Hidden draws are skipped by instance counts.
+ */
+#define ANTUMBRA_PREDICATION_INSTANCES 3
+
+/**
+ * Compacted lists hold only draws that show: one list per bucket and round, with a draw count.
+ */
+#define ANTUMBRA_PREDICATION_COMPACTED 4
+
+/**
+ * The host may submit a frame again before it is safe: commands reset its queries in each run.
+ */
+#define ANTUMBRA_RESUBMISSION_ALLOWED 0
+
+/**
+ * The host submits each frame at most once. The CPU resets its queries if the device's
+ * `hostQueryReset` is on, since some drivers wait once per query that a command resets.
+ */
+#define ANTUMBRA_RESUBMISSION_NEVER 1
+
+/**
+ * The executor draws: it calls the host to bind what the draws of a bucket need.
+ */
+#define ANTUMBRA_DRAWS_BY_CALLBACK 0
+
+/**
+ * The host draws from lists, before and after the tests that the executor records.
+ */
+#define ANTUMBRA_DRAWS_BY_LISTS 1
+
+/**
+ * The attachments that all views of a scene are drawn to.
+ */
+typedef struct AntumbraAttachments {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * Required: the format of the depth.
+     */
+    VkFormat depth_format;
+    /**
+     * Samples per pixel of all attachments. Default: `VK_SAMPLE_COUNT_1_BIT`.
+     */
+    VkSampleCountFlagBits samples;
+    /**
+     * The direction in which depths grow: an `ANTUMBRA_DEPTH_..`, the same as in cameras. Default:
+     * `ANTUMBRA_DEPTH_REVERSED`.
+     */
+    uint32_t depth;
+    /**
+     * The number of colour attachments, up to `ANTUMBRA_COLOURS_MAX`. Default: 0.
+     */
+    uint32_t colour_count;
+    /**
+     * The subpass of `render_pass` that is drawn in. Default: 0.
+     */
+    uint32_t subpass;
+    /**
+     * The formats of the colours, in the order of their locations. The first `colour_count` of
+     * them must be set. Default: `VK_FORMAT_UNDEFINED`, for the others.
+     */
+    VkFormat colour_formats[ANTUMBRA_COLOURS_MAX];
+    /**
+     * The render pass of a host that begins its renderings itself. Default: `VK_NULL_HANDLE`, for
+     * dynamic rendering.
+     */
+    VkRenderPass render_pass;
+} AntumbraAttachments;
+
+/**
+ * The options of a scene.
+ */
+typedef struct AntumbraSceneDesc {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * The most frames that may have begun and are not known to be over, up to 64. Default: 2.
+     */
+    uint32_t frames_in_flight;
+    /**
+     * Required: the device.
+     */
+    AntumbraDevice device;
+    /**
+     * Required: the attachments of all views.
+     */
+    const AntumbraAttachments *attachments;
+    /**
+     * The number of buckets, up to 65536. A bucket is a pipeline in a pass, in which draws of
+     * objects are drawn together. Buckets are drawn in the order of their numbers. Default: 1.
+     */
+    uint32_t bucket_count;
+    /**
+     * The number of objects that fit before the scene must grow. Default: 0.
+     */
+    uint32_t object_capacity;
+    /**
+     * The number of draws that fit before they are uploaded again to larger buffers. Default: 0.
+     */
+    uint32_t draw_capacity;
+    /**
+     * An `ANTUMBRA_PREDICATION_..`. Default: `ANTUMBRA_PREDICATION_BEST`.
+     */
+    uint32_t predication;
+    /**
+     * An `ANTUMBRA_DRAWS_..`. Default: `ANTUMBRA_DRAWS_BY_CALLBACK`.
+     */
+    uint32_t draws;
+    /**
+     * An `ANTUMBRA_RESUBMISSION_..`. Default: `ANTUMBRA_RESUBMISSION_ALLOWED`.
+     */
+    uint32_t resubmission;
+    /**
+     * A set of `ANTUMBRA_ASSUMPTION_..` that a self-test found broken: what rests on them is not
+     * used. Default: 0, none.
+     */
+    uint32_t disabled;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+    /**
+     * The measured costs of the same physical device. With them, the scene skips hidden draws in
+     * the cheapest way for `object_capacity` objects, and leaves out tests that cost more than
+     * they are expected to save. Default: 0, none: everything that may be hidden is tested.
+     */
+    AntumbraDeviceCosts costs;
+} AntumbraSceneDesc;
+
+/**
+ * The objects of a host on its device.
+ */
+typedef struct AntumbraScene {
+    /**
+     * The number of the handle; 0 for none.
+     */
+    uint64_t id;
+} AntumbraScene;
+
+/**
+ * An object that is added.
+ */
+typedef struct AntumbraObject {
+    /**
+     * The box around everything that the object draws.
+     */
+    AntumbraAabb bounds;
+    /**
+     * The index of its first draw in the array of draws.
+     */
+    uint32_t first_draw;
+    /**
+     * The number of its draws.
+     */
+    uint32_t draw_count;
+} AntumbraObject;
+
+/**
+ * A draw of an object: an indexed indirect command in a bucket.
+ */
+typedef struct AntumbraObjectDraw {
+    /**
+     * The bucket.
+     */
+    uint32_t bucket;
+    /**
+     * As in `VkDrawIndexedIndirectCommand`.
+     */
+    uint32_t index_count;
+    /**
+     * As in `VkDrawIndexedIndirectCommand`; any number.
+     */
+    uint32_t instance_count;
+    /**
+     * As in `VkDrawIndexedIndirectCommand`.
+     */
+    uint32_t first_index;
+    /**
+     * As in `VkDrawIndexedIndirectCommand`.
+     */
+    int32_t vertex_offset;
+    /**
+     * As in `VkDrawIndexedIndirectCommand`.
+     */
+    uint32_t first_instance;
+} AntumbraObjectDraw;
+
+/**
+ * A view of a scene, with its history of earlier frames.
+ */
+typedef struct AntumbraView {
+    /**
+     * The number of the handle; 0 for none.
+     */
+    uint64_t id;
+} AntumbraView;
+
+/**
+ * The counts of the newest frame of a view whose results are known.
+ */
+typedef struct AntumbraViewStats {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * Is 0.
+     */
+    uint32_t reserved;
+    /**
+     * The frame, counted from 1 in its view; 0 if none is known.
+     */
+    uint64_t frame;
+    /**
+     * The objects that the GPU drew.
+     */
+    uint64_t objects;
+    /**
+     * The objects among them that a test revealed.
+     */
+    uint64_t revealed;
+    /**
+     * The occlusion queries in the newest plan of the view, which may be of a later frame.
+     */
+    uint64_t queries;
+    /**
+     * The boxes that the newest plan tests.
+     */
+    uint64_t tests;
+    /**
+     * An `ANTUMBRA_PREDICATION_..`: the way that hidden draws are skipped, unless the host draws
+     * from lists.
+     */
+    uint32_t predication;
+    /**
+     * 1 if costs decide which boxes are tested, and by which tester; else 0.
+     */
+    uint32_t has_cost;
+} AntumbraViewStats;
+
+/**
+ * The indexed indirect draws of one bucket: for `vkCmdDrawIndexedIndirectCount`, or
+ * `vkCmdDrawIndexedIndirect` without a count.
+ */
+typedef struct AntumbraDrawList {
+    /**
+     * The bucket.
+     */
+    uint32_t bucket;
+    /**
+     * The largest number of commands, above 0: `VkDrawIndexedIndirectCommand`s without gaps.
+     */
+    uint32_t most;
+    /**
+     * The buffer of the commands.
+     */
+    VkBuffer commands;
+    /**
+     * The offset of the first command in bytes.
+     */
+    uint64_t commands_offset;
+    /**
+     * The buffer of the number of commands, 32 bits. Null if the device does not support draw
+     * counts: then all `most` commands are drawn, and some of them are empty.
+     */
+    VkBuffer count;
+    /**
+     * The offset of the number in bytes.
+     */
+    uint64_t count_offset;
+} AntumbraDrawList;
+
+/**
+ * The draws of a view in the newest frame, a list per bucket, in the order of their buckets.
+ *
+ * The order on the queue is: the visible draws, in renderings of the host that clear; the command
+ * buffer of the frame; the revealed draws, in renderings that keep the contents. The buffers live
+ * until the frame is over.
+ */
+typedef struct AntumbraDrawLists {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * Is 0.
+     */
+    uint32_t reserved;
+    /**
+     * The draws that are assumed to be visible. Valid until the view is recorded again.
+     */
+    const AntumbraDrawList *visible;
+    /**
+     * The number of their lists.
+     */
+    size_t visible_count;
+    /**
+     * The draws that the tests of the frame reveal. Valid until the view is recorded again.
+     */
+    const AntumbraDrawList *revealed;
+    /**
+     * The number of their lists.
+     */
+    size_t revealed_count;
+} AntumbraDrawLists;
+
+/**
+ * The state of an image where its use changes between another user and the executor.
+ */
+typedef struct AntumbraImageState {
+    /**
+     * The layout, which is not checked. `VK_IMAGE_LAYOUT_UNDEFINED` on entry discards the
+     * contents; on exit it leaves the image in its layout as an attachment.
+     */
+    VkImageLayout layout;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+    /**
+     * The stages of the other user that access the image.
+     */
+    VkPipelineStageFlags2 stages;
+    /**
+     * The accesses of these stages.
+     */
+    VkAccessFlags2 access;
+} AntumbraImageState;
+
+/**
+ * An image of the host that is drawn to: its first level and layer.
+ */
+typedef struct AntumbraImage {
+    /**
+     * The image.
+     */
+    VkImage image;
+    /**
+     * A 2D view of the image with all aspects of the format.
+     */
+    VkImageView view;
+    /**
+     * The format of the view.
+     */
+    VkFormat format;
+    /**
+     * The usage that the image was created with: `VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT` at
+     * least for a depth, `VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT` for a colour.
+     * `VK_IMAGE_USAGE_TRANSFER_SRC_BIT` of a depth image allows tests by compute shaders.
+     */
+    VkImageUsageFlags usage;
+    /**
+     * The state before the first command of the executor.
+     */
+    AntumbraImageState entry;
+    /**
+     * The state after the last command of the executor.
+     */
+    AntumbraImageState exit;
+} AntumbraImage;
+
+/**
+ * The images of a view in a frame.
+ */
+typedef struct AntumbraTargetDesc {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * The number of colour images: the number of the scene's colour attachments, or 0 if the host
+     * begins its renderings itself. Default: 0.
+     */
+    uint32_t colour_count;
+    /**
+     * Required: the depth.
+     */
+    AntumbraImage depth;
+    /**
+     * The colours. Default: null, with a `colour_count` of 0.
+     */
+    const AntumbraImage *colours;
+    /**
+     * Required: width of all images (pixels). The library cannot check that the images are that
+     * large.
+     */
+    uint32_t width;
+    /**
+     * Required: height of all images (pixels), as the width.
+     */
+    uint32_t height;
+} AntumbraTargetDesc;
+
+/**
+ * A view in a frame.
+ */
+typedef struct AntumbraViewFrame {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * An `ANTUMBRA_STRATEGY_..`. Default: `ANTUMBRA_STRATEGY_ANTUMBRA`.
+     */
+    uint32_t strategy;
+    /**
+     * Required: the view.
+     */
+    AntumbraView view;
+    /**
+     * Required: its camera.
+     */
+    const AntumbraCamera *camera;
+    /**
+     * Required: its images.
+     */
+    const AntumbraTargetDesc *target;
+    /**
+     * The most occlusion queries, any number, or `ANTUMBRA_NO_QUERIES`. Leaves for which no query
+     * is left are drawn. Default: 4096.
+     */
+    size_t query_budget;
+} AntumbraViewFrame;
+
+/**
+ * The draws that follow a call of `AntumbraBindCallback`.
+ */
+typedef struct AntumbraBinding {
+    /**
+     * Size of this struct in bytes, as the library was compiled.
+     */
+    uint32_t struct_size;
+    /**
+     * The bucket of the draws.
+     */
+    uint32_t bucket;
+    /**
+     * The command buffer.
+     */
+    VkCommandBuffer commands;
+    /**
+     * The view.
+     */
+    AntumbraView view;
+} AntumbraBinding;
+
+/**
+ * Binds the pipeline, descriptor sets, vertex and index buffers for the indexed indirect draws of
+ * a bucket that follow. Viewport and scissor cover the target, with y down. A host whose y axis
+ * points up, or that draws to a part of the target, sets its own viewport and scissor here. The
+ * callback must not leave a query or a conditional rendering open, and must not call the library
+ * with this scene.
+ *
+ * Objects must be rasterised as boxes are: the vertex shader snaps positions to the grid of
+ * sub-pixels as share/antumbra/snap.glsl does (its steps are half the size of the image times
+ * `2^subPixelPrecisionBits`), and declares `gl_Position` as `invariant` if several passes must
+ * agree. Compare depths with "as near or nearer" (`VK_COMPARE_OP_GREATER_OR_EQUAL` for reversed
+ * depth). Otherwise an object that is seen edge-on may be missed.
+ */
+typedef void (*AntumbraBindCallback)(void *user,
+                                     const AntumbraBinding *binding);
+
+/**
+ * A rendering that begins or ends.
+ */
+typedef struct AntumbraRendering {
+    /**
+     * Size of this struct in bytes, as the library was compiled.
+     */
+    uint32_t struct_size;
+    /**
+     * 1 for the first rendering of the view, which clears (colours to 0, unless the rendering is
+     * the host's own); 0 for others, which keep the contents.
+     */
+    uint32_t is_first;
+    /**
+     * The command buffer.
+     */
+    VkCommandBuffer commands;
+    /**
+     * The view.
+     */
+    AntumbraView view;
+} AntumbraRendering;
+
+/**
+ * Begins or ends a rendering of the host's own, such as a render pass object. Must not call the
+ * library with this scene.
+ */
+typedef void (*AntumbraRenderingCallback)(void *user,
+                                          const AntumbraRendering *rendering);
+
+/**
+ * A frame to be recorded.
+ */
+typedef struct AntumbraFrameDesc {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * The number of views. Default: 0.
+     */
+    uint32_t view_count;
+    /**
+     * The views, each at most once. Default: null, with a `view_count` of 0.
+     */
+    const AntumbraViewFrame *const *views;
+    /**
+     * Required: a primary command buffer that is being recorded, outside of renderings and
+     * queries.
+     */
+    VkCommandBuffer commands;
+    /**
+     * Required: the number of this frame, above the numbers of all earlier frames on the device,
+     * of other scenes, too.
+     */
+    uint64_t current;
+    /**
+     * The number of a frame: it and all earlier frames are over on the GPU, or will never be
+     * submitted. The newest such frame is best. Below `current`, and never below the `safe` of an
+     * earlier frame. Default: 0, none.
+     */
+    uint64_t safe;
+    /**
+     * Binds the state that draws need. Default: null, only for a host that draws from lists.
+     */
+    AntumbraBindCallback bind;
+    /**
+     * The first argument of all callbacks. Default: null.
+     */
+    void *user;
+    /**
+     * Begins a rendering. Default: null, for dynamic rendering to the images of the target.
+     */
+    AntumbraRenderingCallback begin_rendering;
+    /**
+     * Ends a rendering. Default: null, as `begin_rendering`.
+     */
+    AntumbraRenderingCallback end_rendering;
+    /**
+     * The most occlusion queries of all views together, any number, or `ANTUMBRA_NO_QUERIES`.
+     * Views with more to test get the queries that other views leave. Default: 0, for a budget per
+     * view.
+     */
+    size_t query_budget;
+} AntumbraFrameDesc;
+
+/**
+ * Creates a scene without objects.
+ */
+AntumbraResult antumbra_scene_create(const AntumbraContext *context,
+                                     const AntumbraSceneDesc *desc,
+                                     AntumbraScene *scene,
+                                     AntumbraError *error);
+
+/**
+ * Destroys a scene and its views. Resources that frames may still use are freed when these frames
+ * are over. A handle of 0 is not an error.
+ */
+AntumbraResult antumbra_scene_destroy(const AntumbraContext *context,
+                                      AntumbraScene scene,
+                                      AntumbraError *error);
+
+/**
+ * Adds objects and writes their ids, which may be those of objects that were removed. After an
+ * error nothing was added.
+ *
+ * The time depends on the number of added objects. If they do not fit
+ * (`AntumbraSceneDesc::object_capacity`), the scene grows to hold them and a further sixteenth of
+ * all objects, and the next frame uploads all objects to larger buffers. If their number reaches
+ * the number of existing objects, everything is rebuilt: some seconds per 1,000,000 objects.
+ */
+AntumbraResult antumbra_scene_add(const AntumbraContext *context,
+                                  AntumbraScene scene,
+                                  const AntumbraObject *objects,
+                                  size_t count,
+                                  const AntumbraObjectDraw *draws,
+                                  size_t draw_count,
+                                  uint32_t *ids,
+                                  AntumbraError *error);
+
+/**
+ * Removes objects. After an error the objects before the one in the message have been removed.
+ */
+AntumbraResult antumbra_scene_remove(const AntumbraContext *context,
+                                     AntumbraScene scene,
+                                     const uint32_t *objects,
+                                     size_t count,
+                                     AntumbraError *error);
+
+/**
+ * Moves objects: object `objects[i]` has the box `boxes[i]` from now on. The host itself gives the
+ * new transform to its draws. After an error the objects before the one in the message have moved.
+ */
+AntumbraResult antumbra_scene_move(const AntumbraContext *context,
+                                   AntumbraScene scene,
+                                   const uint32_t *objects,
+                                   const AntumbraAabb *boxes,
+                                   size_t count,
+                                   AntumbraError *error);
+
+/**
+ * Replaces the draws of an object.
+ */
+AntumbraResult antumbra_scene_set_draws(const AntumbraContext *context,
+                                        AntumbraScene scene,
+                                        uint32_t object,
+                                        const AntumbraObjectDraw *draws,
+                                        size_t draw_count,
+                                        AntumbraError *error);
+
+/**
+ * Creates a view of a scene, without a history.
+ */
+AntumbraResult antumbra_view_create(const AntumbraContext *context,
+                                    AntumbraScene scene,
+                                    AntumbraView *view,
+                                    AntumbraError *error);
+
+/**
+ * Destroys a view. A handle of 0 is not an error.
+ */
+AntumbraResult antumbra_view_destroy(const AntumbraContext *context,
+                                     AntumbraScene scene,
+                                     AntumbraView view,
+                                     AntumbraError *error);
+
+/**
+ * Writes the counts of the newest frame of a view whose results are known.
+ */
+AntumbraResult antumbra_view_stats(const AntumbraContext *context,
+                                   AntumbraScene scene,
+                                   AntumbraView view,
+                                   AntumbraViewStats *stats,
+                                   AntumbraError *error);
+
+/**
+ * Writes the draw lists of a view in the newest frame, for a scene with `ANTUMBRA_DRAWS_BY_LISTS`.
+ * Before the first frame there are no lists.
+ */
+AntumbraResult antumbra_view_lists(const AntumbraContext *context,
+                                   AntumbraScene scene,
+                                   AntumbraView view,
+                                   AntumbraDrawLists *lists,
+                                   AntumbraError *error);
+
+/**
+ * Records a frame of a scene into a command buffer of the host: changes of the scene, then draws
+ * and tests of all views. Never waits, and never submits. If the host draws from lists, only tests
+ * are recorded: the images must contain the visible draws when the command buffer executes.
+ *
+ * The host submits each frame once, in the order of the frame numbers. Other orders are allowed,
+ * too. A frame that is never submitted has no effect: its answers are ignored. A frame may be
+ * submitted twice, unless the scene has `ANTUMBRA_RESUBMISSION_NEVER`: both runs draw correct
+ * images if a barrier or a semaphore orders them. A frame may be submitted after a later frame: it
+ * then shows changed objects as the later frame left them. After an error the command buffer must
+ * not be submitted, and the next frame needs a higher number.
+ *
+ * The caller promises: the command buffer belongs to the scene's device and to the queue family of
+ * its `AntumbraDeviceDesc`. All frames up to `safe` are over. When the command buffer executes,
+ * the images are in their `entry` states, and nothing else uses them until it is over.
+ */
+AntumbraResult antumbra_scene_record(const AntumbraContext *context,
+                                     AntumbraScene scene,
+                                     const AntumbraFrameDesc *desc,
+                                     AntumbraError *error);
+
+/* =================================================================================================
+ * 6. The renderer
+ * For a host without a renderer of its own: it passes meshes, objects and a camera per
+ * frame, and gets an image. The library submits to the queue of the host.
+ * ============================================================================================== */
+
+/**
+ * Tests that cost more than they are expected to save are left out, by a built-in table of costs
+ * that the times of frames correct.
+ */
+#define ANTUMBRA_COST_MODEL_BUILT_IN 0
+
+/**
+ * Everything that may be hidden is tested.
+ */
+#define ANTUMBRA_COST_MODEL_OFF 1
+
+/**
+ * Tests that cost more than they are expected to save are left out, by costs that are measured
+ * when the renderer is made; they also choose the predication mode.
+ */
+#define ANTUMBRA_COST_MODEL_MEASURED 2
+
+/**
+ * No shadows.
+ */
+#define ANTUMBRA_SHADOWS_OFF 0
+
+/**
+ * Shadow maps, which are kept until something in them changes.
+ */
+#define ANTUMBRA_SHADOWS_MAPS 1
+
+/**
+ * Stencil shadow volumes: hard edges, exact to the pixel. They need one sample per pixel, and the
+ * features `depthClamp` and `fragmentStoresAndAtomics` of the device.
+ */
+#define ANTUMBRA_SHADOWS_VOLUMES 2
+
+/**
+ * A disk of samples as wide as the penumbra: 8 on its edge, and 56 more where these disagree.
+ */
+#define ANTUMBRA_SHADOW_FILTER_ADAPTIVE 0
+
+/**
+ * One sample: edges as wide as a texel.
+ */
+#define ANTUMBRA_SHADOW_FILTER_SINGLE 1
+
+/**
+ * Three by three samples.
+ */
+#define ANTUMBRA_SHADOW_FILTER_PCF3 2
+
+/**
+ * PCSS, whose width depends on the distance to the blocker: 8 samples find it, 12 filter.
+ */
+#define ANTUMBRA_SHADOW_FILTER_PCSS12 3
+
+/**
+ * All 64 samples of the disk, at every pixel.
+ */
+#define ANTUMBRA_SHADOW_FILTER_FIXED64 4
+
+/**
+ * As `ANTUMBRA_SHADOW_FILTER_PCSS12`, with 32 and 64 samples.
+ */
+#define ANTUMBRA_SHADOW_FILTER_PCSS64 5
+
+/**
+ * Samples are compared with the depth of the receiver's plane.
+ */
+#define ANTUMBRA_SHADOW_BIAS_PLANE 0
+
+/**
+ * The maps hold the surfaces that face away from the light, for closed meshes.
+ */
+#define ANTUMBRA_SHADOW_BIAS_BACK_FACES 1
+
+/**
+ * The maps hold depths halfway between fronts and backs, and all casters are drawn.
+ */
+#define ANTUMBRA_SHADOW_BIAS_MIDPOINT 2
+
+/**
+ * A map is drawn again only if something in it changed.
+ */
+#define ANTUMBRA_SHADOW_CACHING_CACHED 0
+
+/**
+ * Every map is drawn in every frame.
+ */
+#define ANTUMBRA_SHADOW_CACHING_UNCACHED 1
+
+/**
+ * Casters whose shadow cannot fall on something visible are left out. Needs one sample per pixel;
+ * otherwise all casters are drawn.
+ */
+#define ANTUMBRA_CASTER_CULLING_CULLED 0
+
+/**
+ * All casters are drawn.
+ */
+#define ANTUMBRA_CASTER_CULLING_UNCULLED 1
+
 /**
  * A vertex of a mesh.
  */
@@ -1300,9 +2123,7 @@ typedef struct AntumbraVertex {
      */
     float colour[4];
 } AntumbraVertex;
-#endif
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * A mesh that any number of objects may use. The library copies it.
  */
@@ -1318,7 +2139,7 @@ typedef struct AntumbraMeshDesc {
     /**
      * Required: the vertices.
      */
-    const struct AntumbraVertex *vertices;
+    const AntumbraVertex *vertices;
     /**
      * Required: the number of vertices.
      */
@@ -1332,21 +2153,18 @@ typedef struct AntumbraMeshDesc {
      */
     size_t index_count;
 } AntumbraMeshDesc;
-#endif
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * A transform from the space of a mesh to the world.
  */
 typedef struct AntumbraTransform {
     /**
-     * The images of the x, y and z axis, then the position of the origin (metres).
+     * The vectors that the x, y and z axis of the mesh become, then the position of its origin
+     * (metres).
      */
     float columns[12];
 } AntumbraTransform;
-#endif
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * An object: a mesh with a transform.
  */
@@ -1364,11 +2182,9 @@ typedef struct AntumbraMeshObject {
     /**
      * The transform.
      */
-    struct AntumbraTransform transform;
+    AntumbraTransform transform;
 } AntumbraMeshObject;
-#endif
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * A sun, the light of the sky, and the background. Colours are linear.
  */
@@ -1398,9 +2214,7 @@ typedef struct AntumbraSunlight {
      */
     float sky[3];
 } AntumbraSunlight;
-#endif
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * The options of shadows.
  */
@@ -1458,9 +2272,7 @@ typedef struct AntumbraShadowDesc {
      */
     float cascade_blend;
 } AntumbraShadowDesc;
-#endif
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * The options of a renderer, and the scene that it begins with.
  */
@@ -1476,7 +2288,7 @@ typedef struct AntumbraRendererDesc {
     /**
      * Required: the device, which was adopted with a queue.
      */
-    struct AntumbraDevice device;
+    AntumbraDevice device;
     /**
      * Required: width of the image (pixels).
      */
@@ -1488,7 +2300,7 @@ typedef struct AntumbraRendererDesc {
     /**
      * The meshes. Default: null, with a `mesh_count` of 0.
      */
-    const struct AntumbraMeshDesc *const *meshes;
+    const AntumbraMeshDesc *const *meshes;
     /**
      * The number of meshes. Default: 0.
      */
@@ -1497,7 +2309,7 @@ typedef struct AntumbraRendererDesc {
      * The objects. Their ids are their indices. Neighbours in the array should be near each other.
      * Default: null, with an `object_count` of 0.
      */
-    const struct AntumbraMeshObject *objects;
+    const AntumbraMeshObject *objects;
     /**
      * The number of objects. Default: 0.
      */
@@ -1505,7 +2317,7 @@ typedef struct AntumbraRendererDesc {
     /**
      * The light. Default: null, for a clear afternoon.
      */
-    const struct AntumbraSunlight *light;
+    const AntumbraSunlight *light;
     /**
      * The most occlusion queries of a frame, any number, or `ANTUMBRA_NO_QUERIES`. Objects for
      * which no query is left are drawn. Default: 8192.
@@ -1549,7 +2361,7 @@ typedef struct AntumbraRendererDesc {
      * The shadows of the sun. With `ANTUMBRA_SHADOWS_OFF` they can be turned on later:
      * `antumbra_renderer_set_shadows`. Default: null, for a renderer that never has shadows.
      */
-    const struct AntumbraShadowDesc *shadows;
+    const AntumbraShadowDesc *shadows;
     /**
      * A set of `ANTUMBRA_ASSUMPTION_..` that a self-test found broken: what rests on them is not
      * used. Default: 0, none.
@@ -1560,9 +2372,7 @@ typedef struct AntumbraRendererDesc {
      */
     uint32_t reserved_2;
 } AntumbraRendererDesc;
-#endif
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * A renderer: a scene on a host's device, and one view of it.
  */
@@ -1572,9 +2382,7 @@ typedef struct AntumbraRenderer {
      */
     uint64_t id;
 } AntumbraRenderer;
-#endif
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * A frame to be rendered.
  */
@@ -1594,36 +2402,9 @@ typedef struct AntumbraRenderDesc {
     /**
      * Required: the camera, with reversed depth. Its `sub_pixel_bits` are ignored.
      */
-    const struct AntumbraCamera *camera;
+    const AntumbraCamera *camera;
 } AntumbraRenderDesc;
-#endif
 
-#if defined(ANTUMBRA_VULKAN)
-/**
- * The state of an image where its use changes between another user and the executor.
- */
-typedef struct AntumbraImageState {
-    /**
-     * The layout, which is not checked. `VK_IMAGE_LAYOUT_UNDEFINED` on entry discards the
-     * contents; on exit it leaves the image in its layout as an attachment.
-     */
-    VkImageLayout layout;
-    /**
-     * Must be 0.
-     */
-    uint32_t reserved;
-    /**
-     * The stages of the other user that access the image.
-     */
-    VkPipelineStageFlags2 stages;
-    /**
-     * The accesses of these stages.
-     */
-    VkAccessFlags2 access;
-} AntumbraImageState;
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
 /**
  * The image of the newest frame. The renderer owns the image, until the renderer is resized or
  * destroyed.
@@ -1661,7 +2442,7 @@ typedef struct AntumbraFinishedImage {
     /**
      * The state in which the frame leaves the image.
      */
-    struct AntumbraImageState state;
+    AntumbraImageState state;
     /**
      * The timeline semaphore of the device, which the library owns.
      */
@@ -1671,9 +2452,7 @@ typedef struct AntumbraFinishedImage {
      */
     uint64_t value;
 } AntumbraFinishedImage;
-#endif
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * The counts of the shadows of the newest frame.
  */
@@ -1715,7 +2494,7 @@ typedef struct AntumbraShadowStats {
      */
     uint32_t unshadowed_lights;
     /**
-     * 0.
+     * Is 0.
      */
     uint32_t reserved;
     /**
@@ -1727,9 +2506,7 @@ typedef struct AntumbraShadowStats {
      */
     uint64_t revealed_triangles;
 } AntumbraShadowStats;
-#endif
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * The counts of the newest frame whose results are known, and the state of uploads.
  */
@@ -1772,1229 +2549,163 @@ typedef struct AntumbraRendererStats {
      */
     uint32_t tester;
 } AntumbraRendererStats;
-#endif
 
-#if defined(ANTUMBRA_VULKAN)
-/**
- * The attachments that all views of a scene are drawn to.
- */
-typedef struct AntumbraAttachments {
-    /**
-     * Size of this struct in bytes.
-     */
-    uint32_t struct_size;
-    /**
-     * Required: the format of the depth.
-     */
-    VkFormat depth_format;
-    /**
-     * Samples per pixel of all attachments. Default: `VK_SAMPLE_COUNT_1_BIT`.
-     */
-    VkSampleCountFlagBits samples;
-    /**
-     * The direction in which depths grow: an `ANTUMBRA_DEPTH_..`, the same as in cameras. Default:
-     * `ANTUMBRA_DEPTH_REVERSED`.
-     */
-    uint32_t depth;
-    /**
-     * The number of colour attachments, up to `ANTUMBRA_COLOURS_MAX`. Default: 0.
-     */
-    uint32_t colour_count;
-    /**
-     * The subpass that is drawn in. Default: 0.
-     */
-    uint32_t subpass;
-    /**
-     * The formats of the colours, in the order of their locations. Default:
-     * `VK_FORMAT_UNDEFINED`, for a location without an image.
-     */
-    VkFormat colour_formats[ANTUMBRA_COLOURS_MAX];
-    /**
-     * The render pass of a host that begins its renderings itself. Default: `VK_NULL_HANDLE`, for
-     * dynamic rendering.
-     */
-    VkRenderPass render_pass;
-} AntumbraAttachments;
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * The options of a scene.
- */
-typedef struct AntumbraSceneDesc {
-    /**
-     * Size of this struct in bytes.
-     */
-    uint32_t struct_size;
-    /**
-     * The most frames that may have begun and are not known to be over, up to 64. Default: 2.
-     */
-    uint32_t frames_in_flight;
-    /**
-     * Required: the device.
-     */
-    struct AntumbraDevice device;
-    /**
-     * Required: the attachments of all views.
-     */
-    const struct AntumbraAttachments *attachments;
-    /**
-     * The number of buckets, up to 65536. A bucket is a pipeline in a pass, in which draws of
-     * objects are drawn together. Buckets are drawn in the order of their numbers. Default: 1.
-     */
-    uint32_t bucket_count;
-    /**
-     * The number of objects that fit before the scene must grow. Default: 0.
-     */
-    uint32_t object_capacity;
-    /**
-     * The number of draws that fit before they are uploaded again to larger buffers. Default: 0.
-     */
-    uint32_t draw_capacity;
-    /**
-     * An `ANTUMBRA_PREDICATION_..`. Default: `ANTUMBRA_PREDICATION_BEST`.
-     */
-    uint32_t predication;
-    /**
-     * An `ANTUMBRA_DRAWS_..`. Default: `ANTUMBRA_DRAWS_BY_CALLBACK`.
-     */
-    uint32_t draws;
-    /**
-     * An `ANTUMBRA_RESUBMISSION_..`. Default: `ANTUMBRA_RESUBMISSION_ALLOWED`.
-     */
-    uint32_t resubmission;
-    /**
-     * A set of `ANTUMBRA_ASSUMPTION_..` that a self-test found broken: what rests on them is not
-     * used. Default: 0, none.
-     */
-    uint32_t disabled;
-    /**
-     * Must be 0.
-     */
-    uint32_t reserved;
-    /**
-     * The measured costs of the same physical device. With them, the scene skips hidden draws in
-     * the cheapest way for `object_capacity` objects, and leaves out tests that cost more than
-     * they are expected to save. Default: 0, none: everything that may be hidden is tested.
-     */
-    struct AntumbraDeviceCosts costs;
-} AntumbraSceneDesc;
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * The objects of a host on its device.
- */
-typedef struct AntumbraScene {
-    /**
-     * The number of the handle; 0 for none.
-     */
-    uint64_t id;
-} AntumbraScene;
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * An object that is added.
- */
-typedef struct AntumbraObject {
-    /**
-     * The box around everything that the object draws.
-     */
-    struct AntumbraAabb bounds;
-    /**
-     * The index of its first draw in the array of draws.
-     */
-    uint32_t first_draw;
-    /**
-     * The number of its draws.
-     */
-    uint32_t draw_count;
-} AntumbraObject;
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * A draw of an object: an indexed indirect command in a bucket.
- */
-typedef struct AntumbraObjectDraw {
-    /**
-     * The bucket.
-     */
-    uint32_t bucket;
-    /**
-     * As in `VkDrawIndexedIndirectCommand`.
-     */
-    uint32_t index_count;
-    /**
-     * As in `VkDrawIndexedIndirectCommand`; any number.
-     */
-    uint32_t instance_count;
-    /**
-     * As in `VkDrawIndexedIndirectCommand`.
-     */
-    uint32_t first_index;
-    /**
-     * As in `VkDrawIndexedIndirectCommand`.
-     */
-    int32_t vertex_offset;
-    /**
-     * As in `VkDrawIndexedIndirectCommand`.
-     */
-    uint32_t first_instance;
-} AntumbraObjectDraw;
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * A view of a scene, with its history of earlier frames.
- */
-typedef struct AntumbraView {
-    /**
-     * The number of the handle; 0 for none.
-     */
-    uint64_t id;
-} AntumbraView;
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * The counts of the newest frame of a view whose results are known.
- */
-typedef struct AntumbraViewStats {
-    /**
-     * Size of this struct in bytes.
-     */
-    uint32_t struct_size;
-    /**
-     * Must be 0.
-     */
-    uint32_t reserved;
-    /**
-     * The frame, counted from 1 in its view; 0 if none is known.
-     */
-    uint64_t frame;
-    /**
-     * The objects that the GPU drew.
-     */
-    uint64_t objects;
-    /**
-     * The objects among them that a test revealed.
-     */
-    uint64_t revealed;
-    /**
-     * The occlusion queries in the newest plan of the view, which may be of a later frame.
-     */
-    uint64_t queries;
-    /**
-     * The boxes that the newest plan tests.
-     */
-    uint64_t tests;
-    /**
-     * An `ANTUMBRA_PREDICATION_..`: the way that hidden draws are skipped, unless the host draws
-     * from lists.
-     */
-    uint32_t predication;
-    /**
-     * 1 if costs decide which boxes are tested, and by which tester; else 0.
-     */
-    uint32_t has_cost;
-} AntumbraViewStats;
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * The indexed indirect draws of one bucket: for `vkCmdDrawIndexedIndirectCount`, or
- * `vkCmdDrawIndexedIndirect` without a count.
- */
-typedef struct AntumbraDrawList {
-    /**
-     * The bucket.
-     */
-    uint32_t bucket;
-    /**
-     * The largest number of commands, above 0: `VkDrawIndexedIndirectCommand`s without gaps.
-     */
-    uint32_t most;
-    /**
-     * The buffer of the commands.
-     */
-    VkBuffer commands;
-    /**
-     * The offset of the first command in bytes.
-     */
-    uint64_t commands_offset;
-    /**
-     * The buffer of the number of commands, 32 bits. Null if the device does not support draw
-     * counts: then all `most` commands are drawn, and some of them are empty.
-     */
-    VkBuffer count;
-    /**
-     * The offset of the number in bytes.
-     */
-    uint64_t count_offset;
-} AntumbraDrawList;
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * The draws of a view in the newest frame, a list per bucket, in the order of their buckets.
- *
- * The order on the queue is: the visible draws, in renderings of the host that clear; the command
- * buffer of the frame; the revealed draws, in renderings that keep the contents. The buffers live
- * until the frame is over.
- */
-typedef struct AntumbraDrawLists {
-    /**
-     * Size of this struct in bytes.
-     */
-    uint32_t struct_size;
-    /**
-     * Must be 0.
-     */
-    uint32_t reserved;
-    /**
-     * The draws that are assumed to be visible. Valid until the view is recorded again.
-     */
-    const struct AntumbraDrawList *visible;
-    /**
-     * The number of their lists.
-     */
-    size_t visible_count;
-    /**
-     * The draws that the tests of the frame reveal. Valid until the view is recorded again.
-     */
-    const struct AntumbraDrawList *revealed;
-    /**
-     * The number of their lists.
-     */
-    size_t revealed_count;
-} AntumbraDrawLists;
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * An image of the host that is drawn to: its first level and layer.
- */
-typedef struct AntumbraImage {
-    /**
-     * The image.
-     */
-    VkImage image;
-    /**
-     * A 2D view of the image with all aspects of the format.
-     */
-    VkImageView view;
-    /**
-     * The format of the view.
-     */
-    VkFormat format;
-    /**
-     * The usage that the image was created with. `VK_IMAGE_USAGE_TRANSFER_SRC_BIT` of a depth
-     * image allows tests by compute shaders.
-     */
-    VkImageUsageFlags usage;
-    /**
-     * The state before the first command of the executor.
-     */
-    struct AntumbraImageState entry;
-    /**
-     * The state after the last command of the executor.
-     */
-    struct AntumbraImageState exit;
-} AntumbraImage;
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * The images of a view in a frame.
- */
-typedef struct AntumbraTargetDesc {
-    /**
-     * Size of this struct in bytes.
-     */
-    uint32_t struct_size;
-    /**
-     * The number of colour images: the number of the scene's colour attachments, or 0 if the host
-     * begins its renderings itself. Default: 0.
-     */
-    uint32_t colour_count;
-    /**
-     * Required: the depth.
-     */
-    struct AntumbraImage depth;
-    /**
-     * The colours. Default: null, with a `colour_count` of 0.
-     */
-    const struct AntumbraImage *colours;
-    /**
-     * Required: width of all images (pixels). The library cannot check that the images are that
-     * large.
-     */
-    uint32_t width;
-    /**
-     * Required: height of all images (pixels), as the width.
-     */
-    uint32_t height;
-} AntumbraTargetDesc;
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * A view in a frame.
- */
-typedef struct AntumbraViewFrame {
-    /**
-     * Size of this struct in bytes.
-     */
-    uint32_t struct_size;
-    /**
-     * An `ANTUMBRA_STRATEGY_..`. Default: `ANTUMBRA_STRATEGY_ANTUMBRA`.
-     */
-    uint32_t strategy;
-    /**
-     * Required: the view.
-     */
-    struct AntumbraView view;
-    /**
-     * Required: its camera.
-     */
-    const struct AntumbraCamera *camera;
-    /**
-     * Required: its images.
-     */
-    const struct AntumbraTargetDesc *target;
-    /**
-     * The most occlusion queries, any number, or `ANTUMBRA_NO_QUERIES`. Leaves for which no query
-     * is left are drawn. Default: 4096.
-     */
-    size_t query_budget;
-} AntumbraViewFrame;
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * The draws that follow a call of [`AntumbraBindCallback`].
- */
-typedef struct AntumbraBinding {
-    /**
-     * Size of this struct in bytes, as the library was compiled.
-     */
-    uint32_t struct_size;
-    /**
-     * The bucket of the draws.
-     */
-    uint32_t bucket;
-    /**
-     * The command buffer.
-     */
-    VkCommandBuffer commands;
-    /**
-     * The view.
-     */
-    struct AntumbraView view;
-} AntumbraBinding;
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Binds the pipeline, descriptor sets, vertex and index buffers for the indexed indirect draws of
- * a bucket that follow. Viewport and scissor cover the target, with y down. A host whose y axis
- * points up, or that draws to a part of the target, sets its own viewport and scissor here. The
- * callback must not leave a query or a conditional rendering open, and must not call the library
- * with this scene.
- *
- * Objects must be rasterised as boxes are: the vertex shader snaps positions to the grid of
- * sub-pixels as share/antumbra/snap.glsl does (its steps are half the size of the image times
- * `2^subPixelPrecisionBits`), and declares `gl_Position` as `invariant` if several passes must
- * agree. Compare depths with "as near or nearer" (`VK_COMPARE_OP_GREATER_OR_EQUAL` for reversed
- * depth). Otherwise an object that is seen edge-on may be missed.
- */
-typedef void (*AntumbraBindCallback)(void *user,
-                                     const struct AntumbraBinding *binding);
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * A rendering that begins or ends.
- */
-typedef struct AntumbraRendering {
-    /**
-     * Size of this struct in bytes, as the library was compiled.
-     */
-    uint32_t struct_size;
-    /**
-     * 1 for the first rendering of the view, which clears (colours to 0, unless the rendering is
-     * the host's own); 0 for others, which keep the contents.
-     */
-    uint32_t is_first;
-    /**
-     * The command buffer.
-     */
-    VkCommandBuffer commands;
-    /**
-     * The view.
-     */
-    struct AntumbraView view;
-} AntumbraRendering;
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Begins or ends a rendering of the host's own, such as a render pass object. Must not call the
- * library with this scene.
- */
-typedef void (*AntumbraRenderingCallback)(void *user,
-                                          const struct AntumbraRendering *rendering);
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * A frame to be recorded.
- */
-typedef struct AntumbraFrameDesc {
-    /**
-     * Size of this struct in bytes.
-     */
-    uint32_t struct_size;
-    /**
-     * The number of views. Default: 0.
-     */
-    uint32_t view_count;
-    /**
-     * The views, each at most once. Default: null, with a `view_count` of 0.
-     */
-    const struct AntumbraViewFrame *const *views;
-    /**
-     * Required: a primary command buffer that is being recorded, outside of renderings and
-     * queries.
-     */
-    VkCommandBuffer commands;
-    /**
-     * Required: the number of this frame, above the numbers of all earlier frames on the device.
-     */
-    uint64_t current;
-    /**
-     * The number of a frame: it and all earlier frames are over on the GPU, or will never be
-     * submitted. The newest such frame is best. Default: 0, none.
-     */
-    uint64_t safe;
-    /**
-     * Binds the state that draws need. Default: null, only for a host that draws from lists.
-     */
-    AntumbraBindCallback bind;
-    /**
-     * The first argument of all callbacks. Default: null.
-     */
-    void *user;
-    /**
-     * Begins a rendering. Default: null, for dynamic rendering to the images of the target.
-     */
-    AntumbraRenderingCallback begin_rendering;
-    /**
-     * Ends a rendering. Default: null, as `begin_rendering`.
-     */
-    AntumbraRenderingCallback end_rendering;
-    /**
-     * The most occlusion queries of all views together, any number, or `ANTUMBRA_NO_QUERIES`.
-     * Views with more to test get the queries that other views leave. Default: 0, for a budget per
-     * view.
-     */
-    size_t query_budget;
-} AntumbraFrameDesc;
-#endif
-
-#ifdef __cplusplus
-extern "C" {
-#endif // __cplusplus
-
-/**
- * Returns the version of the interface that the library was compiled with.
- */
-uint32_t antumbra_abi_version(void);
-
-/**
- * Creates a context.
- *
- * # Safety
- * The rules of the interface; `desc.log` may be called on each thread that uses the context, until
- * the context is destroyed.
- */
-AntumbraResult antumbra_context_create(const struct AntumbraContextDesc *desc,
-                                       struct AntumbraContext **context,
-                                       struct AntumbraError *error);
-
-/**
- * Destroys a context and all objects in it. Null is not an error.
- *
- * # Safety
- * The rules of the interface; no other call uses the context, now or later.
- */
-AntumbraResult antumbra_context_destroy(struct AntumbraContext *context,
-                                        struct AntumbraError *error);
-
-/**
- * Creates a culler without a history.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_culler_create(const struct AntumbraContext *context,
-                                      const struct AntumbraCullerDesc *desc,
-                                      struct AntumbraCuller *culler,
-                                      struct AntumbraError *error);
-
-/**
- * Destroys a culler. A handle of 0 is not an error.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_culler_destroy(const struct AntumbraContext *context,
-                                       struct AntumbraCuller culler,
-                                       struct AntumbraError *error);
-
-/**
- * Clears the history of a culler, after a change that makes the history worthless.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_culler_reset(const struct AntumbraContext *context,
-                                     struct AntumbraCuller culler,
-                                     struct AntumbraError *error);
-
-/**
- * Takes answers to queries of earlier plans. Answers may come in any order, late, twice, or never;
- * outdated answers are ignored. If an answer is invalid, no answer is taken.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_culler_ingest(const struct AntumbraContext *context,
-                                      struct AntumbraCuller culler,
-                                      struct AntumbraHierarchy hierarchy,
-                                      const struct AntumbraAnswer *answers,
-                                      size_t count,
-                                      struct AntumbraError *error);
-
-/**
- * Plans the next frame.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_culler_plan(const struct AntumbraContext *context,
-                                    struct AntumbraCuller culler,
-                                    struct AntumbraHierarchy hierarchy,
-                                    const struct AntumbraPlanDesc *desc,
-                                    struct AntumbraFramePlan *plan,
-                                    struct AntumbraError *error);
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Writes the requirements of the executor on a physical device. Turns on the features in
- * `features` that the executor needs or can use, and leaves all others as they are. Call it before
- * the device is created, with the structs that the device is created with. If the result is
- * `UNSUPPORTED`, the message names what is missing.
- *
- * # Safety
- * The rules of the interface; the handles are valid.
- */
-AntumbraResult antumbra_requirements(const struct AntumbraContext *context,
-                                     const struct AntumbraAdapterDesc *adapter,
-                                     const struct AntumbraFeatures *features,
-                                     struct AntumbraRequirements *requirements,
-                                     struct AntumbraError *error);
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Adopts the device of a host. The library never destroys objects of the host. A device with a
- * queue is for renderers, which submit to the queue. A device without a queue is for scenes:
- * nothing is submitted, and the host's frame numbers say which frames are over. If the result is
- * `UNSUPPORTED`, the message names what is not on.
- *
- * # Safety
- * The rules of the interface. The handles belong together, and live until this device and
- * everything that is created on it are destroyed. All features and extensions that `desc` names
- * are on.
- */
-AntumbraResult antumbra_device_adopt(const struct AntumbraContext *context,
-                                     const struct AntumbraDeviceDesc *desc,
-                                     struct AntumbraDevice *device,
-                                     struct AntumbraError *error);
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Declares that all frames are over on the GPU, or will never be submitted, so that their
- * resources can be freed. Call it before the device is destroyed; otherwise resources that the
- * last frames may still use are never freed, and the log says so. A device with a queue tracks its
- * frames itself: the result is `BAD_ARGUMENT`.
- *
- * # Safety
- * The rules of the interface. All frames are over, or will never be submitted.
- */
-AntumbraResult antumbra_device_finished(const struct AntumbraContext *context,
-                                        struct AntumbraDevice device,
-                                        struct AntumbraError *error);
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Ends the adoption of a device, which the host still owns. Scenes and renderers on it live on
- * until they are destroyed. With a queue, this call or the destruction of the last renderer waits
- * until all submitted frames are over; the wait is bounded. A handle of 0 is not an error.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_device_destroy(const struct AntumbraContext *context,
-                                       struct AntumbraDevice device,
-                                       struct AntumbraError *error);
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Measures the costs of tests, of draws, and of the ways to skip hidden draws, on a device that
- * was adopted with a queue. Scenes use the costs (`AntumbraSceneDesc::costs`) on the same device,
- * which may be adopted again without a queue. Takes half a second on a software driver, and waits
- * for the device repeatedly. Call it before the first frame.
- *
- * # Safety
- * The rules of the interface. The callbacks of the queue do what `AntumbraQueueDesc` says.
- */
-AntumbraResult antumbra_device_costs_measure(const struct AntumbraContext *context,
-                                             const struct AntumbraDeviceCostsDesc *desc,
-                                             struct AntumbraDeviceCosts *costs,
-                                             struct AntumbraError *error);
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Destroys costs. Scenes that were created with them stay as they are. A handle of 0 is not an
- * error.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_device_costs_destroy(const struct AntumbraContext *context,
-                                             struct AntumbraDeviceCosts costs,
-                                             struct AntumbraError *error);
-#endif
-
-/**
- * Creates a hierarchy over the boxes of objects.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_hierarchy_create(const struct AntumbraContext *context,
-                                         const struct AntumbraHierarchyDesc *desc,
-                                         struct AntumbraHierarchy *hierarchy,
-                                         struct AntumbraError *error);
-
-/**
- * Destroys a hierarchy. A handle of 0 is not an error.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_hierarchy_destroy(const struct AntumbraContext *context,
-                                          struct AntumbraHierarchy hierarchy,
-                                          struct AntumbraError *error);
-
-/**
- * Moves objects: object `objects[i]` has the box `boxes[i]` from now on. After an error the
- * objects before the one in the message have moved. The order of leaves does not change.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_hierarchy_move(const struct AntumbraContext *context,
-                                       struct AntumbraHierarchy hierarchy,
-                                       const uint32_t *objects,
-                                       const struct AntumbraAabb *boxes,
-                                       size_t count,
-                                       struct AntumbraError *error);
-
-/**
- * Adds objects and writes their ids, which may be those of objects that were removed. Ids and
- * histories of other objects stay. After an error nothing was added.
- *
- * The time depends on the number of added objects. If they do not fit
- * (`AntumbraHierarchyDesc::capacity`), the hierarchy grows to hold them and a further sixteenth of
- * all objects: 0.2 seconds for 10,000,000 objects. If their number reaches the number of existing
- * objects, everything is rebuilt: about a second per 1,000,000 objects.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_hierarchy_insert(const struct AntumbraContext *context,
-                                         struct AntumbraHierarchy hierarchy,
-                                         const struct AntumbraAabb *boxes,
-                                         size_t count,
-                                         uint32_t *objects,
-                                         struct AntumbraError *error);
-
-/**
- * Removes objects. Objects that are added later reuse their ids. After an error the objects before
- * the one in the message have been removed.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_hierarchy_remove(const struct AntumbraContext *context,
-                                         struct AntumbraHierarchy hierarchy,
-                                         const uint32_t *objects,
-                                         size_t count,
-                                         struct AntumbraError *error);
-
-/**
- * Rebuilds subtrees that moving objects have degraded, up to a bounded number of leaves. If
- * objects move, call it once per frame, after the other changes of the frame.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_hierarchy_update(const struct AntumbraContext *context,
-                                         struct AntumbraHierarchy hierarchy,
-                                         struct AntumbraError *error);
-
-/**
- * Rebuilds the whole hierarchy for the current boxes. After many insertions or long moves plans
- * become longer, though they stay correct; a rebuild makes them short again. Ids and histories
- * stay. Takes about a second per 1,000,000 objects, so it is meant for a pause of the program.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_hierarchy_rebuild(const struct AntumbraContext *context,
-                                          struct AntumbraHierarchy hierarchy,
-                                          struct AntumbraError *error);
-
-/**
- * Writes the objects of all leaves, in the order that plans refer to. Call it again after
- * `antumbra_hierarchy_insert`, `_remove`, `_update` and `_rebuild`. Moves change nothing.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_hierarchy_leaves(const struct AntumbraContext *context,
-                                         struct AntumbraHierarchy hierarchy,
-                                         struct AntumbraLeaves *leaves,
-                                         struct AntumbraError *error);
-
-#if defined(ANTUMBRA_VULKAN)
 /**
  * Writes the requirements of the renderer, as `antumbra_requirements` does for the executor. For a
  * device that will be adopted with a queue.
  *
- * # Safety
- * The rules of the interface; the handles are valid.
+ * The caller promises that the handles are valid.
  */
-AntumbraResult antumbra_renderer_requirements(const struct AntumbraContext *context,
-                                              const struct AntumbraAdapterDesc *adapter,
-                                              const struct AntumbraFeatures *features,
-                                              struct AntumbraRequirements *requirements,
-                                              struct AntumbraError *error);
-#endif
+AntumbraResult antumbra_renderer_requirements(const AntumbraContext *context,
+                                              const AntumbraAdapterDesc *adapter,
+                                              const AntumbraFeatures *features,
+                                              AntumbraRequirements *requirements,
+                                              AntumbraError *error);
 
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Tests the driver of a device that was adopted with a queue: small frames check each assumption
- * that exactness rests on. Takes about a second, and waits for the device repeatedly. Call it
- * before the first frame.
- *
- * # Safety
- * The rules of the interface. The callbacks of the queue do what `AntumbraQueueDesc` says.
- */
-AntumbraResult antumbra_self_test(const struct AntumbraContext *context,
-                                  struct AntumbraDevice device,
-                                  struct AntumbraSelfTest *outcome,
-                                  struct AntumbraError *error);
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
 /**
  * Creates a renderer of a scene, and uploads the scene. Only the Rust interface has textures,
  * materials, lights besides the sun, transparent, skinned and animated meshes, levels of detail,
  * several views, and glTF files.
- *
- * # Safety
- * The rules of the interface.
  */
-AntumbraResult antumbra_renderer_create(const struct AntumbraContext *context,
-                                        const struct AntumbraRendererDesc *desc,
-                                        struct AntumbraRenderer *renderer,
-                                        struct AntumbraError *error);
-#endif
+AntumbraResult antumbra_renderer_create(const AntumbraContext *context,
+                                        const AntumbraRendererDesc *desc,
+                                        AntumbraRenderer *renderer,
+                                        AntumbraError *error);
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * Destroys a renderer without a wait: resources of frames in flight are freed when these frames
  * are over. The host must not use the renderer's image any more. A handle of 0 is not an error.
- *
- * # Safety
- * The rules of the interface.
  */
-AntumbraResult antumbra_renderer_destroy(const struct AntumbraContext *context,
-                                         struct AntumbraRenderer renderer,
-                                         struct AntumbraError *error);
-#endif
+AntumbraResult antumbra_renderer_destroy(const AntumbraContext *context,
+                                         AntumbraRenderer renderer,
+                                         AntumbraError *error);
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * Renders a frame and submits it. Waits for the frame that used its memory `frames_in_flight`
  * frames ago, and for nothing else.
  *
- * # Safety
- * The rules of the interface. When the frame executes, the image of the previous frame is in its
- * `state` again, and its other users are over. The callbacks of the queue do what
- * `AntumbraQueueDesc` says.
+ * The caller promises: when the frame executes, the image of the previous frame is in its `state`
+ * again, and its other users are over. The callbacks of the queue do what `AntumbraQueueDesc`
+ * says.
  */
-AntumbraResult antumbra_renderer_render(const struct AntumbraContext *context,
-                                        struct AntumbraRenderer renderer,
-                                        const struct AntumbraRenderDesc *desc,
-                                        struct AntumbraError *error);
-#endif
+AntumbraResult antumbra_renderer_render(const AntumbraContext *context,
+                                        AntumbraRenderer renderer,
+                                        const AntumbraRenderDesc *desc,
+                                        AntumbraError *error);
 
-#if defined(ANTUMBRA_VULKAN)
 /**
- * Writes the image of the newest frame. Before the first frame the result is `BAD_ARGUMENT`.
- *
- * # Safety
- * The rules of the interface.
+ * Writes the image of the newest frame. Before the first frame the result is
+ * `ANTUMBRA_RESULT_BAD_ARGUMENT`.
  */
-AntumbraResult antumbra_renderer_image(const struct AntumbraContext *context,
-                                       struct AntumbraRenderer renderer,
-                                       struct AntumbraFinishedImage *image,
-                                       struct AntumbraError *error);
-#endif
+AntumbraResult antumbra_renderer_image(const AntumbraContext *context,
+                                       AntumbraRenderer renderer,
+                                       AntumbraFinishedImage *image,
+                                       AntumbraError *error);
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * Changes the size of the images without a wait, and keeps the history of earlier frames. The host
  * must not use the image of an earlier frame any more.
  *
- * # Safety
- * The rules of the interface. The host's commands that use the image are over.
+ * The caller promises that the host's commands that use the image are over.
  */
-AntumbraResult antumbra_renderer_resize(const struct AntumbraContext *context,
-                                        struct AntumbraRenderer renderer,
+AntumbraResult antumbra_renderer_resize(const AntumbraContext *context,
+                                        AntumbraRenderer renderer,
                                         uint32_t width,
                                         uint32_t height,
-                                        struct AntumbraError *error);
-#endif
+                                        AntumbraError *error);
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * Changes the options of shadows; a `method` of 0 turns shadows off. Creates new maps and
  * pipelines, so it is not meant for every frame. The renderer must have been created with an
  * `AntumbraShadowDesc`. After an error nothing has changed.
- *
- * # Safety
- * The rules of the interface.
  */
-AntumbraResult antumbra_renderer_set_shadows(const struct AntumbraContext *context,
-                                             struct AntumbraRenderer renderer,
-                                             const struct AntumbraShadowDesc *desc,
-                                             struct AntumbraError *error);
-#endif
+AntumbraResult antumbra_renderer_set_shadows(const AntumbraContext *context,
+                                             AntumbraRenderer renderer,
+                                             const AntumbraShadowDesc *desc,
+                                             AntumbraError *error);
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * Writes the counts of the shadows of the newest frame.
- *
- * # Safety
- * The rules of the interface.
  */
-AntumbraResult antumbra_renderer_shadow_stats(const struct AntumbraContext *context,
-                                              struct AntumbraRenderer renderer,
-                                              struct AntumbraShadowStats *stats,
-                                              struct AntumbraError *error);
-#endif
+AntumbraResult antumbra_renderer_shadow_stats(const AntumbraContext *context,
+                                              AntumbraRenderer renderer,
+                                              AntumbraShadowStats *stats,
+                                              AntumbraError *error);
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * Adds objects and writes their ids, which may be those of objects that were removed.
- * `spare_objects` must leave room for them. After an error nothing was added.
- *
- * # Safety
- * The rules of the interface.
+ * `AntumbraRendererDesc::spare_objects` must leave room for them. After an error nothing was
+ * added.
  */
-AntumbraResult antumbra_renderer_add_objects(const struct AntumbraContext *context,
-                                             struct AntumbraRenderer renderer,
-                                             const struct AntumbraMeshObject *objects,
+AntumbraResult antumbra_renderer_add_objects(const AntumbraContext *context,
+                                             AntumbraRenderer renderer,
+                                             const AntumbraMeshObject *objects,
                                              size_t count,
                                              uint32_t *ids,
-                                             struct AntumbraError *error);
-#endif
+                                             AntumbraError *error);
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * Removes objects. After an error nothing was removed.
- *
- * # Safety
- * The rules of the interface.
  */
-AntumbraResult antumbra_renderer_remove_objects(const struct AntumbraContext *context,
-                                                struct AntumbraRenderer renderer,
+AntumbraResult antumbra_renderer_remove_objects(const AntumbraContext *context,
+                                                AntumbraRenderer renderer,
                                                 const uint32_t *objects,
                                                 size_t count,
-                                                struct AntumbraError *error);
-#endif
+                                                AntumbraError *error);
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * Moves objects: object `objects[i]` has the transform `transforms[i]` from the next frame on.
  * After an error nothing has moved.
- *
- * # Safety
- * The rules of the interface.
  */
-AntumbraResult antumbra_renderer_move_objects(const struct AntumbraContext *context,
-                                              struct AntumbraRenderer renderer,
+AntumbraResult antumbra_renderer_move_objects(const AntumbraContext *context,
+                                              AntumbraRenderer renderer,
                                               const uint32_t *objects,
-                                              const struct AntumbraTransform *transforms,
+                                              const AntumbraTransform *transforms,
                                               size_t count,
-                                              struct AntumbraError *error);
-#endif
+                                              AntumbraError *error);
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * Adds meshes and writes their ids, which may be those of meshes that were removed.
- * `spare_meshes`, `spare_vertices` and `spare_indices` must leave room for them. Objects can use
- * the meshes immediately, and are drawn when the meshes are on the GPU: each frame copies a part.
- * After an error nothing was added.
- *
- * # Safety
- * The rules of the interface.
+ * `spare_meshes`, `spare_vertices` and `spare_indices` of the `AntumbraRendererDesc` must leave
+ * room for them. Objects can use the meshes immediately, and are drawn when the meshes are on the
+ * GPU: each frame copies a part. After an error nothing was added.
  */
-AntumbraResult antumbra_renderer_add_meshes(const struct AntumbraContext *context,
-                                            struct AntumbraRenderer renderer,
-                                            const struct AntumbraMeshDesc *const *meshes,
+AntumbraResult antumbra_renderer_add_meshes(const AntumbraContext *context,
+                                            AntumbraRenderer renderer,
+                                            const AntumbraMeshDesc *const *meshes,
                                             size_t count,
                                             uint32_t *ids,
-                                            struct AntumbraError *error);
-#endif
+                                            AntumbraError *error);
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * Removes meshes that no object uses. After an error nothing was removed.
- *
- * # Safety
- * The rules of the interface.
  */
-AntumbraResult antumbra_renderer_remove_meshes(const struct AntumbraContext *context,
-                                               struct AntumbraRenderer renderer,
+AntumbraResult antumbra_renderer_remove_meshes(const AntumbraContext *context,
+                                               AntumbraRenderer renderer,
                                                const uint32_t *meshes,
                                                size_t count,
-                                               struct AntumbraError *error);
-#endif
+                                               AntumbraError *error);
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * Writes the counts of the newest frame whose results are known.
- *
- * # Safety
- * The rules of the interface.
  */
-AntumbraResult antumbra_renderer_stats(const struct AntumbraContext *context,
-                                       struct AntumbraRenderer renderer,
-                                       struct AntumbraRendererStats *stats,
-                                       struct AntumbraError *error);
-#endif
+AntumbraResult antumbra_renderer_stats(const AntumbraContext *context,
+                                       AntumbraRenderer renderer,
+                                       AntumbraRendererStats *stats,
+                                       AntumbraError *error);
 
-#if defined(ANTUMBRA_VULKAN)
 /**
  * Waits until all frames of the renderer are over; the wait is bounded. Meant for measurements and
  * for the end of the program, not for each frame.
- *
- * # Safety
- * The rules of the interface.
  */
-AntumbraResult antumbra_renderer_wait(const struct AntumbraContext *context,
-                                      struct AntumbraRenderer renderer,
-                                      struct AntumbraError *error);
-#endif
+AntumbraResult antumbra_renderer_wait(const AntumbraContext *context,
+                                      AntumbraRenderer renderer,
+                                      AntumbraError *error);
 
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Creates a scene without objects.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_scene_create(const struct AntumbraContext *context,
-                                     const struct AntumbraSceneDesc *desc,
-                                     struct AntumbraScene *scene,
-                                     struct AntumbraError *error);
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Destroys a scene and its views. Resources that frames may still use are freed when these frames
- * are over. A handle of 0 is not an error.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_scene_destroy(const struct AntumbraContext *context,
-                                      struct AntumbraScene scene,
-                                      struct AntumbraError *error);
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Adds objects and writes their ids, which may be those of objects that were removed. After an
- * error nothing was added.
- *
- * The time depends on the number of added objects. If they do not fit
- * (`AntumbraSceneDesc::object_capacity`), the scene grows to hold them and a further sixteenth of
- * all objects, and the next frame uploads all objects to larger buffers. If their number reaches
- * the number of existing objects, everything is rebuilt: some seconds per 1,000,000 objects.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_scene_add(const struct AntumbraContext *context,
-                                  struct AntumbraScene scene,
-                                  const struct AntumbraObject *objects,
-                                  size_t count,
-                                  const struct AntumbraObjectDraw *draws,
-                                  size_t draw_count,
-                                  uint32_t *ids,
-                                  struct AntumbraError *error);
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Removes objects. After an error the objects before the one in the message have been removed.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_scene_remove(const struct AntumbraContext *context,
-                                     struct AntumbraScene scene,
-                                     const uint32_t *objects,
-                                     size_t count,
-                                     struct AntumbraError *error);
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Moves objects: object `objects[i]` has the box `boxes[i]` from now on. The host itself gives the
- * new transform to its draws. After an error the objects before the one in the message have moved.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_scene_move(const struct AntumbraContext *context,
-                                   struct AntumbraScene scene,
-                                   const uint32_t *objects,
-                                   const struct AntumbraAabb *boxes,
-                                   size_t count,
-                                   struct AntumbraError *error);
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Replaces the draws of an object.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_scene_set_draws(const struct AntumbraContext *context,
-                                        struct AntumbraScene scene,
-                                        uint32_t object,
-                                        const struct AntumbraObjectDraw *draws,
-                                        size_t draw_count,
-                                        struct AntumbraError *error);
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Creates a view of a scene, without a history.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_view_create(const struct AntumbraContext *context,
-                                    struct AntumbraScene scene,
-                                    struct AntumbraView *view,
-                                    struct AntumbraError *error);
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Destroys a view. A handle of 0 is not an error.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_view_destroy(const struct AntumbraContext *context,
-                                     struct AntumbraScene scene,
-                                     struct AntumbraView view,
-                                     struct AntumbraError *error);
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Writes the counts of the newest frame of a view whose results are known.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_view_stats(const struct AntumbraContext *context,
-                                   struct AntumbraScene scene,
-                                   struct AntumbraView view,
-                                   struct AntumbraViewStats *stats,
-                                   struct AntumbraError *error);
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Writes the draw lists of a view in the newest frame, for a scene with `ANTUMBRA_DRAWS_BY_LISTS`.
- * Before the first frame there are no lists.
- *
- * # Safety
- * The rules of the interface.
- */
-AntumbraResult antumbra_view_lists(const struct AntumbraContext *context,
-                                   struct AntumbraScene scene,
-                                   struct AntumbraView view,
-                                   struct AntumbraDrawLists *lists,
-                                   struct AntumbraError *error);
-#endif
-
-#if defined(ANTUMBRA_VULKAN)
-/**
- * Records a frame of a scene into a command buffer of the host: changes of the scene, then draws
- * and tests of all views. Never waits, and never submits. If the host draws from lists, only tests
- * are recorded: the images must contain the visible draws when the command buffer executes.
- *
- * The host submits each frame once, in the order of the frame numbers. Exceptions are allowed. A
- * frame that is never submitted has no effect: its answers are ignored. A frame may be submitted
- * twice, unless the scene has `ANTUMBRA_RESUBMISSION_NEVER`: both runs draw correct images if a
- * barrier or a semaphore orders them. A frame may be submitted after a later frame: it then shows
- * changed objects as the later frame left them. After an error the command buffer must not be
- * submitted, and the next frame needs a higher number.
- *
- * # Safety
- * The rules of the interface. The command buffer belongs to the scene's device and to the queue
- * family of its `AntumbraDeviceDesc`. All frames up to `safe` are over. When the command buffer
- * executes, the images are in their `entry` states, and nothing else uses them until it is over.
- */
-AntumbraResult antumbra_scene_record(const struct AntumbraContext *context,
-                                     struct AntumbraScene scene,
-                                     const struct AntumbraFrameDesc *desc,
-                                     struct AntumbraError *error);
-#endif
+#endif /* ANTUMBRA_VULKAN */
 
 #ifdef __cplusplus
-}  // extern "C"
-#endif  // __cplusplus
+}
+#endif
 
-#endif  /* ANTUMBRA_H */
+#endif /* ANTUMBRA_H */

@@ -24,7 +24,8 @@ pub enum AntumbraResult {
     UnknownHandle = -4,
     /// Another call is using the object.
     Busy = -5,
-    /// The object was being changed when a panic happened: destroy it.
+    /// An earlier call that was changing the object ended with `ANTUMBRA_RESULT_PANIC`: destroy the
+    /// object.
     Poisoned = -6,
     /// A defect of the library: please report the message.
     Panic = -7,
@@ -81,7 +82,9 @@ impl AntumbraError {
 }
 
 /// The names of the Rust interface in errors of other crates, and the names in C.
-const NAMES_IN_C: [(&str, &str); 12] = [
+const NAMES_IN_C: [(&str, &str); 14] = [
+    ("FrameNumbers::current", "AntumbraFrameDesc::current"),
+    ("HostImage::usage", "AntumbraImage::usage"),
     ("FrameNumbers::safe", "AntumbraFrameDesc::safe"),
     ("HostDevice::queue", "AntumbraDeviceDesc::queue"),
     ("Device::host_finished", "antumbra_device_finished"),
@@ -114,12 +117,17 @@ impl Failure {
         Self { result, message }
     }
 
-    pub fn null(name: &str) -> Self {
+    pub fn null(name: impl Display) -> Self {
         Self::new(AntumbraResult::BadPointer, format_args!("{name} is null"))
     }
 
     pub fn argument(message: impl Display) -> Self {
         Self::new(AntumbraResult::BadArgument, message)
+    }
+
+    /// Names the place in the caller's arguments, such as an element of an array.
+    pub fn within(self, place: impl Display) -> Self {
+        Self { message: format!("{place}: {}", self.message), ..self }
     }
 }
 
@@ -148,16 +156,23 @@ impl From<occlusion::Error> for Failure {
 impl From<gpu::Error> for Failure {
     fn from(error: gpu::Error) -> Self {
         use gpu::Error as E;
+        if let E::TooManyFrames { current, used, slots } = error {
+            return Self::argument(format_args!(
+                "frame {current} needs the memory of frame {used}, which is not over yet, since \
+                 AntumbraSceneDesc::frames_in_flight is {slots}: set it to the number of your \
+                 frames in flight, and AntumbraFrameDesc::safe to the newest frame that is over"
+            ));
+        }
         let result = match &error {
             _ if error.is_device_lost() => AntumbraResult::DeviceLost,
             E::DeviceLacks { .. } | E::Unsupported { .. } => AntumbraResult::Unsupported,
             E::FrameNumbers { .. }
-            | E::TooManyFrames { .. }
             | E::TooLarge { .. }
             | E::Foreign { .. }
             | E::NoQueue { .. }
             | E::HasQueue
             | E::TargetFormat { .. }
+            | E::TargetUsage { .. }
             | E::Samples { .. }
             | E::NoImage => AntumbraResult::BadArgument,
             E::Memory { .. } => AntumbraResult::NoMemory,
@@ -174,6 +189,12 @@ impl From<render::Error> for Failure {
             render::Error::Gpu(error) => error.into(),
             render::Error::Hierarchy(error) => error.into(),
             render::Error::NoMemory { .. } => Self::new(AntumbraResult::NoMemory, error),
+            render::Error::Change { index, reason } => Self::argument(format_args!(
+                "objects[{index}]: {reason}; no object was added, moved or removed"
+            )),
+            render::Error::Mesh { index, reason } => Self::argument(format_args!(
+                "meshes[{index}]: {reason}; no mesh was added or removed"
+            )),
             error => Self::argument(error),
         }
     }

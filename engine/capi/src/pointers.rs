@@ -10,7 +10,7 @@ use crate::layout::{CLayout, CValue, FieldLayout, Versioned};
 const MAX_STRUCT_SIZE: usize = 4096;
 
 /// Checks that a pointer is not null, and is aligned.
-fn check<T>(name: &str, pointer: *const T) -> Result<(), Failure> {
+fn check<T>(name: impl Display, pointer: *const T) -> Result<(), Failure> {
     if pointer.is_null() {
         return Err(Failure::null(name));
     }
@@ -26,15 +26,15 @@ fn check<T>(name: &str, pointer: *const T) -> Result<(), Failure> {
 /// # Safety
 /// `pointer` points to `count` readable values, which are not written as long as the slice is used.
 pub(crate) unsafe fn slice<'a, T: CValue>(
-    name: &str,
+    name: impl Display,
     pointer: *const T,
     count: usize,
 ) -> Result<&'a [T], Failure> {
     if count == 0 {
         return Ok(&[]);
     }
-    check(name, pointer)?;
-    check_length::<T>(name, count)?;
+    check(&name, pointer)?;
+    check_length::<T>(&name, count)?;
     // SAFETY: the caller's promise, and the checks above.
     let values = unsafe { std::slice::from_raw_parts(pointer, count) };
     if T::FIELDS.iter().any(FieldLayout::has_reserved) {
@@ -71,7 +71,7 @@ pub(crate) unsafe fn output_slice<'a, T: CValue>(
     Ok(unsafe { std::slice::from_raw_parts_mut(pointer.cast(), count) })
 }
 
-fn check_length<T>(name: &str, count: usize) -> Result<(), Failure> {
+fn check_length<T>(name: impl Display, count: usize) -> Result<(), Failure> {
     match count.checked_mul(size_of::<T>()) {
         Some(bytes) if isize::try_from(bytes).is_ok() => Ok(()),
         _ => Err(Failure::argument(format_args!("{count} values of {name} are more than memory"))),
@@ -107,9 +107,12 @@ fn is_zero(field: &FieldLayout, bytes: &dyn Fn(usize) -> u8) -> bool {
 ///
 /// # Safety
 /// `pointer` is null, or points to a struct with `struct_size` readable bytes.
-pub(crate) unsafe fn read<T: Versioned>(name: &str, pointer: *const T) -> Result<T, Failure> {
+pub(crate) unsafe fn read<T: Versioned>(
+    name: impl Display,
+    pointer: *const T,
+) -> Result<T, Failure> {
     // SAFETY: the caller's promise.
-    let size = unsafe { struct_size(name, pointer) }?;
+    let size = unsafe { struct_size(&name, pointer) }?;
     let mut value = T::INIT;
     // SAFETY: any bytes are a value, and a field is copied whole or not at all.
     unsafe {
@@ -129,11 +132,11 @@ pub(crate) unsafe fn read<T: Versioned>(name: &str, pointer: *const T) -> Result
             }
         }
     }
-    check_reserved(name, &value)?;
+    check_reserved(&name, &value)?;
     for field in T::FIELDS.iter().filter(|field| T::REQUIRED.contains(&field.name)) {
         if is_zero(field, &|at| byte_of(&value, at)) {
             return Err(if field.is_pointer {
-                Failure::null(&format!("{name}.{}", field.name))
+                Failure::null(format_args!("{name}.{}", field.name))
             } else {
                 Failure::argument(format_args!(
                     "{name}.{} is 0, and has no default: it must be set",
@@ -178,8 +181,11 @@ fn bytes_of<T: CLayout>(value: &T) -> Vec<u8> {
 ///
 /// # Safety
 /// As [`read`].
-unsafe fn struct_size<T: Versioned>(name: &str, pointer: *const T) -> Result<usize, Failure> {
-    check(name, pointer)?;
+unsafe fn struct_size<T: Versioned>(
+    name: impl Display,
+    pointer: *const T,
+) -> Result<usize, Failure> {
+    check(&name, pointer)?;
     // SAFETY: the caller's promise; the first field is the size.
     let size = unsafe { pointer.cast::<u32>().read() } as usize;
     let ends =

@@ -89,7 +89,7 @@ fn default(field: &Field, size: usize) -> Option<Vec<u8>> {
 fn is_read(name: &str) -> bool {
     // A callback of the host reads these.
     let is_callbacks = ["AntumbraBinding", "AntumbraRendering"].contains(&name);
-    !is_callbacks && HEADER.contains(&format!("const struct {name} *"))
+    !is_callbacks && HEADER.contains(&format!("const {name} *"))
 }
 
 /// Returns a struct in which every required field has a value, by its bytes.

@@ -14,7 +14,9 @@ pub extern "C" fn antumbra_abi_version() -> u32 {
 /// Creates a context.
 ///
 /// # Safety
-/// The rules of the interface; `desc.log` may be called on each thread that uses the context, until
+/// The rules of the interface.
+///
+/// The caller promises that `desc.log` may be called on each thread that uses the context, until
 /// the context is destroyed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn antumbra_context_create(
@@ -36,7 +38,9 @@ pub unsafe extern "C" fn antumbra_context_create(
 /// Destroys a context and all objects in it. Null is not an error.
 ///
 /// # Safety
-/// The rules of the interface; no other call uses the context, now or later.
+/// The rules of the interface.
+///
+/// The caller promises that no other call uses the context, now or later.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn antumbra_context_destroy(
     context: *mut AntumbraContext,

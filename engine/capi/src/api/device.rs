@@ -10,13 +10,15 @@ use crate::executor::device::{
 };
 use crate::pointers::{Output, check_output, read};
 
-/// Writes the requirements of the executor on a physical device. Turns on the features in
-/// `features` that the executor needs or can use, and leaves all others as they are. Call it before
-/// the device is created, with the structs that the device is created with. If the result is
-/// `UNSUPPORTED`, the message names what is missing.
+/// Writes the requirements of the executor on a physical device. Turns on the features in the
+/// structs of `features` that the executor needs or can use, and leaves all others as they are.
+/// Call it before the device is created, with the structs that the device is created with. If the
+/// result is `ANTUMBRA_RESULT_UNSUPPORTED`, the message names what is missing.
 ///
 /// # Safety
-/// The rules of the interface; the handles are valid.
+/// The rules of the interface.
+///
+/// The caller promises that the handles are valid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn antumbra_requirements(
     context: *const AntumbraContext,
@@ -54,12 +56,13 @@ pub(crate) unsafe fn write_needs(
 /// Adopts the device of a host. The library never destroys objects of the host. A device with a
 /// queue is for renderers, which submit to the queue. A device without a queue is for scenes:
 /// nothing is submitted, and the host's frame numbers say which frames are over. If the result is
-/// `UNSUPPORTED`, the message names what is not on.
+/// `ANTUMBRA_RESULT_UNSUPPORTED`, the message names what is not on.
 ///
 /// # Safety
-/// The rules of the interface. The handles belong together, and live until this device and
-/// everything that is created on it are destroyed. All features and extensions that `desc` names
-/// are on.
+/// The rules of the interface.
+///
+/// The caller promises that the handles belong together, and live until this device and everything
+/// that is created on it are destroyed. All features and extensions that `desc` names are on.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn antumbra_device_adopt(
     context: *const AntumbraContext,
@@ -81,10 +84,12 @@ pub unsafe extern "C" fn antumbra_device_adopt(
 /// Declares that all frames are over on the GPU, or will never be submitted, so that their
 /// resources can be freed. Call it before the device is destroyed; otherwise resources that the
 /// last frames may still use are never freed, and the log says so. A device with a queue tracks its
-/// frames itself: the result is `BAD_ARGUMENT`.
+/// frames itself: the result is `ANTUMBRA_RESULT_BAD_ARGUMENT`.
 ///
 /// # Safety
-/// The rules of the interface. All frames are over, or will never be submitted.
+/// The rules of the interface.
+///
+/// The caller promises that this is true.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn antumbra_device_finished(
     context: *const AntumbraContext,

@@ -13,7 +13,9 @@ use crate::renderer::frame::HostedRenderer;
 /// for the device repeatedly. Call it before the first frame.
 ///
 /// # Safety
-/// The rules of the interface. The callbacks of the queue do what `AntumbraQueueDesc` says.
+/// The rules of the interface.
+///
+/// The caller promises that the callbacks of the queue do what `AntumbraQueueDesc` says.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn antumbra_device_costs_measure(
     context: *const AntumbraContext,

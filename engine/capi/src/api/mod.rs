@@ -12,3 +12,5 @@ pub mod hierarchy;
 pub mod renderer;
 #[cfg(feature = "vulkan")]
 pub mod scene;
+#[cfg(feature = "renderer")]
+pub mod self_test;

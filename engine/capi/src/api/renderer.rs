@@ -2,15 +2,12 @@
 
 use cull::ObjectId;
 use gpu::Purpose;
-use render::RendererOptions;
 use scene::{MeshId, Object, ObjectChange};
 
 use crate::api::device::write_needs;
 use crate::context::{AntumbraContext, entry};
 use crate::error::{AntumbraError, AntumbraResult};
-use crate::executor::device::{
-    AntumbraAdapterDesc, AntumbraDevice, AntumbraFeatures, AntumbraRequirements,
-};
+use crate::executor::device::{AntumbraAdapterDesc, AntumbraFeatures, AntumbraRequirements};
 use crate::pointers::{Output, check_output, output_slice, read, slice};
 use crate::renderer::description::{
     AntumbraMeshDesc, AntumbraMeshObject, AntumbraRendererDesc, AntumbraTransform, added,
@@ -19,14 +16,15 @@ use crate::renderer::frame::{
     AntumbraFinishedImage, AntumbraRenderDesc, AntumbraRenderer, AntumbraRendererStats,
     HostedRenderer,
 };
-use crate::renderer::self_test::AntumbraSelfTest;
 use crate::renderer::shadows::{AntumbraShadowDesc, AntumbraShadowStats};
 
 /// Writes the requirements of the renderer, as `antumbra_requirements` does for the executor. For a
 /// device that will be adopted with a queue.
 ///
 /// # Safety
-/// The rules of the interface; the handles are valid.
+/// The rules of the interface.
+///
+/// The caller promises that the handles are valid.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn antumbra_renderer_requirements(
     context: *const AntumbraContext,
@@ -38,32 +36,6 @@ pub unsafe extern "C" fn antumbra_renderer_requirements(
     // SAFETY: the caller's promises.
     unsafe {
         entry(context, error, |_| write_needs(adapter, features, requirements, Purpose::Renderer))
-    }
-}
-
-/// Tests the driver of a device that was adopted with a queue: small frames check each assumption
-/// that exactness rests on. Takes about a second, and waits for the device repeatedly. Call it
-/// before the first frame.
-///
-/// # Safety
-/// The rules of the interface. The callbacks of the queue do what `AntumbraQueueDesc` says.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn antumbra_self_test(
-    context: *const AntumbraContext,
-    device: AntumbraDevice,
-    outcome: *mut AntumbraSelfTest,
-    error: *mut AntumbraError,
-) -> AntumbraResult {
-    // SAFETY: the caller's promises.
-    unsafe {
-        entry(context, error, |context| {
-            let output = Output::new("outcome", outcome)?;
-            let device = context.devices.find(device)?.read()?.clone();
-            HostedRenderer::check_device(&device)?;
-            let found = render::self_test(&device, &RendererOptions::default())?;
-            output.write(&AntumbraSelfTest::from(&found));
-            Ok(())
-        })
     }
 }
 
@@ -115,9 +87,11 @@ pub unsafe extern "C" fn antumbra_renderer_destroy(
 /// frames ago, and for nothing else.
 ///
 /// # Safety
-/// The rules of the interface. When the frame executes, the image of the previous frame is in its
-/// `state` again, and its other users are over. The callbacks of the queue do what
-/// `AntumbraQueueDesc` says.
+/// The rules of the interface.
+///
+/// The caller promises: when the frame executes, the image of the previous frame is in its `state`
+/// again, and its other users are over. The callbacks of the queue do what `AntumbraQueueDesc`
+/// says.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn antumbra_renderer_render(
     context: *const AntumbraContext,
@@ -135,7 +109,8 @@ pub unsafe extern "C" fn antumbra_renderer_render(
     }
 }
 
-/// Writes the image of the newest frame. Before the first frame the result is `BAD_ARGUMENT`.
+/// Writes the image of the newest frame. Before the first frame the result is
+/// `ANTUMBRA_RESULT_BAD_ARGUMENT`.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -161,7 +136,9 @@ pub unsafe extern "C" fn antumbra_renderer_image(
 /// must not use the image of an earlier frame any more.
 ///
 /// # Safety
-/// The rules of the interface. The host's commands that use the image are over.
+/// The rules of the interface.
+///
+/// The caller promises that the host's commands that use the image are over.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn antumbra_renderer_resize(
     context: *const AntumbraContext,
@@ -226,7 +203,8 @@ pub unsafe extern "C" fn antumbra_renderer_shadow_stats(
 }
 
 /// Adds objects and writes their ids, which may be those of objects that were removed.
-/// `spare_objects` must leave room for them. After an error nothing was added.
+/// `AntumbraRendererDesc::spare_objects` must leave room for them. After an error nothing was
+/// added.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -307,9 +285,9 @@ pub unsafe extern "C" fn antumbra_renderer_move_objects(
 }
 
 /// Adds meshes and writes their ids, which may be those of meshes that were removed.
-/// `spare_meshes`, `spare_vertices` and `spare_indices` must leave room for them. Objects can use
-/// the meshes immediately, and are drawn when the meshes are on the GPU: each frame copies a part.
-/// After an error nothing was added.
+/// `spare_meshes`, `spare_vertices` and `spare_indices` of the `AntumbraRendererDesc` must leave
+/// room for them. Objects can use the meshes immediately, and are drawn when the meshes are on the
+/// GPU: each frame copies a part. After an error nothing was added.
 ///
 /// # Safety
 /// The rules of the interface.

@@ -265,17 +265,19 @@ pub unsafe extern "C" fn antumbra_view_lists(
 /// and tests of all views. Never waits, and never submits. If the host draws from lists, only tests
 /// are recorded: the images must contain the visible draws when the command buffer executes.
 ///
-/// The host submits each frame once, in the order of the frame numbers. Exceptions are allowed. A
-/// frame that is never submitted has no effect: its answers are ignored. A frame may be submitted
-/// twice, unless the scene has `ANTUMBRA_RESUBMISSION_NEVER`: both runs draw correct images if a
-/// barrier or a semaphore orders them. A frame may be submitted after a later frame: it then shows
-/// changed objects as the later frame left them. After an error the command buffer must not be
-/// submitted, and the next frame needs a higher number.
+/// The host submits each frame once, in the order of the frame numbers. Other orders are allowed,
+/// too. A frame that is never submitted has no effect: its answers are ignored. A frame may be
+/// submitted twice, unless the scene has `ANTUMBRA_RESUBMISSION_NEVER`: both runs draw correct
+/// images if a barrier or a semaphore orders them. A frame may be submitted after a later frame: it
+/// then shows changed objects as the later frame left them. After an error the command buffer must
+/// not be submitted, and the next frame needs a higher number.
 ///
 /// # Safety
-/// The rules of the interface. The command buffer belongs to the scene's device and to the queue
-/// family of its `AntumbraDeviceDesc`. All frames up to `safe` are over. When the command buffer
-/// executes, the images are in their `entry` states, and nothing else uses them until it is over.
+/// The rules of the interface.
+///
+/// The caller promises: the command buffer belongs to the scene's device and to the queue family of
+/// its `AntumbraDeviceDesc`. All frames up to `safe` are over. When the command buffer executes,
+/// the images are in their `entry` states, and nothing else uses them until it is over.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn antumbra_scene_record(
     context: *const AntumbraContext,

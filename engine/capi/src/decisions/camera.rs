@@ -6,9 +6,9 @@ use glam::Mat4;
 use crate::error::Failure;
 use crate::layout::{layout, versioned};
 
-/// Depth is 1 at the near plane and 0 infinitely far away.
+/// Depth is 1 at the near plane, and 0 at the far plane or infinitely far away.
 pub const ANTUMBRA_DEPTH_REVERSED: u32 = 0;
-/// Depth is 0 at the near plane and 1 at the far plane, or infinitely far away.
+/// Depth is 0 at the near plane, and 1 at the far plane or infinitely far away.
 pub const ANTUMBRA_DEPTH_STANDARD: u32 = 1;
 
 /// The y axis of clip space points down, as in Vulkan.
@@ -63,12 +63,20 @@ impl AntumbraCamera {
         let depth = match self.depth {
             ANTUMBRA_DEPTH_REVERSED => DepthConvention::Reversed,
             ANTUMBRA_DEPTH_STANDARD => DepthConvention::Standard,
-            _ => return Err(Failure::argument("camera.depth is no ANTUMBRA_DEPTH_..")),
+            other => {
+                let message =
+                    format_args!("camera.depth is {other}, which is no ANTUMBRA_DEPTH_..");
+                return Err(Failure::argument(message));
+            }
         };
         let y = match self.clip_y {
             ANTUMBRA_CLIP_Y_DOWN => ClipY::Down,
             ANTUMBRA_CLIP_Y_UP => ClipY::Up,
-            _ => return Err(Failure::argument("camera.clip_y is no ANTUMBRA_CLIP_Y_..")),
+            other => {
+                let message =
+                    format_args!("camera.clip_y is {other}, which is no ANTUMBRA_CLIP_Y_..");
+                return Err(Failure::argument(message));
+            }
         };
         let matrix = Mat4::from_cols_array(&self.clip_from_world);
         Ok(ViewProjection { matrix, depth, y })

@@ -1,5 +1,7 @@
 //! The hierarchy over the boxes of objects.
 
+use std::fmt::Display;
+
 use cull::{Aabb, Hierarchy, HierarchyError, LeafRange, ObjectId};
 use glam::Vec3;
 
@@ -71,7 +73,7 @@ versioned!(AntumbraHierarchyDesc: 4, required: [], defaults: {});
 pub struct AntumbraLeaves {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// Must be 0.
+    /// Is 0.
     pub reserved: u32,
     /// The object of each leaf; `ANTUMBRA_NO_OBJECT` for a leaf without one. Valid until objects
     /// are added or removed, or the hierarchy is updated or rebuilt. Moves change nothing.
@@ -102,7 +104,7 @@ impl BoxHierarchy {
         }
         let mut all = Vec::with_capacity(count);
         for (number, bounds) in boxes.iter().enumerate() {
-            all.push(usable(number, *bounds)?);
+            all.push(usable(format_args!("desc.boxes[{number}]"), *bounds)?);
         }
         all.resize(count, Aabb::EMPTY);
         let boxes = all;
@@ -159,12 +161,21 @@ impl BoxHierarchy {
 
     pub fn move_objects(&mut self, objects: &[u32], boxes: &[AntumbraAabb]) -> Result<(), Failure> {
         let boxes = boxes.iter().map(|bounds| Aabb::from(*bounds));
-        Ok(self.hierarchy.refit(objects.iter().map(|object| ObjectId(*object)).zip(boxes))?)
+        let mut taken = 0_usize;
+        let moves = objects.iter().map(|object| ObjectId(*object)).zip(boxes);
+        let outcome = self.hierarchy.refit(moves.inspect(|_| taken += 1));
+        // The last one that was taken is the one that was refused.
+        outcome.map_err(|error| {
+            Failure::from(error).within(format_args!("objects[{}]", taken.saturating_sub(1)))
+        })
     }
 
     /// Adds objects and returns their ids.
     pub fn insert(&mut self, boxes: &[AntumbraAabb]) -> Result<Vec<ObjectId>, Failure> {
-        let boxes = boxes.iter().enumerate().map(|(number, bounds)| usable(number, *bounds));
+        let boxes = boxes
+            .iter()
+            .enumerate()
+            .map(|(number, bounds)| usable(format_args!("boxes[{number}]"), *bounds));
         let boxes = boxes.collect::<Result<Vec<Aabb>, Failure>>()?;
         let mut added = Vec::with_capacity(boxes.len());
         self.hierarchy.insert_all(&boxes, &mut added, &mut self.reordered)?;
@@ -180,8 +191,9 @@ impl BoxHierarchy {
     }
 
     pub fn remove(&mut self, objects: &[u32]) -> Result<(), Failure> {
-        for object in objects.iter().map(|object| ObjectId(*object)) {
-            self.hierarchy.remove(object)?;
+        for (number, object) in objects.iter().map(|object| ObjectId(*object)).enumerate() {
+            let place = format_args!("objects[{number}]");
+            self.hierarchy.remove(object).map_err(|error| Failure::from(error).within(place))?;
             self.list_leaf_of(object);
         }
         Ok(())
@@ -193,12 +205,12 @@ impl BoxHierarchy {
     }
 }
 
-/// Checks that an object can have a box, and returns the box.
-pub(crate) fn usable(number: usize, bounds: AntumbraAabb) -> Result<Aabb, Failure> {
+/// Checks that an object can have a box, and returns the box. Messages call the box `name`.
+pub(crate) fn usable(name: impl Display, bounds: AntumbraAabb) -> Result<Aabb, Failure> {
     let usable = Some(Aabb::from(bounds)).filter(Aabb::is_usable);
     usable.ok_or_else(|| {
         Failure::argument(format_args!(
-            "boxes[{number}] is no box, from {:?} to {:?}: coordinates must be finite, at most \
+            "{name} is no box, from {:?} to {:?}: coordinates must be finite, at most \
              1e15, and none of min above that of max",
             bounds.min, bounds.max
         ))

@@ -4,12 +4,12 @@ use std::ffi::{CStr, CString, c_char};
 
 use gpu::ash;
 use gpu::{
-    Device, DeviceOptions, Entry, FeatureStructures, Features, HostDevice, Purpose, Requirements,
-    vk,
+    Device, DeviceOptions, Entry, FeatureStructures, Features, HostDevice, Purpose,
+    RequiredFeature, Requirements, vk,
 };
 
 use super::queue::{AntumbraQueueDesc, host_queue};
-use crate::error::Failure;
+use crate::error::{AntumbraResult, Failure};
 use crate::layout::{Versioned, layout, pointers, versioned};
 use crate::pointers::{read, slice};
 use crate::table::handle;
@@ -50,7 +50,10 @@ layout!(AntumbraAdapterDesc: struct_size, api_version, instance_proc_addr, insta
 
 versioned!(AntumbraAdapterDesc: 5, required: [instance_proc_addr, instance, physical_device], defaults: {api_version: vk::API_VERSION_1_3});
 
-/// The features of a device, in structs of the host. Null counts as a struct with all features off.
+/// The features of a device, in structs of the host. Null counts as a struct with all features off:
+/// `antumbra_requirements` then turns none of them on, and `antumbra_device_adopt` refuses the
+/// device if one of them is needed. Features that the host turned on by other structs, such as
+/// `VkPhysicalDeviceDynamicRenderingFeatures`, are set in these structs for the adoption.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct AntumbraFeatures {
@@ -58,13 +61,14 @@ pub struct AntumbraFeatures {
     pub struct_size: u32,
     /// Must be 0.
     pub reserved: u32,
-    /// The features of Vulkan 1.0. Default: null.
+    /// The features of Vulkan 1.0, of which some are needed. Default: null.
     pub core: *mut vk::PhysicalDeviceFeatures,
-    /// The features of Vulkan 1.2, with their `sType`. Default: null.
+    /// The features of Vulkan 1.2, with their `sType`; a renderer needs some. Default: null.
     pub vulkan_12: *mut vk::PhysicalDeviceVulkan12Features<'static>,
-    /// The features of Vulkan 1.3, with their `sType`. Default: null.
+    /// The features of Vulkan 1.3, with their `sType`, of which some are needed. Default: null.
     pub vulkan_13: *mut vk::PhysicalDeviceVulkan13Features<'static>,
-    /// The features of `VK_EXT_conditional_rendering`, with their `sType`. Default: null.
+    /// The features of `VK_EXT_conditional_rendering`, with their `sType`. Never needed. Default:
+    /// null.
     pub conditional_rendering: *mut vk::PhysicalDeviceConditionalRenderingFeaturesEXT<'static>,
 }
 layout!(AntumbraFeatures: struct_size, reserved, core, vulkan_12, vulkan_13,
@@ -212,15 +216,19 @@ pub(crate) unsafe fn require(
 /// As [`gpu::Device::adopt`].
 pub(crate) unsafe fn adopt(desc: &AntumbraDeviceDesc) -> Result<Device, Failure> {
     // SAFETY: the caller's promises, here and below.
-    let (adapter, features, names) = unsafe {
+    let (adapter, structs, names) = unsafe {
         let adapter = Adapter::load(&read("desc.adapter", desc.adapter)?)?;
-        let features = features_of(&read("desc.features", desc.features)?)?;
-        (adapter, features, slice("desc.extensions", desc.extensions, desc.extension_count)?)
+        let structs = read("desc.features", desc.features)?;
+        (adapter, structs, slice("desc.extensions", desc.extensions, desc.extension_count)?)
     };
+    // SAFETY: as above.
+    let features = unsafe { features_of(&structs) }?;
+    let purpose = if desc.queue.is_null() { Purpose::Executor } else { Purpose::Renderer };
+    check_structs(&structs, features, purpose)?;
     let mut extensions = Vec::with_capacity(names.len());
-    for name in names {
+    for (number, name) in names.iter().enumerate() {
         if name.is_null() {
-            return Err(Failure::null("a name of desc.extensions"));
+            return Err(Failure::null(format_args!("desc.extensions[{number}]")));
         }
         // SAFETY: as above.
         extensions.push(CString::from(unsafe { CStr::from_ptr(*name) }));
@@ -262,6 +270,67 @@ unsafe fn features_of(features: &AntumbraFeatures) -> Result<Features, Failure> 
         turn_on(&raw mut on.conditional, features.conditional_rendering)?;
     }
     Ok(Features::from(&on))
+}
+
+/// A pointer in [`AntumbraFeatures`].
+struct FeaturePointer {
+    field: &'static str,
+    /// The type that it points to, by its name in C.
+    struct_name: &'static str,
+    is_null: fn(&AntumbraFeatures) -> bool,
+    /// Copies the struct that it points to.
+    copy: fn(&FeatureStructures, &mut FeatureStructures),
+}
+
+/// The pointers to structs that have required features.
+const FEATURE_POINTERS: [FeaturePointer; 3] = [
+    FeaturePointer {
+        field: "core",
+        struct_name: "VkPhysicalDeviceFeatures",
+        is_null: |features| features.core.is_null(),
+        copy: |from, to| to.core = from.core,
+    },
+    FeaturePointer {
+        field: "vulkan_12",
+        struct_name: "VkPhysicalDeviceVulkan12Features",
+        is_null: |features| features.vulkan_12.is_null(),
+        copy: |from, to| to.vulkan_12 = from.vulkan_12,
+    },
+    FeaturePointer {
+        field: "vulkan_13",
+        struct_name: "VkPhysicalDeviceVulkan13Features",
+        is_null: |features| features.vulkan_13.is_null(),
+        copy: |from, to| to.vulkan_13 = from.vulkan_13,
+    },
+];
+
+/// Refuses a null pointer to a struct with required features. Without this check the host would
+/// read that its device lacks them.
+fn check_structs(
+    features: &AntumbraFeatures,
+    on: Features,
+    purpose: Purpose,
+) -> Result<(), Failure> {
+    let required = RequiredFeature::ALL.into_iter().filter(|feature| feature.is_for(purpose));
+    let required =
+        required.map(RequiredFeature::features).fold(Features::default(), Features::union);
+    let missing = required.without(on).structures();
+    for pointer in FEATURE_POINTERS.iter().filter(|pointer| (pointer.is_null)(features)) {
+        let mut of_pointer = FeatureStructures::default();
+        (pointer.copy)(&missing, &mut of_pointer);
+        let names: Vec<&str> = Features::from(&of_pointer).names().collect();
+        if !names.is_empty() {
+            let message = format_args!(
+                "desc.features.{} is null, which counts as all features off, and {} must be on: \
+                 pass the {} that the device was created with",
+                pointer.field,
+                names.join(", "),
+                pointer.struct_name
+            );
+            return Err(Failure::new(AntumbraResult::BadPointer, message));
+        }
+    }
+    Ok(())
 }
 
 /// A struct of features.

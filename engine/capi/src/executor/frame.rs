@@ -1,6 +1,7 @@
 //! A frame of a host: all its views, recorded into the host's command buffer.
 
 use std::ffi::c_void;
+use std::fmt::{Display, Formatter};
 
 use cull::{CullView, DrawPhases, Strategy};
 use gpu::{Attachments, Commands, FrameNumbers, RenderTarget, Target, Tick, Viewport, vk};
@@ -14,9 +15,8 @@ use crate::decisions::culler::{QUERY_BUDGET, queries, strategy};
 use crate::error::Failure;
 use crate::layout::{layout, pointers, versioned};
 use crate::pointers::{read, slice};
-use crate::table::Shared;
 
-/// The draws that follow a call of [`AntumbraBindCallback`].
+/// The draws that follow a call of `AntumbraBindCallback`.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct AntumbraBinding {
@@ -106,10 +106,12 @@ pub struct AntumbraFrameDesc {
     /// Required: a primary command buffer that is being recorded, outside of renderings and
     /// queries.
     pub commands: vk::CommandBuffer,
-    /// Required: the number of this frame, above the numbers of all earlier frames on the device.
+    /// Required: the number of this frame, above the numbers of all earlier frames on the device,
+    /// of other scenes, too.
     pub current: u64,
     /// The number of a frame: it and all earlier frames are over on the GPU, or will never be
-    /// submitted. The newest such frame is best. Default: 0, none.
+    /// submitted. The newest such frame is best. Below `current`, and never below the `safe` of an
+    /// earlier frame. Default: 0, none.
     pub safe: u64,
     /// Binds the state that draws need. Default: null, only for a host that draws from lists.
     pub bind: AntumbraBindCallback,
@@ -197,6 +199,16 @@ impl ObjectRenderer for HostObjects<'_> {
     }
 }
 
+/// The place of a view in a frame, as messages name it.
+#[derive(Clone, Copy)]
+pub(crate) struct ViewPlace(usize);
+
+impl Display for ViewPlace {
+    fn fmt(&self, formatter: &mut Formatter<'_>) -> std::fmt::Result {
+        write!(formatter, "desc.views[{}]", self.0)
+    }
+}
+
 /// A view of a frame in C, checked.
 struct ViewFrame {
     view: AntumbraView,
@@ -207,31 +219,37 @@ struct ViewFrame {
 }
 
 impl ViewFrame {
-    /// Reads the view.
+    /// Reads the view. Messages call it `place`.
     ///
     /// # Safety
     /// As [`record`].
     unsafe fn read(
+        place: ViewPlace,
         pointer: *const AntumbraViewFrame,
         attachments: &Attachments,
     ) -> Result<Self, Failure> {
         // SAFETY: the caller's promise.
-        let frame = unsafe { read("a view of desc.views", pointer) }?;
+        let frame = unsafe { read(place, pointer) }?;
         // SAFETY: as above.
-        let target = unsafe { read("view.target", frame.target) }?;
+        let target = unsafe { read(format_args!("{place}.target"), frame.target) }?;
         // SAFETY: as above.
-        let camera = unsafe { read("view.camera", frame.camera) }?;
+        let camera = unsafe { read(format_args!("{place}.camera"), frame.camera) }?;
         if [camera.width, camera.height] != [target.width, target.height] {
-            return Err(Failure::argument("view.camera and view.target have different sizes"));
+            return Err(Failure::argument(format_args!(
+                "{place}.camera and {place}.target have different sizes: {}x{} and {}x{} pixels",
+                camera.width, camera.height, target.width, target.height
+            )));
         }
-        if near_depth(camera.depth)? != attachments.near_depth {
-            let message = "view.camera has another ANTUMBRA_DEPTH_.. than the scene's attachments";
-            return Err(Failure::argument(message));
+        let of_view = |failure: Failure| failure.within(place);
+        if near_depth(camera.depth).map_err(of_view)? != attachments.near_depth {
+            return Err(Failure::argument(format_args!(
+                "{place}.camera has another ANTUMBRA_DEPTH_.. than the scene's attachments"
+            )));
         }
         Ok(Self {
             view: frame.view,
-            eye: camera.view()?,
-            strategy: strategy(frame.strategy)?,
+            eye: camera.view().map_err(of_view)?,
+            strategy: strategy(frame.strategy).map_err(of_view)?,
             query_budget: queries(frame.query_budget),
             target,
         })
@@ -257,23 +275,32 @@ pub(crate) unsafe fn record(
     let pointers = unsafe { slice("desc.views", desc.views, desc.view_count as usize) }?;
     let mut requests = PerView::new();
     let mut found = PerView::new();
-    for pointer in pointers {
+    for (number, pointer) in pointers.iter().enumerate() {
+        let place = ViewPlace(number);
         // SAFETY: as above.
-        let request = unsafe { ViewFrame::read(*pointer, attachments) }?;
-        if requests.iter().any(|other: &ViewFrame| other.view == request.view) {
-            return Err(Failure::argument("desc.views has a view twice"));
+        let request = unsafe { ViewFrame::read(place, *pointer, attachments) }?;
+        let same = requests.iter().position(|other: &ViewFrame| other.view == request.view);
+        if let Some(same) = same.map(ViewPlace) {
+            let message = format_args!("{place} and {same} are a view twice: name each view once");
+            return Err(Failure::argument(message));
         }
-        found.push(views.find(request.view)?);
+        let view = views.find(request.view);
+        found.push(view.map_err(|failure| failure.within(format_args!("{place}.view")))?);
         requests.push(request);
     }
-    let mut locked = found.iter().map(Shared::write).collect::<Result<PerView<_>, _>>()?;
+    let mut locked = PerView::new();
+    for (number, view) in found.iter().enumerate() {
+        locked.push(view.write().map_err(|failure| failure.within(ViewPlace(number)))?);
+    }
     let mut states = PerView::new();
     let mut targets = PerView::new();
     let mut former_lists = PerView::new();
-    for (view, request) in locked.iter_mut().zip(&requests) {
+    for (number, (view, request)) in locked.iter_mut().zip(&requests).enumerate() {
         let HostedView { state, target, lists, .. } = &mut **view;
+        let place = ViewPlace(number);
+        let device = scene.device();
         // SAFETY: as above.
-        let target = unsafe { target.update(scene.device(), &request.target, attachments) }?;
+        let target = unsafe { target.update(place, device, &request.target, attachments) }?;
         let state = match state {
             Some(state) => state,
             None => state.insert(scene.new_view(target)?),

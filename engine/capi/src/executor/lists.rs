@@ -54,7 +54,7 @@ impl From<&DrawList> for AntumbraDrawList {
 pub struct AntumbraDrawLists {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// Must be 0.
+    /// Is 0.
     pub reserved: u32,
     /// The draws that are assumed to be visible. Valid until the view is recorded again.
     pub visible: *const AntumbraDrawList,

@@ -1,10 +1,10 @@
 //! The scene of a host: objects with draws in its own pipelines.
 
-use cull::{Aabb, DrawPhases, ObjectId};
+use cull::{Aabb, DrawPhases, HierarchyError, ObjectId};
 use gpu::{Attachments, Device, FrameRing, IndirectDraw, PredicationMode, Resubmission};
 use occlusion::{
-    BucketDraw, BucketId, CulledScene, CulledSceneOptions, DeviceCosts, DriverQuirks, HostObject,
-    OcclusionState,
+    BucketDraw, BucketError, BucketId, CulledScene, CulledSceneOptions, DeviceCosts, DriverQuirks,
+    Error, HostObject, OcclusionState,
 };
 
 use super::device::AntumbraDevice;
@@ -170,7 +170,7 @@ impl From<&AntumbraObjectDraw> for BucketDraw {
 pub struct AntumbraViewStats {
     /// Size of this struct in bytes.
     pub struct_size: u32,
-    /// Must be 0.
+    /// Is 0.
     pub reserved: u32,
     /// The frame, counted from 1 in its view; 0 if none is known.
     pub frame: u64,
@@ -223,6 +223,27 @@ impl HostedView {
     pub fn query_count(&self) -> usize {
         self.state.as_ref().map_or(0, |state| state.plan().query_count())
     }
+}
+
+/// Names the object of the caller's array that was refused.
+fn of_objects(failure: Failure, refused: Option<usize>) -> Failure {
+    match refused {
+        Some(place) => failure.within(format_args!("objects[{place}]")),
+        None => failure,
+    }
+}
+
+/// Names the draw of the caller's array that was refused.
+fn of_draws(error: Error, draws: &[BucketDraw]) -> Failure {
+    let Error::Buckets(BucketError::Unknown { bucket, bucket_count }) = error else {
+        return error.into();
+    };
+    let place = draws.iter().position(|draw| draw.bucket == bucket).unwrap_or_default();
+    Failure::argument(format_args!(
+        "draws[{place}] names bucket {}, but the scene was created with {bucket_count}: set \
+         AntumbraSceneDesc::bucket_count to the number of your pipelines",
+        bucket.0
+    ))
 }
 
 /// A scene, its views, and its frames.
@@ -311,36 +332,66 @@ impl HostedScene {
             return Err(Failure::new(AntumbraResult::NoMemory, message));
         }
         listed.extend(draws.iter().map(BucketDraw::from));
-        let draws = listed;
+        let draws = &listed[..];
         for (number, object) in objects.iter().enumerate() {
             let first = object.first_draw as usize;
             let range = first..first.saturating_add(object.draw_count as usize);
             let draws = draws.get(range).ok_or_else(|| {
-                Failure::argument(format_args!("objects[{number}] has draws beyond draw_count"))
+                Failure::argument(format_args!(
+                    "objects[{number}] has {} draws from draw {} on, but draw_count is {}",
+                    object.draw_count,
+                    object.first_draw,
+                    draws.len()
+                ))
             })?;
-            added.push(HostObject { bounds: usable(number, object.bounds)?, draws });
+            let name = format_args!("objects[{number}].bounds");
+            added.push(HostObject { bounds: usable(name, object.bounds)?, draws });
         }
         self.objects.clear();
-        self.scene.add(&added, &mut self.objects)?;
+        let outcome = self.scene.add(&added, &mut self.objects);
+        outcome.map_err(|error| of_draws(error, draws))?;
         Ok(&self.objects)
     }
 
     pub fn remove(&mut self, objects: &[u32]) -> Result<(), Failure> {
         self.objects.clear();
         self.objects.extend(objects.iter().map(|object| ObjectId(*object)));
-        Ok(self.scene.remove(&self.objects)?)
+        let hierarchy = self.scene.hierarchy();
+        let missing = self.objects.iter().position(|object| !hierarchy.contains(*object));
+        let outcome = self.scene.remove(&self.objects);
+        outcome.map_err(|error| {
+            let Error::Hierarchy(HierarchyError::UnknownObject { object }) = error else {
+                return error.into();
+            };
+            // An object that was there is refused where it is named for the second time.
+            let was_there = missing.is_none_or(|place| self.objects[place] != object);
+            let places = self.objects.iter().enumerate().filter(|(_, id)| **id == object);
+            let refused = places.map(|(place, _)| place).nth(usize::from(was_there));
+            of_objects(error.into(), refused)
+        })
     }
 
     pub fn move_to(&mut self, objects: &[u32], boxes: &[AntumbraAabb]) -> Result<(), Failure> {
         let boxes = boxes.iter().map(|bounds| Aabb::from(*bounds));
         let ids = objects.iter().map(|object| ObjectId(*object));
         let moved: Vec<(ObjectId, Aabb)> = ids.zip(boxes).collect();
-        Ok(self.scene.move_to(&moved)?)
+        self.scene.move_to(&moved).map_err(|error| {
+            let refused = |(id, bounds): &(ObjectId, Aabb)| match &error {
+                Error::Hierarchy(HierarchyError::BadBox { object, .. }) => {
+                    id == object && !bounds.is_usable()
+                }
+                Error::Hierarchy(HierarchyError::UnknownObject { object }) => id == object,
+                _ => false,
+            };
+            let refused = moved.iter().position(refused);
+            of_objects(error.into(), refused)
+        })
     }
 
     pub fn set_draws(&mut self, object: u32, draws: &[AntumbraObjectDraw]) -> Result<(), Failure> {
         let draws: Vec<BucketDraw> = draws.iter().map(BucketDraw::from).collect();
-        Ok(self.scene.set_draws(ObjectId(object), &draws)?)
+        let outcome = self.scene.set_draws(ObjectId(object), &draws);
+        outcome.map_err(|error| of_draws(error, &draws))
     }
 
     /// Creates a view without a history.

@@ -1,10 +1,13 @@
 //! The images of a host that a view is drawn to.
 
+use std::fmt::Display;
+
 use gpu::{
     Attachments, COLOURS_MAX, ColourFormats, Device, HostImage, HostImages, HostPass, ImageState,
     NearDepth, Target, vk,
 };
 
+use super::frame::ViewPlace;
 use crate::decisions::camera::{ANTUMBRA_DEPTH_REVERSED, ANTUMBRA_DEPTH_STANDARD};
 use crate::error::Failure;
 use crate::layout::{layout, versioned};
@@ -45,8 +48,9 @@ pub struct AntumbraImage {
     pub view: vk::ImageView,
     /// The format of the view.
     pub format: vk::Format,
-    /// The usage that the image was created with. `VK_IMAGE_USAGE_TRANSFER_SRC_BIT` of a depth
-    /// image allows tests by compute shaders.
+    /// The usage that the image was created with: `VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT` at
+    /// least for a depth, `VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT` for a colour.
+    /// `VK_IMAGE_USAGE_TRANSFER_SRC_BIT` of a depth image allows tests by compute shaders.
     pub usage: vk::ImageUsageFlags,
     /// The state before the first command of the executor.
     pub entry: AntumbraImageState,
@@ -101,10 +105,10 @@ pub struct AntumbraAttachments {
     pub depth: u32,
     /// The number of colour attachments, up to `ANTUMBRA_COLOURS_MAX`. Default: 0.
     pub colour_count: u32,
-    /// The subpass that is drawn in. Default: 0.
+    /// The subpass of `render_pass` that is drawn in. Default: 0.
     pub subpass: u32,
-    /// The formats of the colours, in the order of their locations. Default:
-    /// `VK_FORMAT_UNDEFINED`, for a location without an image.
+    /// The formats of the colours, in the order of their locations. The first `colour_count` of
+    /// them must be set. Default: `VK_FORMAT_UNDEFINED`, for the others.
     pub colour_formats: [vk::Format; ANTUMBRA_COLOURS_MAX],
     /// The render pass of a host that begins its renderings itself. Default: `VK_NULL_HANDLE`, for
     /// dynamic rendering.
@@ -161,21 +165,23 @@ pub(crate) struct CachedTarget {
 }
 
 impl CachedTarget {
-    /// Returns the target of a frame.
+    /// Returns the target of the view at `place` of a frame.
     ///
     /// # Safety
     /// As [`Target::of_host`]; the colours are an array as the rules of the interface say.
     pub unsafe fn update(
         &mut self,
+        place: ViewPlace,
         device: &Device,
         desc: &AntumbraTargetDesc,
         attachments: &Attachments,
     ) -> Result<&mut Target, Failure> {
+        let name = format_args!("{place}.target.colours");
         // SAFETY: the caller's promise.
-        let colours = unsafe { slice("target.colours", desc.colours, desc.colour_count as usize) }?;
+        let colours = unsafe { slice(name, desc.colours, desc.colour_count as usize) }?;
         let size = [desc.width, desc.height];
         if self.depth != Some(desc.depth) || self.colours != colours || self.size != size {
-            check_formats(desc, colours, attachments)?;
+            check_images(place, desc, colours, attachments)?;
             self.target = None;
             self.colours.clear();
             self.colours.extend_from_slice(colours);
@@ -192,35 +198,55 @@ impl CachedTarget {
                 size,
             };
             // SAFETY: the caller's promise.
-            self.target = Some(unsafe { Target::of_host(device, &images) }?);
+            let target = unsafe { Target::of_host(device, &images) };
+            self.target =
+                Some(target.map_err(|error| {
+                    Failure::from(error).within(format_args!("{place}.target"))
+                })?);
         }
         self.target.as_mut().ok_or_else(|| Failure::argument("there is no target"))
     }
 }
 
-/// Refuses images with other formats than the scene's attachments.
-fn check_formats(
+/// Refuses images that are null, or have other formats than the scene's attachments.
+fn check_images(
+    place: ViewPlace,
     desc: &AntumbraTargetDesc,
     colours: &[AntumbraImage],
     attachments: &Attachments,
 ) -> Result<(), Failure> {
-    let nothing = [desc.depth.image == vk::Image::null(), desc.depth.view == vk::ImageView::null()];
-    if nothing.contains(&true) {
-        return Err(Failure::null("target.depth.image, or target.depth.view,"));
-    }
     let wanted = attachments.colours.as_slice();
-    let formats = colours.iter().map(|colour| colour.format);
-    let host_begins = attachments.pass.is_some();
-    if desc.depth.format != attachments.depth {
+    let has_none = attachments.pass.is_some() && colours.is_empty();
+    if !has_none && colours.len() != wanted.len() {
         return Err(Failure::argument(format_args!(
-            "target.depth has the format {:?}, but the scene was made for {:?}",
-            desc.depth.format, attachments.depth
+            "{place}.target.colour_count is {}, but the scene was made for {} colours",
+            colours.len(),
+            wanted.len()
         )));
     }
-    let has_none = host_begins && colours.is_empty();
-    if !(has_none || formats.eq(wanted.iter().copied())) {
+    check_image(format_args!("{place}.target.depth"), &desc.depth, attachments.depth)?;
+    for (number, (colour, wanted)) in colours.iter().zip(wanted).enumerate() {
+        check_image(format_args!("{place}.target.colours[{number}]"), colour, *wanted)?;
+    }
+    Ok(())
+}
+
+/// Refuses an image that is null, or has another format than `wanted`.
+fn check_image(
+    name: impl Display,
+    image: &AntumbraImage,
+    wanted: vk::Format,
+) -> Result<(), Failure> {
+    if image.image == vk::Image::null() {
+        return Err(Failure::null(format_args!("{name}.image")));
+    }
+    if image.view == vk::ImageView::null() {
+        return Err(Failure::null(format_args!("{name}.view")));
+    }
+    if image.format != wanted {
         return Err(Failure::argument(format_args!(
-            "target.colours have other formats than the {wanted:?} that the scene was made for"
+            "{name} has the format {:?}, but the scene was made for {wanted:?}",
+            image.format
         )));
     }
     Ok(())

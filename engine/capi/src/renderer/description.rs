@@ -56,7 +56,8 @@ versioned!(AntumbraMeshDesc: 6, required: [vertices, vertex_count, indices, inde
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AntumbraTransform {
-    /// The images of the x, y and z axis, then the position of the origin (metres).
+    /// The vectors that the x, y and z axis of the mesh become, then the position of its origin
+    /// (metres).
     pub columns: [f32; 12],
 }
 layout!(AntumbraTransform: columns);
@@ -302,8 +303,9 @@ unsafe fn meshes_of(
         // SAFETY: as above.
         unsafe {
             let desc = read(&name, *mesh)?;
-            let vertices = slice("vertices of a mesh", desc.vertices, desc.vertex_count)?;
-            let indices = slice("indices of a mesh", desc.indices, desc.index_count)?;
+            let of = |field: &str| format!("{name}.{field}");
+            let vertices = slice(of("vertices"), desc.vertices, desc.vertex_count)?;
+            let indices = slice(of("indices"), desc.indices, desc.index_count)?;
             Ok(mesh_of(name, vertices, indices))
         }
     };

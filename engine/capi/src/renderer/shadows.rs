@@ -145,7 +145,7 @@ pub struct AntumbraShadowStats {
     pub z_fail_volumes: u32,
     /// The lights that have no shadows for lack of room.
     pub unshadowed_lights: u32,
-    /// 0.
+    /// Is 0.
     pub reserved: u32,
     /// The triangles of casters that are drawn, as far as is known when the frame is submitted.
     pub triangles: u64,

@@ -4,6 +4,7 @@ use std::ptr::{null, null_mut};
 
 use antumbra_capi::api::device_costs::*;
 use antumbra_capi::api::renderer::*;
+use antumbra_capi::api::self_test::antumbra_self_test;
 use antumbra_capi::context::AntumbraContext;
 use antumbra_capi::error::AntumbraResult::{self, BadPointer, Ok, UnknownHandle};
 use antumbra_capi::executor::device::AntumbraDevice;

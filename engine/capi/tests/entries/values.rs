@@ -37,8 +37,8 @@ fn bad_pointers_and_values_are_named() {
             (null(), 1, (BadPointer, "desc.boxes is null")),
             (odd, 1, (BadPointer, "desc.boxes is not aligned to 4")),
             (from_ref(&bad), usize::MAX, (BadArgument, "more than memory")),
-            (from_ref(&bad), 1, (BadArgument, "boxes[0] is no box")),
-            (from_ref(&infinite), 1, (BadArgument, "boxes[0] is no box")),
+            (from_ref(&bad), 1, (BadArgument, "desc.boxes[0] is no box")),
+            (from_ref(&infinite), 1, (BadArgument, "desc.boxes[0] is no box")),
         ] {
             let desc = AntumbraHierarchyDesc { boxes, box_count, ..Versioned::INIT };
             let result = antumbra_hierarchy_create(context, &desc, &mut none, error);
@@ -53,15 +53,6 @@ fn bad_pointers_and_values_are_named() {
         let result = antumbra_hierarchy_create(context, &Versioned::INIT, null_mut(), error);
         expect(result, (BadPointer, "hierarchy is null"), error);
         assert_eq!(none.id, 3, "nothing is written after an error");
-
-        let result = antumbra_hierarchy_move(context, hierarchy, &5, &cube(0.0, 0.0), 1, error);
-        expect(result, (BadArgument, "object 5 is not"), error);
-        let result = antumbra_hierarchy_move(context, hierarchy, &0, &bad, 1, error);
-        expect(result, (BadArgument, "object 0 has no usable"), error);
-        let result = antumbra_hierarchy_move(context, hierarchy, null(), &bad, 1, error);
-        expect(result, (BadPointer, "objects is null"), error);
-        let result = antumbra_hierarchy_remove(context, hierarchy, &5, 1, error);
-        expect(result, (BadArgument, "object 5 is not"), error);
 
         let boxes = [cube(0.0, -5.0), bad];
         let boxes = boxes.as_ptr();
@@ -107,5 +98,37 @@ fn bad_pointers_and_values_are_named() {
         let desc = AntumbraPlanDesc { camera: &CAMERA, ..Versioned::INIT };
         let result = antumbra_culler_plan(context, culler, hierarchy, &desc, null_mut(), error);
         expect(result, (BadPointer, "plan is null"), error);
+    }
+}
+
+#[test]
+fn objects_are_named_by_their_indices() {
+    let mut host = Host::new();
+    let context = host.context;
+    let hierarchy = host.hierarchy;
+    let error = &mut host.error;
+    let bad = AntumbraAabb { min: [1.0; 3], max: [0.0; 3] };
+    let expect = |result, expected: (AntumbraResult, &str), error: &AntumbraError| {
+        let (wanted, words) = expected;
+        assert_eq!(result, wanted, "{}", text(error));
+        assert!(text(error).contains(words), "\"{}\" does not say \"{words}\"", text(error));
+    };
+    // SAFETY: pointers are null, which is refused, or to values on this stack.
+    unsafe {
+        let result = antumbra_hierarchy_move(context, hierarchy, &5, &cube(0.0, 0.0), 1, error);
+        expect(result, (BadArgument, "objects[0]: object 5 is not"), error);
+        let moves = [0, 1, 0];
+        let boxes = [cube(0.0, -5.0), bad, bad];
+        let at = moves.as_ptr();
+        let to = boxes.as_ptr();
+        let result = antumbra_hierarchy_move(context, hierarchy, at, to, 3, error);
+        expect(result, (BadArgument, "objects[1]: object 1 has no usable"), error);
+        let result = antumbra_hierarchy_move(context, hierarchy, null(), &bad, 1, error);
+        expect(result, (BadPointer, "objects is null"), error);
+        let result = antumbra_hierarchy_remove(context, hierarchy, &5, 1, error);
+        expect(result, (BadArgument, "objects[0]: object 5 is not"), error);
+        let gone = [1, 5];
+        let result = antumbra_hierarchy_remove(context, hierarchy, gone.as_ptr(), 2, error);
+        expect(result, (BadArgument, "objects[1]: object 5 is not"), error);
     }
 }

@@ -103,10 +103,17 @@ mod tests {
         clock.begin_host_frame(Tick(7), Tick(5)).unwrap();
         clock.begin_host_frame(Tick(10), Tick(9)).unwrap();
         assert_eq!((clock.newest(), clock.over()), (Tick(10), Tick(9)));
-        for (current, safe) in [(10, 9), (3, 9), (11, 8), (11, 11), (11, 12)] {
+        for (current, safe, rule) in [
+            (10, 9, "must rise with each frame that begins on the device, and is 11 or more now"),
+            (3, 9, "after frame 10"),
+            (11, 8, "up to 9 were over before, and `safe` must not fall, so it must be 9 or more"),
+            (11, 11, "no frame is over before it begins, so `safe` must be below 11"),
+            (11, 12, "`FrameNumbers::safe` is 12: no frame is over before it begins"),
+        ] {
             let error = clock.begin_host_frame(Tick(current), Tick(safe)).unwrap_err();
             assert!(matches!(error, Error::FrameNumbers { .. }), "{error}");
-            assert!(error.to_string().contains(&format!("frame {current}")), "{error}");
+            let text = error.to_string();
+            assert!(text.contains(&format!("frame {current}")) && text.contains(rule), "{text}");
         }
         // A rejected frame changes nothing.
         assert_eq!((clock.newest(), clock.over()), (Tick(10), Tick(9)));

@@ -115,6 +115,19 @@ pub enum Error {
         /// The formats that are possible.
         needed: &'static str,
     },
+    /// An image of a host lacks a usage that drawing to it needs.
+    #[error(
+        "the {what} of a host's target has the usage {:#x}, without {needed}: create the image with this bit, and name its whole usage in `HostImage::usage`",
+        usage.as_raw()
+    )]
+    TargetUsage {
+        /// The image: depth, or a colour by its index.
+        what: String,
+        /// The usage of the image.
+        usage: ash::vk::ImageUsageFlags,
+        /// The bit that is missing, by its name in C.
+        needed: &'static str,
+    },
     /// Attachments have a number of samples per pixel that the device cannot draw to.
     #[error("attachments of {samples:?} samples per pixel; this device draws to {supported:?}")]
     Samples {
@@ -173,9 +186,7 @@ pub enum Error {
     )]
     HasQueue,
     /// The numbers of a host's frame do not follow the numbers of the frames before.
-    #[error(
-        "frame {current} cannot begin with all up to {safe} over: the last frame begun was {newest}, with all up to {over} over; numbers of frames must rise, `safe` must not fall, and no frame is over before it begins"
-    )]
+    #[error("{}", broken_rule(*.current, *.safe, *.newest, *.over))]
     FrameNumbers {
         /// The number of the frame.
         current: u64,
@@ -276,6 +287,27 @@ pub(crate) trait Called<T> {
 impl<T> Called<T> for Result<T, vk::Result> {
     fn called(self, call: &'static str) -> Result<T, Error> {
         self.map_err(|code| Error::Vulkan { call, code })
+    }
+}
+
+/// Returns the rule about numbers of frames that a frame breaks.
+fn broken_rule(current: u64, safe: u64, newest: u64, over: u64) -> String {
+    if current <= newest {
+        format!(
+            "frame {current} cannot begin after frame {newest}: `FrameNumbers::current` must rise \
+             with each frame that begins on the device, and is {} or more now",
+            newest.saturating_add(1)
+        )
+    } else if safe >= current {
+        format!(
+            "frame {current} cannot begin while `FrameNumbers::safe` is {safe}: no frame is over \
+             before it begins, so `safe` must be below {current}"
+        )
+    } else {
+        format!(
+            "frame {current} cannot begin while `FrameNumbers::safe` is {safe}: all frames up to \
+             {over} were over before, and `safe` must not fall, so it must be {over} or more"
+        )
     }
 }
 

@@ -2,6 +2,7 @@
 
 use ash::vk;
 
+use crate::core::error::Error;
 use crate::record::access::{Access, MemoryBarrier};
 
 /// The state of an image between two users: its layout, and the accesses before or after.
@@ -49,7 +50,9 @@ pub struct HostImage {
     pub view: vk::ImageView,
     /// The format of the view.
     pub format: vk::Format,
-    /// The usage that the image was created with. Box tests by compute shaders need
+    /// The usage that the image was created with: at least
+    /// [`vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT`] for a depth, and
+    /// [`vk::ImageUsageFlags::COLOR_ATTACHMENT`] for a colour. Box tests by compute shaders need
     /// [`vk::ImageUsageFlags::TRANSFER_SRC`] on the depth image.
     pub usage: vk::ImageUsageFlags,
     /// The state before the engine's first command.
@@ -74,6 +77,25 @@ pub struct HostImages<'a> {
     pub views: u32,
     /// The size of the images in pixels.
     pub size: [u32; 2],
+}
+
+/// Refuses images that were not created as attachments.
+pub(super) fn check_usages(images: &HostImages<'_>) -> Result<(), Error> {
+    use vk::ImageUsageFlags as U;
+    let refuse = |what: String, usage, needed| Err(Error::TargetUsage { what, usage, needed });
+    let usage = images.depth.usage;
+    if !usage.contains(U::DEPTH_STENCIL_ATTACHMENT) {
+        let needed = "VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT";
+        return refuse("depth image".to_owned(), usage, needed);
+    }
+    let mut usages = images.colours.iter().map(|colour| colour.usage).enumerate();
+    match usages.find(|(_, usage)| !usage.contains(U::COLOR_ATTACHMENT)) {
+        None => Ok(()),
+        Some((number, usage)) => {
+            let needed = "VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT";
+            refuse(format!("colour image {number}"), usage, needed)
+        }
+    }
 }
 
 impl<'a> HostImages<'a> {

@@ -14,7 +14,7 @@ use crate::record::attachments::{
 };
 use crate::record::commands::Commands;
 use crate::record::finished_image::FinishedImage;
-use crate::record::host_image::{HostImages, ImageState};
+use crate::record::host_image::{HostImages, ImageState, check_usages};
 use crate::record::multisampling::Multisampling;
 use crate::record::render_target::{AttachmentStore, Load, RenderTarget};
 use crate::record::sample_count::SampleCount;
@@ -191,7 +191,8 @@ impl Target {
     /// # Errors
     /// [`Error::TooLarge`] for a side that is 0 or beyond the device's limits, for more colours
     /// than [`COLOURS_MAX`] or more views than [`VIEWS_MAX`]; [`Error::TargetFormat`] for a depth
-    /// image without depth, or a colour image that has depth or no format.
+    /// image without depth, or a colour image that has depth or no format; [`Error::TargetUsage`]
+    /// for an image that was not created as such an attachment.
     ///
     /// # Safety
     /// The images and views are of `device`, as described, and live until the last frame that uses
@@ -213,6 +214,7 @@ impl Target {
         }
         let formats = formats.get(..images.colours.len()).unwrap_or_default();
         check_formats(images.depth.format, formats)?;
+        check_usages(images)?;
         let can_copy_depth = images.depth.format == DEPTH_FORMAT
             && images.samples == vk::SampleCountFlags::TYPE_1
             && images.views == 1

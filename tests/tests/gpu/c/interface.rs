@@ -6,24 +6,23 @@ mod frames;
 mod loss;
 mod memory;
 mod messages;
+mod mistakes;
 mod renderer;
 mod scenes;
 mod threads;
 
 use std::ffi::{CStr, c_char, c_void};
-use std::ptr::{from_ref, null, null_mut};
+use std::ptr::{null, null_mut};
 
 use ash::vk;
 use capi::api::context::{antumbra_context_create, antumbra_context_destroy};
 use capi::api::device::*;
 use capi::api::scene::*;
 use capi::context::{AntumbraContext, AntumbraContextDesc};
-use capi::decisions::camera::{ANTUMBRA_DEPTH_STANDARD, AntumbraCamera};
+use capi::decisions::camera::AntumbraCamera;
 use capi::decisions::hierarchy::AntumbraAabb;
 use capi::error::AntumbraError;
-use capi::error::AntumbraResult::{
-    self, BadArgument, BadPointer, Busy, Ok, UnknownHandle, Unsupported,
-};
+use capi::error::AntumbraResult::{self, BadArgument, BadPointer, Busy, Ok};
 use capi::executor::device::*;
 use capi::executor::frame::*;
 use capi::executor::scene::*;
@@ -363,81 +362,6 @@ fn requirements_are_added_to_what_a_host_wants() {
         assert_eq!(names, host.needs.extensions());
         host.finish();
     }
-}
-
-#[test]
-fn a_device_without_a_feature_is_refused_by_its_name() {
-    let host = Host::new(Driver::Lavapipe, Purpose::Executor);
-    let mut context = null_mut();
-    // SAFETY: pointers to values on this stack.
-    unsafe { antumbra_context_create(&AntumbraContextDesc::current(), &mut context, null_mut()) };
-    let (refused, device, error) =
-        adopt(&host, context, null(), |core| core.multi_draw_indirect = vk::FALSE);
-    expect(refused, Unsupported, "multiDrawIndirect", &error);
-    assert_eq!(device.id, 0);
-    // SAFETY: the context is no longer used.
-    unsafe { antumbra_context_destroy(context, null_mut()) };
-    host.finish();
-}
-
-#[test]
-fn mistakes_in_a_frame_are_named_and_the_next_frame_is_recorded() {
-    for driver in Driver::ALL {
-        let host = Host::new(driver, Purpose::Executor);
-        let mut c = CHost::new(&host, null());
-        let camera = camera();
-        let target = c.target();
-        let good =
-            AntumbraViewFrame { view: c.view, camera: &camera, target: &target, ..Versioned::INIT };
-        let small = AntumbraCamera { width: 8, ..camera };
-        let standard = AntumbraCamera { depth: ANTUMBRA_DEPTH_STANDARD, ..camera };
-        let mut other_format = target;
-        other_format.depth.format = vk::Format::D16_UNORM;
-        let mut no_image = target;
-        no_image.depth.image = vk::Image::null();
-        let foreign = AntumbraView { id: 7 };
-        for (view, result, words) in [
-            (AntumbraViewFrame { camera: &small, ..good }, BadArgument, "different sizes"),
-            (AntumbraViewFrame { camera: &standard, ..good }, BadArgument, "ANTUMBRA_DEPTH_"),
-            (AntumbraViewFrame { target: &other_format, ..good }, BadArgument, "D16_UNORM"),
-            (AntumbraViewFrame { strategy: 9, ..good }, BadArgument, "STRATEGY_.. 9"),
-            (AntumbraViewFrame { target: &no_image, ..good }, BadPointer, "target.depth.image"),
-            (AntumbraViewFrame { target: null(), ..good }, BadPointer, "desc.views.target is null"),
-            (AntumbraViewFrame { camera: null(), ..good }, BadPointer, "desc.views.camera is null"),
-            (AntumbraViewFrame { view: foreign, ..good }, UnknownHandle, "no view 0x7"),
-        ] {
-            c.refuse(&[&view], |_| {}, result, words, &good);
-        }
-        let good_at = from_ref(&good);
-        c.refuse(&[good_at, good_at], |_| {}, BadArgument, "a view twice", &good);
-        c.refuse(&[null()], |_| {}, BadPointer, "a view of desc.views is null", &good);
-        let one = [good_at];
-        let refusals: [(Change, AntumbraResult, &str); 5] = [
-            (&|desc| desc.bind = None, BadPointer, "desc.bind is null"),
-            (&|desc| desc.current = 1, BadArgument, "frame 1"),
-            (&|desc| desc.safe = desc.current, BadArgument, "no frame is over before it begins"),
-            (&|desc| desc.commands = vk::CommandBuffer::null(), BadPointer, "desc.commands"),
-            (&|desc| desc.end_rendering = Some(end), BadArgument, "both or none"),
-        ];
-        for (change, result, words) in refusals {
-            c.refuse(&one, change, result, words, &good);
-        }
-        c.finish();
-        host.finish();
-    }
-}
-
-#[test]
-fn more_frames_than_slots_are_refused() {
-    let host = Host::new(Driver::Lavapipe, Purpose::Executor);
-    let mut c = CHost::new(&host, null());
-    assert_eq!(c.record(&[], |frame| frame.safe = 0), Ok);
-    assert_eq!(c.record(&[], |frame| frame.safe = 0), Ok);
-    let third = c.record(&[], |frame| frame.safe = 0);
-    expect(third, BadArgument, "frame 3", &c.error);
-    assert_eq!(c.record(&[], |_| {}), Ok);
-    c.finish();
-    host.finish();
 }
 
 #[test]

@@ -11,6 +11,7 @@ use std::sync::{Arc, Mutex};
 
 use capi::api::context::{antumbra_context_create, antumbra_context_destroy};
 use capi::api::renderer::*;
+use capi::api::self_test::antumbra_self_test;
 use capi::context::{AntumbraContext, AntumbraContextDesc};
 use capi::decisions::camera::AntumbraCamera;
 use capi::decisions::culler::{ANTUMBRA_STRATEGY_ANTUMBRA, ANTUMBRA_STRATEGY_FRUSTUM};

@@ -73,20 +73,22 @@ fn passes_for_other_attachments_and_views_of_other_tables_are_refused() {
 }
 
 #[test]
-fn images_of_formats_that_cannot_be_drawn_to_are_refused() {
+fn images_that_cannot_be_drawn_to_are_refused() {
     use vk::Format as F;
-    let refusal = |device: &gpu::Device, depth, colours: &[F]| {
-        let image = |format| HostImage {
+    use vk::ImageUsageFlags as U;
+    let refusal_of = |device: &gpu::Device, depth, usages: [U; 2], colours: &[F]| {
+        let image = |format, usage| HostImage {
             image: vk::Image::null(),
             view: vk::ImageView::null(),
             format,
-            usage: vk::ImageUsageFlags::empty(),
+            usage,
             entry: ImageState::depth_attachment(),
             exit: None,
         };
-        let colours: Vec<HostImage> = colours.iter().map(|format| image(*format)).collect();
+        let colours: Vec<HostImage> =
+            colours.iter().map(|format| image(*format, usages[1])).collect();
         let images = HostImages {
-            depth: image(depth),
+            depth: image(depth, usages[0]),
             colours: &colours,
             samples: vk::SampleCountFlags::TYPE_1,
             near_depth: NearDepth::One,
@@ -96,7 +98,20 @@ fn images_of_formats_that_cannot_be_drawn_to_are_refused() {
         // SAFETY: no command uses the target.
         unsafe { Target::of_host(device, &images) }.err().map(|error| error.to_string())
     };
+    let attached = [U::DEPTH_STENCIL_ATTACHMENT, U::COLOR_ATTACHMENT];
+    let refusal =
+        |device: &gpu::Device, depth, colours: &[F]| refusal_of(device, depth, attached, colours);
     tests::run_on_all(|device| {
+        let [depth, colour] = attached;
+        for (usages, words) in [
+            ([U::empty(), colour], "the depth image of a host's target has the usage 0x0"),
+            ([colour, colour], "without VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT"),
+            ([depth, U::TRANSFER_SRC], "colour image 0 of a host's target has the usage 0x1"),
+            ([depth, depth], "without VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT"),
+        ] {
+            let said = refusal_of(device, F::D32_SFLOAT, usages, &[F::R8G8B8A8_UNORM]).unwrap();
+            assert!(said.contains(words), "{said}");
+        }
         for depth in [
             F::D16_UNORM,
             F::X8_D24_UNORM_PACK32,

@@ -106,12 +106,20 @@ fn mistakes_of_a_scene_and_of_a_frame_are_named() {
         let result = antumbra_renderer_image(x, renderer, &mut image, error);
         expect(result, BadArgument, "not there yet", error);
         let result = antumbra_renderer_add_objects(x, renderer, &objects[0], 1, &mut id, error);
-        expect(result, BadArgument, "spare_objects", error);
+        expect(result, BadArgument, "objects[0]: ", error);
+        expect(result, BadArgument, "AntumbraRendererDesc::spare_objects", error);
         let meshes = good_meshes.as_ptr();
         let result = antumbra_renderer_add_meshes(x, renderer, meshes, 1, &mut id, error);
         expect(result, BadArgument, "meshes", error);
         let result = antumbra_renderer_remove_objects(x, renderer, &7, 1, error);
-        expect(result, BadArgument, "object", error);
+        expect(result, BadArgument, "objects[0]: object 7 is not", error);
+        let moves = [0, 7];
+        let at = [objects[0].transform; 2];
+        let result =
+            antumbra_renderer_move_objects(x, renderer, moves.as_ptr(), at.as_ptr(), 2, error);
+        expect(result, BadArgument, "objects[1]: object 7 is not", error);
+        let result = antumbra_renderer_remove_meshes(x, renderer, [0, 9].as_ptr(), 2, error);
+        expect(result, BadArgument, "meshes[0]: ", error);
         let result = antumbra_renderer_resize(x, renderer, 0, 5, error);
         expect(result, BadArgument, "0", error);
         assert_eq!(id, 9);
