@@ -6,14 +6,14 @@ mod edges;
 mod environment;
 mod flares;
 mod formulas;
-mod golden;
+pub mod golden;
 mod hud;
 mod msaa;
 mod poses;
 #[cfg(feature = "shader-compiler")]
 mod reload;
 mod sections;
-mod skinning;
+pub mod skinning;
 mod sorted_fragments;
 mod streaming;
 mod tessellation;

@@ -3,6 +3,6 @@
 mod pictures;
 mod relight;
 mod scene_rays;
-mod shadow_maps;
+pub mod shadow_maps;
 mod shadow_volumes;
 mod volume_shadows;

@@ -10,7 +10,7 @@ use tests::regressions::{Provocation, Reported};
 use tests::walk::{Loop, frame_loop, pixels_that_differ, walk_cameras_with};
 use tests::{Driver, run, run_on_all};
 
-use crate::shading::formulas::golden;
+use crate::shading::golden;
 
 #[cfg(feature = "shader-compiler")]
 mod faults;

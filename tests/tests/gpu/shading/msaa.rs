@@ -18,7 +18,7 @@ use tests::single_frame::first_image;
 use tests::walk::{SceneKind, frame_loop, pixels_that_differ};
 use tests::{Driver, instance_with, run_on_all, shadow_scene};
 
-use crate::shading::formulas::flares::{lamp, settled};
+use crate::shading::flares::{lamp, settled};
 
 fn options(size: [u32; 2], samples: SampleCount) -> RendererOptions {
     RendererOptions {
