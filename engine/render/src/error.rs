@@ -1,5 +1,7 @@
 //! The errors of the engine.
 
+use crate::update_errors::{ChangeError, LightError, PoseError, TransparentError};
+
 /// The name of a view in [`Error::ForeignRenderer`].
 pub(crate) const FOREIGN_VIEW: &str = "a view (`RenderView`)";
 
@@ -146,7 +148,7 @@ pub enum Error {
         /// The index of the change.
         index: usize,
         /// The reason, and advice.
-        reason: String,
+        reason: ChangeError,
     },
     /// A transparent object cannot be moved as requested.
     #[error("the transparent object {} cannot be moved: {reason}", transparent.0)]
@@ -154,7 +156,7 @@ pub enum Error {
         /// The id of the transparent object.
         transparent: scene::TransparentId,
         /// The reason why it cannot move.
-        reason: &'static str,
+        reason: TransparentError,
     },
     /// A mesh cannot take a pose.
     #[error("the skinned mesh {} cannot take this pose: {reason}", skinned_mesh.0)]
@@ -162,7 +164,7 @@ pub enum Error {
         /// The skinned mesh.
         skinned_mesh: scene::SkinnedMeshId,
         /// The reason why the pose does not fit the mesh.
-        reason: String,
+        reason: PoseError,
     },
     /// The area of a view is empty or not within the image.
     #[error(
@@ -230,7 +232,7 @@ pub enum Error {
         /// The id of the light in the scene.
         light: scene::LightId,
         /// The reason, and advice.
-        reason: &'static str,
+        reason: LightError,
     },
     /// A light cannot be added with its picture.
     #[error("light {index} of those named cannot be added, so none was: {reason}")]

@@ -61,6 +61,7 @@ mod shading;
 mod shadows;
 mod tessellation;
 mod update;
+mod update_errors;
 mod view_pass;
 mod views;
 
@@ -98,4 +99,5 @@ pub use shading::transparency::{
 pub use shadows::{LightShadow, ShadowIo, ShadowMapIo, ShadowMaskIo};
 pub use tessellation::{TessellationPath, Tessellator};
 pub use update::UpdateReport;
+pub use update_errors::{ChangeError, LightError, PoseError, TransparentError};
 pub use views::{FrameReport, FrameRequest, ViewRequest, Viewpoint, ViewsRequest};

@@ -9,6 +9,7 @@ use crate::renderer::Renderer;
 use crate::resources::geometry::bounds_in_world;
 use crate::resources::skinned_mesh_state::SkinnedMeshState;
 use crate::update::UpdateScratch;
+use crate::update_errors::PoseError;
 
 impl Renderer {
     /// Sets the pose of a skinned mesh. The next frame shows it; frames in flight do not. Each
@@ -66,8 +67,8 @@ impl Renderer {
         weights: &[f32],
         scratch: &mut UpdateScratch,
     ) -> Result<bool, Error> {
-        let refuse = |reason: &str| Error::Pose { skinned_mesh, reason: reason.to_owned() };
-        let none = || refuse("the scene has no skinned mesh");
+        let refuse = |reason| Error::Pose { skinned_mesh, reason };
+        let none = || refuse(PoseError::UnknownSkinnedMesh);
         let GpuScene { skinned_meshes, geometry, transparent, .. } = &mut self.passes.gpu_scene;
         let skinned_meshes = skinned_meshes.as_mut().ok_or_else(none)?;
         let Some(bounds) = skinned_meshes.bounds_in(skinned_mesh, joints, weights)? else {
@@ -80,9 +81,9 @@ impl Renderer {
             Some(id) => transparent.as_ref().and_then(|transparent| transparent.transform(id)),
             None => object.and_then(|object| geometry.transform(object)),
         };
-        const FAR: &str = "it takes its object farther than anything can be";
         let transform = transform.unwrap_or(Affine3A::IDENTITY);
-        let in_world = bounds_in_world(&bounds, &transform).ok_or_else(|| refuse(FAR))?;
+        let in_world = bounds_in_world(&bounds, &transform);
+        let in_world = in_world.ok_or_else(|| refuse(PoseError::ObjectOutOfRange))?;
         skinned_meshes.set_pose(skinned_mesh, joints, weights, bounds);
         geometry.reshape(mesh, bounds);
         self.revision.advance();

@@ -16,6 +16,7 @@ use crate::error::Error;
 use crate::passes::{REST_VALUES, SkinningIo, SkinningJob, SkinningPass};
 use crate::resources::limits::check_storage;
 use crate::resources::skinned_mesh_state::SkinnedMeshState;
+use crate::update_errors::PoseError;
 
 /// All skinned meshes of a scene and their newest poses.
 pub(crate) struct SkinnedMeshes {
@@ -153,30 +154,30 @@ impl SkinnedMeshes {
         joints: &[Affine3A],
         weights: &[f32],
     ) -> Result<Option<Aabb>, Error> {
-        let refuse = |reason: String| Err(Error::Pose { skinned_mesh, reason });
+        let refuse = |reason| Err(Error::Pose { skinned_mesh, reason });
         let Some(state) = self.all.get(skinned_mesh.0 as usize) else {
-            return refuse("the scene has no such skinned mesh".to_owned());
+            return refuse(PoseError::UnknownSkinnedMesh);
         };
         let joint_count = state.joint_count;
         let target_count = state.targets.len();
         if joints.len() != joint_count {
-            return refuse(format!("it has {joint_count} joints, not {}", joints.len()));
+            return refuse(PoseError::JointCount { joints: joint_count, given: joints.len() });
         }
         if weights.len() != target_count {
-            return refuse(format!("it has {target_count} morph targets, not {}", weights.len()));
+            return refuse(PoseError::TargetCount { targets: target_count, given: weights.len() });
         }
         if let Some(joint) = joints.iter().position(|joint| !joint.is_finite()) {
-            return refuse(format!("its joint {joint} has a number that is not finite"));
+            return refuse(PoseError::JointNotFinite { joint });
         }
         if let Some(target) = weights.iter().position(|weight| !weight.is_finite()) {
-            return refuse(format!("the weight of its target {target} is not finite"));
+            return refuse(PoseError::WeightNotFinite { target });
         }
         if state.joints == joints && state.weights == weights {
             return Ok(None);
         }
         match state.pose_bounds.bounds(joints, weights) {
             Some(bounds) => Ok(Some(bounds)),
-            None => refuse("it takes the mesh beyond all that can be drawn".to_owned()),
+            None => refuse(PoseError::MeshOutOfRange),
         }
     }
 
