@@ -17,6 +17,9 @@ pub enum Error {
     /// A matrix is not a projection.
     #[error(transparent)]
     CullView(#[from] cull::ViewError),
+    /// A camera or a view has a number that is infinite or NaN, or no pixels.
+    #[error(transparent)]
+    InvalidView(#[from] cull::InvalidView),
     /// The depth of a matrix is not reversed.
     #[error(
         "the renderer draws with reversed depth: give it a matrix whose depth is 1 at the near plane"
@@ -281,6 +284,7 @@ impl From<occlusion::Error> for Error {
             occlusion::Error::Gpu(error) => Self::Gpu(error),
             occlusion::Error::Hierarchy(error) => Self::Hierarchy(error),
             occlusion::Error::CannotCount(error) => Self::CannotCount(error),
+            occlusion::Error::InvalidView(error) => Self::InvalidView(error),
             occlusion::Error::Buckets(error) => Self::Buckets(error),
             occlusion::Error::Attachments(error) => Self::Attachments(error),
             occlusion::Error::Target(error) => Self::Target(error),

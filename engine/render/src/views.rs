@@ -48,12 +48,25 @@ impl From<ViewProjection> for Viewpoint {
 }
 
 impl Viewpoint {
-    /// Returns the view in a part of the image.
+    /// Returns the view in a part of the image. Refuses impossible numbers and an empty part.
     pub(crate) fn view(&self, device: &Device, area: Rect) -> Result<CullView, Error> {
-        let projection = match self {
-            Self::Camera(camera) => return Ok(view_in(device, camera, area)),
-            Self::Matrix(projection) => projection,
+        let view = match self {
+            Self::Camera(camera) => {
+                cull::check_camera(camera, area.size)?;
+                view_in(device, camera, area)
+            }
+            Self::Matrix(projection) => Self::view_of_matrix(device, projection, area)?,
         };
+        cull::check_view(&view)?;
+        Ok(view)
+    }
+
+    fn view_of_matrix(
+        device: &Device,
+        projection: &ViewProjection,
+        area: Rect,
+    ) -> Result<CullView, Error> {
+        cull::check_view_size(area.size)?;
         if projection.depth != DepthConvention::Reversed {
             return Err(Error::StandardDepth);
         }
