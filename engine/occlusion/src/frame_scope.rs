@@ -2,7 +2,7 @@
 //! before it is recorded, and the end of the frame reaches the scene and all its views.
 
 use cull::{CullView, MultiView, Strategy};
-use gpu::{Commands, Frame, Target, Tick, Timeline, Uploads};
+use gpu::{Commands, Frame, Target, Tick, TimelineWait, Uploads};
 use smallvec::SmallVec;
 
 use crate::culled_scene::CulledScene;
@@ -305,7 +305,7 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
     ///
     /// # Errors
     /// [`Error::TestsMissing`], a failed call. The frame is given up then.
-    pub fn submit(self, after: Option<(&Timeline, Tick)>) -> Result<Tick, Error> {
+    pub fn submit(self, after: Option<TimelineWait<'_>>) -> Result<Tick, Error> {
         self.check_listed()?;
         let Self { scene, frame, drawn, .. } = self;
         let tick = frame.submit(after)?;

@@ -67,6 +67,7 @@ mod views;
 
 #[cfg(feature = "loaded")]
 pub use api::headless::HeadlessRenderer;
+pub use api::lod::DetailView;
 pub use calibration_scene::measure_costs;
 pub use cost_list::{BoxSize, CostItem, CostListOptions, ItemCost, PredicateResult, cost_list};
 pub use debug::debug_overlay::{DebugOverlay, OVERLAY_PASSES};

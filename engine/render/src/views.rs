@@ -9,7 +9,7 @@
 use std::time::Duration;
 
 use cull::{Camera, Corrections, CullView, DepthConvention, Strategy, ViewProjection};
-use gpu::{Device, Frame, Readback, Tick, Timeline};
+use gpu::{Device, Frame, Readback, Tick, TimelineWait};
 use occlusion::{FrameStats, OcclusionState, Rect};
 
 use crate::debug::visible_set::VisibleSet;
@@ -120,7 +120,7 @@ pub struct ViewsRequest<'a> {
     /// The host's commands over the image, if there are any.
     pub overlay: Option<&'a dyn HostOverlay>,
     /// The tick of a host's timeline that the frame waits for on the GPU.
-    pub after: Option<(&'a Timeline, Tick)>,
+    pub after: Option<TimelineWait<'a>>,
 }
 
 /// The request for one frame.
@@ -141,7 +141,7 @@ pub struct FrameRequest<'a> {
     /// The host's commands over the image, if there are any.
     pub overlay: Option<&'a dyn HostOverlay>,
     /// The tick of a host's timeline that the frame waits for on the GPU.
-    pub after: Option<(&'a Timeline, Tick)>,
+    pub after: Option<TimelineWait<'a>>,
 }
 
 impl FrameRequest<'_> {

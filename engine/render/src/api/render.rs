@@ -192,8 +192,8 @@ impl Renderer {
         for image in request.image.into_iter().chain(scene_image) {
             self.check_image(image)?;
         }
-        if let Some((timeline, _)) = request.after {
-            self.device.check(timeline, "a renderer (`Renderer`)")?;
+        if let Some(after) = request.after {
+            self.device.check(after.timeline, "a renderer (`Renderer`)")?;
         }
         Ok(method)
     }

@@ -13,7 +13,7 @@ use occlusion::UpcomingDraws;
 use scene::{MeshId, MorphTarget, Scene, SkinnedMeshId, TransparentId};
 
 use crate::error::Error;
-use crate::passes::{REST_VALUES, SkinningIo, SkinningJob, SkinningPass};
+use crate::passes::{PredicatedJob, REST_VALUES, SkinningIo, SkinningJob, SkinningPass};
 use crate::resources::limits::check_storage;
 use crate::resources::skinned_mesh_state::SkinnedMeshState;
 use crate::update_errors::PoseError;
@@ -318,7 +318,7 @@ impl SkinnedMeshes {
                 let state = all.get_mut(*number).filter(|state| !state.is_written)?;
                 state.is_written = true;
                 skinned.vertices += u64::from(state.rest.vertex_count);
-                Some((None, state.pose))
+                Some(PredicatedJob { results: None, job: state.pose })
             }),
         );
     }
@@ -350,7 +350,8 @@ impl SkinnedMeshes {
             let state = all.get(number)?;
             skinned.predicated_vertices += u64::from(state.rest.vertex_count);
             let Predicate { results, result, threshold_samples, .. } = *predicate;
-            Some((Some(results), SkinningJob { result, threshold_samples, ..state.pose }))
+            let job = SkinningJob { result, threshold_samples, ..state.pose };
+            Some(PredicatedJob { results: Some(results), job })
         });
         pass.record(commands, &io, jobs);
     }

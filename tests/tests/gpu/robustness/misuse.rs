@@ -307,7 +307,7 @@ fn an_image_is_read_when_its_frame_is_over_and_not_before() {
         };
         is_refused("never written");
         let waits = device.wait_counts().other;
-        let held_back = request(0, Some((&gate, Tick(1))));
+        let held_back = request(0, Some(gate.at(Tick(1))));
         let tick = renderer.render(&mut view, held_back).unwrap().tick;
         is_refused("on its way");
         assert_eq!(device.wait_counts().other, waits, "nobody waits for an image");
@@ -325,7 +325,7 @@ fn an_image_is_read_when_its_frame_is_over_and_not_before() {
         drop(first);
 
         // Written again: first the image is not ready, then it is a new one.
-        renderer.render(&mut view, request(40, Some((&gate, Tick(2))))).unwrap();
+        renderer.render(&mut view, request(40, Some(gate.at(Tick(2))))).unwrap();
         is_refused("on its way again");
         gate.signal(Tick(2)).unwrap();
         renderer.wait_idle(&mut view).unwrap();

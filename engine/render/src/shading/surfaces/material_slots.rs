@@ -219,18 +219,18 @@ impl MaterialSlots {
             let uploads = frame.uploads();
             let leaves = uploads.push(dirty)?;
             let elements = uploads.push_iter(entries)?;
-            let io = ScatterIo { leaves, elements, array: materials };
-            let bytes = size_of::<MaterialEntry>();
-            scatter.record(frame.commands(), dirty.len() as u32, [(io, bytes)]);
+            let element_bytes = size_of::<MaterialEntry>();
+            let io = ScatterIo { leaves, elements, array: materials, element_bytes };
+            scatter.record(frame.commands(), dirty.len() as u32, [io]);
         }
         let (dirty, entries) = self.table.transforms.dirty();
         if !dirty.is_empty() {
             let uploads = frame.uploads();
             let leaves = uploads.push(dirty)?;
             let elements = uploads.push_iter(entries)?;
-            let io = ScatterIo { leaves, elements, array: transforms };
-            let bytes = size_of::<TransformEntry>();
-            scatter.record(frame.commands(), dirty.len() as u32, [(io, bytes)]);
+            let element_bytes = size_of::<TransformEntry>();
+            let io = ScatterIo { leaves, elements, array: transforms, element_bytes };
+            scatter.record(frame.commands(), dirty.len() as u32, [io]);
         }
         Ok(())
     }

@@ -2,6 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::Affine2;
+use gpu::SpecializationConstant;
 use scene::{
     Alpha, Encoding, LightCookie, Material, PunctualLight, Surfaces, TextureId, TextureUse,
 };
@@ -247,7 +248,7 @@ impl Features {
     }
 
     /// Returns the specialisation constants of `surface_constants.glsl`.
-    pub(crate) fn constants(&self, is_transparent: bool) -> [(u32, u32); 13] {
+    pub(crate) fn constants(&self, is_transparent: bool) -> [SpecializationConstant; 13] {
         let [base_colour, metallic_roughness, normal, occlusion, emission] = self.pages;
         let values = [
             u32::from(self.is_masked),
@@ -264,7 +265,7 @@ impl Features {
             occlusion,
             emission,
         ];
-        std::array::from_fn(|id| (id as u32, values[id]))
+        std::array::from_fn(|id| SpecializationConstant { id: id as u32, value: values[id] })
     }
 }
 

@@ -362,8 +362,9 @@ impl SurfaceResources {
             let leaves = uploads.push(dirty)?;
             let elements =
                 uploads.push_iter(dirty.iter().map(|slot| self.light_lists.values(*slot)))?;
-            let io = ScatterIo { leaves, elements, array: self.lists.whole() };
-            scatter.record(frame.commands(), dirty.len() as u32, [(io, LIST_VALUES * 4)]);
+            let array = self.lists.whole();
+            let io = ScatterIo { leaves, elements, array, element_bytes: LIST_VALUES * 4 };
+            scatter.record(frame.commands(), dirty.len() as u32, [io]);
         }
         let changed = || {
             self.dirty_lights.list().iter().filter_map(|light| {
@@ -384,8 +385,10 @@ impl SurfaceResources {
             let uploads = frame.uploads();
             let leaves = uploads.push(&places)?;
             let elements = uploads.push(&entries)?;
-            let io = ScatterIo { leaves, elements, array: self.lights.whole() };
-            scatter.record(frame.commands(), count as u32, [(io, size_of::<LightEntry>())]);
+            let array = self.lights.whole();
+            let element_bytes = size_of::<LightEntry>();
+            let io = ScatterIo { leaves, elements, array, element_bytes };
+            scatter.record(frame.commands(), count as u32, [io]);
         }
         Ok(())
     }
