@@ -1,5 +1,6 @@
 //! The errors of the engine.
 
+use crate::resource_errors::{MaterialError, MeshError, TextureError};
 use crate::update_errors::{ChangeError, LightError, PoseError, TransparentError};
 
 /// The name of a view in [`Error::ForeignRenderer`].
@@ -199,7 +200,7 @@ pub enum Error {
         /// The index of the mesh in the call.
         index: usize,
         /// The reason, and advice.
-        reason: &'static str,
+        reason: MeshError,
     },
     /// A texture cannot be added or removed.
     #[error("texture {index} of those named cannot be added or removed, so none was: {reason}")]
@@ -207,7 +208,7 @@ pub enum Error {
         /// The index of the texture in the call.
         index: usize,
         /// The reason, and advice.
-        reason: &'static str,
+        reason: TextureError,
     },
     /// A material cannot be added or removed.
     #[error("material {index} of those named cannot be added or removed, so none was: {reason}")]
@@ -215,7 +216,7 @@ pub enum Error {
         /// The index of the material in the call.
         index: usize,
         /// The reason, and advice.
-        reason: &'static str,
+        reason: MaterialError,
     },
     /// There is not enough room for elements that are added.
     #[error(

@@ -52,6 +52,7 @@ pub mod passes;
 mod probe_recording;
 mod render_view;
 mod renderer;
+mod resource_errors;
 mod resources;
 mod rgba_image;
 mod scene_renderer;
@@ -88,6 +89,7 @@ pub use occlusion::{
 pub use passes::EdgePath;
 pub use render_view::RenderView;
 pub use renderer::{MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions};
+pub use resource_errors::{MaterialError, MeshError, TextureError};
 pub use resources::object_bounds::object_bounds;
 pub use resources::spare_capacity::{SpareCapacity, TextureCapacity};
 pub use rgba_image::RgbaImage;

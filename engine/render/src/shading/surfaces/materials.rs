@@ -8,6 +8,7 @@ use scene::{
 };
 
 use crate::error::Error;
+use crate::resource_errors::MaterialError;
 use crate::shading::surfaces::pages::PagePlan;
 use crate::shading::surfaces::texture_slots::TexturePlace;
 use crate::shading::surfaces::texture_transforms::TextureTransforms;
@@ -95,19 +96,15 @@ impl MaterialTable {
         &self,
         material: &Material,
         features: &Features,
-    ) -> Result<(), &'static str> {
+    ) -> Result<(), MaterialError> {
         let mut uses = textures_of(material).into_iter().flatten();
         if uses.any(|texture_use| place_of(texture_use, &self.places).is_none()) {
-            return Err(
-                "one of its textures is not on the GPU: it was removed, or no material of the \
-                        scene that the renderer began with used it",
-            );
+            return Err(MaterialError::UnknownTexture);
         }
         if Features::of([material].into_iter(), &self.places).are_within(features) {
             return Ok(());
         }
-        Err("it samples numbers as colours, or colours as numbers: base colours and emission are \
-             `Encoding::Srgb`, all others `Encoding::Linear`")
+        Err(MaterialError::Encoding)
     }
 
     /// Refuses a material if there is no room for the transforms of its textures.

@@ -8,6 +8,7 @@ use scene::{
 };
 
 use crate::error::Error;
+use crate::resource_errors::{MaterialError, TextureError};
 use crate::resources::instance::lights_and_tint;
 use crate::resources::limits;
 use crate::resources::skinned_meshes::mesh_order;
@@ -179,7 +180,7 @@ impl SurfaceResources {
     }
 
     /// Refuses a material that cannot be added, with the reason.
-    pub(crate) fn check_material(&self, material: &Material) -> Result<(), &'static str> {
+    pub(crate) fn check_material(&self, material: &Material) -> Result<(), MaterialError> {
         self.material_slots.check(material, &self.features[0])
     }
 
@@ -214,13 +215,9 @@ impl SurfaceResources {
 
     /// Refuses to remove a texture that is in use, that the scene began with, or that does not
     /// exist.
-    pub(crate) fn check_texture_removal(&self, texture: TextureId) -> Result<(), &'static str> {
+    pub(crate) fn check_texture_removal(&self, texture: TextureId) -> Result<(), TextureError> {
         self.textures.check_removal(texture)?;
-        if self.material_slots.uses_texture(texture) {
-            Err("materials use it, or lights project it: change those first")
-        } else {
-            Ok(())
-        }
+        if self.material_slots.uses_texture(texture) { Err(TextureError::InUse) } else { Ok(()) }
     }
 
     /// Refuses the picture of a light that cannot be shown, with the reason.
