@@ -11,7 +11,7 @@ use crate::history::answers;
 use crate::history::record::{FrameStamp, NodeState};
 use crate::history::records::History;
 use crate::ids::{FrameId, LeafIndex, NodeId, ObjectId};
-use crate::plan::candidates::Scratch;
+use crate::plan::candidates::{Prospect, Scratch};
 use crate::plan::config::CullConfig;
 use crate::plan::cost_filter::CostFilter;
 use crate::plan::explain::{self, LeafExplanation, NodeHistory};
@@ -306,7 +306,7 @@ impl Culler {
         if let Some(learned_costs) =
             self.learned_costs.as_mut().filter(|_| strategy.uses_cost_model())
         {
-            let [saving_ns, break_ns] = self.scratch.prospect_ns;
+            let Prospect { saving_ns, break_ns } = self.scratch.prospect;
             learned_costs.note_prospect(saving_ns, break_ns, visible);
         }
     }

@@ -83,6 +83,7 @@ mod history;
 mod ids;
 mod plan;
 mod rng;
+mod view_check;
 
 pub use blocking::{
     Batch, BatchDraw, BatchTest, BatchedOptions, BlockingCuller, BlockingFrame, BlockingKind,
@@ -119,3 +120,4 @@ pub use plan::frame_plan::{
 };
 pub use plan::query_shares::QueryShares;
 pub use plan::strategy::Strategy;
+pub use view_check::{InvalidView, check_camera, check_view, check_view_size};

@@ -80,7 +80,7 @@ pub use crate::core::ownership::{OfDevice, OwnerId};
 pub use crate::core::queue_lock::HostQueueLock;
 pub use crate::core::requirements::Requirements;
 pub use crate::core::tick::Tick;
-pub use crate::core::timeline::Timeline;
+pub use crate::core::timeline::{Timeline, TimelineWait};
 pub use crate::core::validation::{Message, ValidationLog};
 pub use crate::core::window_system::WindowSystem;
 pub use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
@@ -138,9 +138,9 @@ pub use crate::record::pipeline::{
 pub use crate::record::render_target::{AttachmentStore, Load, RenderTarget};
 pub use crate::record::resubmission::Resubmission;
 pub use crate::record::sample_count::SampleCount;
-pub use crate::record::shader::Spirv;
 #[cfg(feature = "shader-compiler")]
 pub use crate::record::shader::compile;
+pub use crate::record::shader::{SpecializationConstant, Spirv};
 pub use crate::record::stencil_target::StencilTarget;
 pub use crate::record::target::{Target, VIEWS_MAX};
 pub use crate::record::timing::{FrameTime, PassTime};

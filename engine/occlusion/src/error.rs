@@ -19,6 +19,9 @@ pub enum Error {
         "this view was made for another scene: each view goes with the `CulledScene` that it was made for"
     )]
     ForeignView,
+    /// A view has a number that is infinite or NaN, or no pixels.
+    #[error(transparent)]
+    InvalidView(#[from] cull::InvalidView),
     /// A frame does not upload the changes of the scene that it draws.
     #[error(transparent)]
     NotUploaded(#[from] NotUploaded),

@@ -2,7 +2,7 @@
 //! before it is recorded, and the end of the frame reaches the scene and all its views.
 
 use cull::{CullView, MultiView, Strategy};
-use gpu::{Commands, Frame, Target, Tick, Timeline, Uploads};
+use gpu::{Commands, Frame, Target, Tick, TimelineWait, Uploads};
 use smallvec::SmallVec;
 
 use crate::culled_scene::CulledScene;
@@ -155,7 +155,8 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
     /// queries, [plan](FrameScope::plan_all) all of them first.
     ///
     /// # Errors
-    /// [`Error::ForeignView`]; the errors of [`FrameScope::record`].
+    /// [`Error::ForeignView`]; [`Error::InvalidView`] for a view with numbers that are not finite
+    /// or without pixels; the errors of [`FrameScope::record`].
     pub fn draw<'v>(
         &mut self,
         state: &'a mut OcclusionState,
@@ -169,13 +170,14 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
     /// Reads the results of earlier frames that are over, and plans a view by them.
     ///
     /// # Errors
-    /// [`Error::ForeignView`], a lost device.
+    /// [`Error::ForeignView`], [`Error::InvalidView`], a lost device.
     pub fn plan<'v>(
         &mut self,
         state: &'a mut OcclusionState,
         request: impl Into<DrawRequest<'v>>,
     ) -> Result<PlannedView<'a>, Error> {
         let DrawRequest { views, strategy, query_budget } = request.into();
+        check_views(views)?;
         let completed = self.scene.device.completed()?;
         state.follow_frames_in_flight(self.scene)?;
         state.collect(completed, self.scene);
@@ -187,7 +189,7 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
     /// their requests. Give the views in the same order in each frame.
     ///
     /// # Errors
-    /// [`Error::ForeignView`], a lost device.
+    /// [`Error::ForeignView`], [`Error::InvalidView`], a lost device. No view is planned then.
     pub fn plan_all<'v>(
         &mut self,
         views: impl IntoIterator<Item = (&'a mut OcclusionState, DrawRequest<'v>)>,
@@ -195,6 +197,9 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
     ) -> Result<PerView<PlannedView<'a>>, Error> {
         let mut views: PerView<_> = views.into_iter().collect();
         let completed = self.scene.device.completed()?;
+        for (_, request) in &views {
+            check_views(request.views)?;
+        }
         for (state, _) in &mut views {
             state.follow_frames_in_flight(self.scene)?;
         }
@@ -300,13 +305,18 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
     ///
     /// # Errors
     /// [`Error::TestsMissing`], a failed call. The frame is given up then.
-    pub fn submit(self, after: Option<(&Timeline, Tick)>) -> Result<Tick, Error> {
+    pub fn submit(self, after: Option<TimelineWait<'_>>) -> Result<Tick, Error> {
         self.check_listed()?;
         let Self { scene, frame, drawn, .. } = self;
         let tick = frame.submit(after)?;
         submitted(scene, drawn, tick);
         Ok(tick)
     }
+}
+
+/// Refuses views that nothing can be drawn by. The cost is per view and not per object.
+fn check_views(views: MultiView<'_>) -> Result<(), Error> {
+    Ok(views.as_slice().iter().try_for_each(cull::check_view)?)
 }
 
 fn submitted(scene: &mut CulledScene, drawn: PerView<&mut OcclusionState>, tick: Tick) {

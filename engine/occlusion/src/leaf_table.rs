@@ -304,17 +304,18 @@ impl LeafTable {
         let uploads = frame.uploads();
         let leaves = uploads.push_iter(self.dirty().iter().map(|leaf| leaf.0))?;
         let boxes = uploads.push_iter(self.dirty().iter().map(bounds))?;
-        let io = |elements, array| ScatterIo { leaves, elements, array };
-        let beside = beside.map(|beside| (io(beside.elements, beside.array), beside.element_bytes));
-        let boxes = (io(boxes, self.boxes()), size_of::<ProxyBox>());
+        let io =
+            |elements, array, element_bytes| ScatterIo { leaves, elements, array, element_bytes };
+        let beside = beside.map(|beside| io(beside.elements, beside.array, beside.element_bytes));
+        let boxes = io(boxes, self.boxes(), size_of::<ProxyBox>());
         let first_draws = match (&self.layout, self.links()) {
             (DrawLayout::Bucketed(cells), Some(to)) => {
                 let firsts = self.dirty().iter().map(|leaf| cells.first(*leaf));
-                (io(uploads.push_iter(firsts)?, to.firsts), size_of::<u32>())
+                io(uploads.push_iter(firsts)?, to.firsts, size_of::<u32>())
             }
             _ => {
                 let draws = uploads.push_iter(self.dirty().iter().map(|leaf| self.draw(*leaf)))?;
-                (io(draws, self.predicates.draws()), size_of::<IndirectDraw>())
+                io(draws, self.predicates.draws(), size_of::<IndirectDraw>())
             }
         };
         let arrays = beside.into_iter().chain([first_draws, boxes]);
@@ -335,10 +336,11 @@ impl LeafTable {
         let leaves = uploads.push_iter(changed.iter().copied())?;
         let draws = uploads.push_iter(changed.iter().map(|cell| cells.command(*cell)))?;
         let links = uploads.push_iter(changed.iter().map(|cell| cells.link(*cell)))?;
-        let io = |elements, array| ScatterIo { leaves, elements, array };
+        let io =
+            |elements, array, element_bytes| ScatterIo { leaves, elements, array, element_bytes };
         let arrays = [
-            (io(draws, self.predicates.draws()), size_of::<IndirectDraw>()),
-            (io(links, to.links), size_of::<DrawLink>()),
+            io(draws, self.predicates.draws(), size_of::<IndirectDraw>()),
+            io(links, to.links, size_of::<DrawLink>()),
         ];
         scatter.record(frame.commands(), changed.len() as u32, arrays);
         Ok(())

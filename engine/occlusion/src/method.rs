@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use cull::{CullView, FramePlan, LeafIndex, Strategy};
-use gpu::{Frame, OptionalFeature, Tick, Timeline};
+use gpu::{Frame, OptionalFeature, TimelineWait};
 
 use crate::culled_scene::CulledScene;
 use crate::error::{BucketError, Error};
@@ -144,7 +144,7 @@ pub struct MethodRequest<'a> {
     /// advance](Strategy::needs_still_scene); empty for others.
     pub visible: &'a [LeafIndex],
     /// The tick of a host's timeline that the frame waits for on the GPU.
-    pub after: Option<(&'a Timeline, Tick)>,
+    pub after: Option<TimelineWait<'a>>,
 }
 
 /// The counts of a method in a frame of one view.

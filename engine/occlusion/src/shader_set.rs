@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use gpu::Spirv;
+use gpu::{SpecializationConstant, Spirv};
 use shaders::{PASSES, Shader};
 
 use crate::error::Error;
@@ -58,7 +58,7 @@ impl ShaderSet {
     /// cost time for every vertex of the scene.
     #[must_use]
     pub fn with_sprites(mut self) -> Self {
-        const SPRITES: (u32, u32) = (13, 1);
+        const SPRITES: SpecializationConstant = SpecializationConstant { id: 13, value: 1 };
         for shader in self.loaded.iter_mut().filter(|shader| shader.name.ends_with(".vert")) {
             *shader = shader.specialised(&[SPRITES]);
         }

@@ -1,5 +1,8 @@
 //! The errors of the engine.
 
+use crate::resource_errors::{MaterialError, MeshError, TextureError};
+use crate::update_errors::{ChangeError, LightError, PoseError, TransparentError};
+
 /// The name of a view in [`Error::ForeignRenderer`].
 pub(crate) const FOREIGN_VIEW: &str = "a view (`RenderView`)";
 
@@ -15,6 +18,9 @@ pub enum Error {
     /// A matrix is not a projection.
     #[error(transparent)]
     CullView(#[from] cull::ViewError),
+    /// A camera or a view has a number that is infinite or NaN, or no pixels.
+    #[error(transparent)]
+    InvalidView(#[from] cull::InvalidView),
     /// The depth of a matrix is not reversed.
     #[error(
         "the renderer draws with reversed depth: give it a matrix whose depth is 1 at the near plane"
@@ -146,7 +152,7 @@ pub enum Error {
         /// The index of the change.
         index: usize,
         /// The reason, and advice.
-        reason: String,
+        reason: ChangeError,
     },
     /// A transparent object cannot be moved as requested.
     #[error("the transparent object {} cannot be moved: {reason}", transparent.0)]
@@ -154,7 +160,7 @@ pub enum Error {
         /// The id of the transparent object.
         transparent: scene::TransparentId,
         /// The reason why it cannot move.
-        reason: &'static str,
+        reason: TransparentError,
     },
     /// A mesh cannot take a pose.
     #[error("the skinned mesh {} cannot take this pose: {reason}", skinned_mesh.0)]
@@ -162,7 +168,7 @@ pub enum Error {
         /// The skinned mesh.
         skinned_mesh: scene::SkinnedMeshId,
         /// The reason why the pose does not fit the mesh.
-        reason: String,
+        reason: PoseError,
     },
     /// The area of a view is empty or not within the image.
     #[error(
@@ -194,7 +200,7 @@ pub enum Error {
         /// The index of the mesh in the call.
         index: usize,
         /// The reason, and advice.
-        reason: &'static str,
+        reason: MeshError,
     },
     /// A texture cannot be added or removed.
     #[error("texture {index} of those named cannot be added or removed, so none was: {reason}")]
@@ -202,7 +208,7 @@ pub enum Error {
         /// The index of the texture in the call.
         index: usize,
         /// The reason, and advice.
-        reason: &'static str,
+        reason: TextureError,
     },
     /// A material cannot be added or removed.
     #[error("material {index} of those named cannot be added or removed, so none was: {reason}")]
@@ -210,7 +216,7 @@ pub enum Error {
         /// The index of the material in the call.
         index: usize,
         /// The reason, and advice.
-        reason: &'static str,
+        reason: MaterialError,
     },
     /// There is not enough room for elements that are added.
     #[error(
@@ -230,7 +236,7 @@ pub enum Error {
         /// The id of the light in the scene.
         light: scene::LightId,
         /// The reason, and advice.
-        reason: &'static str,
+        reason: LightError,
     },
     /// A light cannot be added with its picture.
     #[error("light {index} of those named cannot be added, so none was: {reason}")]
@@ -279,6 +285,7 @@ impl From<occlusion::Error> for Error {
             occlusion::Error::Gpu(error) => Self::Gpu(error),
             occlusion::Error::Hierarchy(error) => Self::Hierarchy(error),
             occlusion::Error::CannotCount(error) => Self::CannotCount(error),
+            occlusion::Error::InvalidView(error) => Self::InvalidView(error),
             occlusion::Error::Buckets(error) => Self::Buckets(error),
             occlusion::Error::Attachments(error) => Self::Attachments(error),
             occlusion::Error::Target(error) => Self::Target(error),

@@ -52,6 +52,7 @@ pub mod passes;
 mod probe_recording;
 mod render_view;
 mod renderer;
+mod resource_errors;
 mod resources;
 mod rgba_image;
 mod scene_renderer;
@@ -61,11 +62,13 @@ mod shading;
 mod shadows;
 mod tessellation;
 mod update;
+mod update_errors;
 mod view_pass;
 mod views;
 
 #[cfg(feature = "loaded")]
 pub use api::headless::HeadlessRenderer;
+pub use api::lod::DetailView;
 pub use calibration_scene::measure_costs;
 pub use cost_list::{BoxSize, CostItem, CostListOptions, ItemCost, PredicateResult, cost_list};
 pub use debug::debug_overlay::{DebugOverlay, OVERLAY_PASSES};
@@ -86,6 +89,7 @@ pub use occlusion::{
 pub use passes::EdgePath;
 pub use render_view::RenderView;
 pub use renderer::{MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions};
+pub use resource_errors::{MaterialError, MeshError, TextureError};
 pub use resources::object_bounds::object_bounds;
 pub use resources::spare_capacity::{SpareCapacity, TextureCapacity};
 pub use rgba_image::RgbaImage;
@@ -98,4 +102,5 @@ pub use shading::transparency::{
 pub use shadows::{LightShadow, ShadowIo, ShadowMapIo, ShadowMaskIo};
 pub use tessellation::{TessellationPath, Tessellator};
 pub use update::UpdateReport;
+pub use update_errors::{ChangeError, LightError, PoseError, TransparentError};
 pub use views::{FrameReport, FrameRequest, ViewRequest, Viewpoint, ViewsRequest};

@@ -9,7 +9,7 @@
 use std::time::Duration;
 
 use cull::{Camera, Corrections, CullView, DepthConvention, Strategy, ViewProjection};
-use gpu::{Device, Frame, Readback, Tick, Timeline};
+use gpu::{Device, Frame, Readback, Tick, TimelineWait};
 use occlusion::{FrameStats, OcclusionState, Rect};
 
 use crate::debug::visible_set::VisibleSet;
@@ -48,12 +48,25 @@ impl From<ViewProjection> for Viewpoint {
 }
 
 impl Viewpoint {
-    /// Returns the view in a part of the image.
+    /// Returns the view in a part of the image. Refuses impossible numbers and an empty part.
     pub(crate) fn view(&self, device: &Device, area: Rect) -> Result<CullView, Error> {
-        let projection = match self {
-            Self::Camera(camera) => return Ok(view_in(device, camera, area)),
-            Self::Matrix(projection) => projection,
+        let view = match self {
+            Self::Camera(camera) => {
+                cull::check_camera(camera, area.size)?;
+                view_in(device, camera, area)
+            }
+            Self::Matrix(projection) => Self::view_of_matrix(device, projection, area)?,
         };
+        cull::check_view(&view)?;
+        Ok(view)
+    }
+
+    fn view_of_matrix(
+        device: &Device,
+        projection: &ViewProjection,
+        area: Rect,
+    ) -> Result<CullView, Error> {
+        cull::check_view_size(area.size)?;
         if projection.depth != DepthConvention::Reversed {
             return Err(Error::StandardDepth);
         }
@@ -107,7 +120,7 @@ pub struct ViewsRequest<'a> {
     /// The host's commands over the image, if there are any.
     pub overlay: Option<&'a dyn HostOverlay>,
     /// The tick of a host's timeline that the frame waits for on the GPU.
-    pub after: Option<(&'a Timeline, Tick)>,
+    pub after: Option<TimelineWait<'a>>,
 }
 
 /// The request for one frame.
@@ -128,7 +141,7 @@ pub struct FrameRequest<'a> {
     /// The host's commands over the image, if there are any.
     pub overlay: Option<&'a dyn HostOverlay>,
     /// The tick of a host's timeline that the frame waits for on the GPU.
-    pub after: Option<(&'a Timeline, Tick)>,
+    pub after: Option<TimelineWait<'a>>,
 }
 
 impl FrameRequest<'_> {

@@ -14,6 +14,12 @@ pub struct PreparedMesh {
     levels: Vec<LodLevel>,
 }
 
+/// The surface of a mesh, with its coarser levels.
+struct LeveledSurface {
+    surface: SurfaceMesh,
+    levels: Vec<LodLevel>,
+}
+
 impl PreparedMesh {
     /// Checks a mesh for a scene whose vertices hold the whole appearance.
     ///
@@ -33,21 +39,18 @@ impl PreparedMesh {
         surface: SurfaceMesh,
         levels: Vec<LodLevel>,
     ) -> Result<Self, SceneError> {
-        Self::checked(mesh, Some((surface, levels)))
+        Self::checked(mesh, Some(LeveledSurface { surface, levels }))
     }
 
-    fn checked(
-        mesh: Mesh,
-        surface: Option<(SurfaceMesh, Vec<LodLevel>)>,
-    ) -> Result<Self, SceneError> {
+    fn checked(mesh: Mesh, surface: Option<LeveledSurface>) -> Result<Self, SceneError> {
         if mesh.indices.is_empty() {
             let fault = "it has no triangles";
             return Err(SceneError::BrokenMesh { mesh: mesh.name, fault });
         }
         let mut scene = Scene::single(mesh);
-        scene.surfaces = surface.map(|(surface, levels)| Surfaces {
-            meshes: vec![surface],
-            levels: vec![levels],
+        scene.surfaces = surface.map(|leveled| Surfaces {
+            meshes: vec![leveled.surface],
+            levels: vec![leveled.levels],
             ..Surfaces::default()
         });
         scene.validate()?;

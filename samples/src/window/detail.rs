@@ -1,7 +1,7 @@
 //! The choice of levels of detail, by distance and on request by visible samples.
 
 use antumbra::cull::{Camera, DetailBySamples, DetailPolicy, ObjectId};
-use antumbra::render::{RenderView, Renderer};
+use antumbra::render::{DetailView, RenderView, Renderer};
 use antumbra::scene::Scene;
 use bench::run_error::RunError;
 
@@ -73,7 +73,7 @@ impl Detail {
         camera: Camera,
         view: &RenderView,
     ) -> Result<(), RunError> {
-        renderer.choose_detail_seen(&[(camera, view)], &self.policy)?;
+        renderer.choose_detail_seen(&[DetailView { camera, state: view }], &self.policy)?;
         Ok(())
     }
 

@@ -105,7 +105,7 @@ fn what_is_let_go_is_not_used_again_before_its_time() {
             let gate = gpu::Timeline::new(&stage.device, "gate").unwrap();
             let mut ring = gpu::FrameRing::new(&stage.device, 1).unwrap();
             drop(swapchain.acquire(size).unwrap());
-            ring.begin().unwrap().submit(Some((&gate, gpu::Tick(1)))).unwrap();
+            ring.begin().unwrap().submit(Some(gate.at(gpu::Tick(1)))).unwrap();
             swapchain.set_mode(mode);
             let image = match swapchain.acquire(size).unwrap() {
                 Acquired::Image(image) => image,

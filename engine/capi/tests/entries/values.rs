@@ -14,6 +14,13 @@ use antumbra_capi::layout::Versioned;
 
 use crate::{CAMERA, Host, cube, text};
 
+/// Returns a camera whose matrix has this element.
+fn with_element(element: f32) -> AntumbraCamera {
+    let mut camera = CAMERA;
+    camera.clip_from_world[5] = element;
+    camera
+}
+
 #[test]
 fn bad_pointers_and_values_are_named() {
     let mut host = Host::new();
@@ -83,6 +90,9 @@ fn bad_pointers_and_values_are_named() {
             (7, from_ref(&CAMERA), (BadArgument, "STRATEGY_.. 7")),
             (1, null(), (BadPointer, "desc.camera is null")),
             (1, &AntumbraCamera { width: 0, ..CAMERA }, (BadArgument, "width")),
+            (1, &AntumbraCamera { height: 0, ..CAMERA }, (BadArgument, "height")),
+            (1, &with_element(f32::NAN), (BadArgument, "clip_from_world: the matrix of the view")),
+            (1, &with_element(f32::INFINITY), (BadArgument, "that is not finite")),
             (
                 1,
                 &AntumbraCamera { clip_from_world: [0.0; 16], ..CAMERA },

@@ -75,6 +75,13 @@ impl Candidate {
     }
 }
 
+/// The expected saving of tests, and the cost of interrupting rendering for them (ns).
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Prospect {
+    pub(crate) saving_ns: f32,
+    pub(crate) break_ns: f32,
+}
+
 /// The lists of one plan in the making, kept so that steady frames do not allocate.
 #[derive(Debug, Default)]
 pub(crate) struct Scratch {
@@ -88,9 +95,8 @@ pub(crate) struct Scratch {
     pub(crate) stack: Vec<(u32, ViewMasks)>,
     pub(crate) by_size: Vec<u32>,
     pub(crate) is_dropped: Vec<bool>,
-    /// The saving of all tests that pay individually, and the cost of interrupting rendering for
-    /// them.
-    pub(crate) prospect_ns: [f32; 2],
+    /// The prospect of all tests that pay individually.
+    pub(crate) prospect: Prospect,
     /// The expected time of the draws that these tests reveal, over the frames for which the leaves
     /// then count as visible.
     pub(crate) revealed_ns: f32,

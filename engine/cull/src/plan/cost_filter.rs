@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::cost::learned_costs::{CostBenefit, LearnedCosts, TestEstimate, is_never};
 use crate::geom::multi_view::MultiView;
-use crate::plan::candidates::{Candidate, Draw, Scratch};
+use crate::plan::candidates::{Candidate, Draw, Prospect, Scratch};
 use crate::plan::frame_plan::{
     FramePlan, PlanStats, ProxyTest, QueryKind, VisibilityTest, VisibilityTestSupport,
 };
@@ -185,8 +185,9 @@ impl<'a> CostFilter<'a> {
         }
         let drawn = scratch.draws.len() + scratch.retests.len() + dropped_leaves;
         let tester = self.tester.unwrap_or(VisibilityTest::Flag);
-        scratch.prospect_ns = [saving_ns, self.learned_costs.break_ns(drawn, tester)];
-        if saving_ns < scratch.prospect_ns[1] {
+        let break_ns = self.learned_costs.break_ns(drawn, tester);
+        scratch.prospect = Prospect { saving_ns, break_ns };
+        if saving_ns < break_ns {
             scratch.is_dropped.fill(true);
             saving_ns = 0.0;
         }

@@ -257,7 +257,7 @@ impl Device {
         commands: Option<vk::CommandBuffer>,
         order: &Order<'_>,
     ) -> Result<Tick, Error> {
-        order.after.map_or(Ok(()), |(timeline, _)| self.check(timeline, "a submit"))?;
+        order.after.map_or(Ok(()), |after| self.check(after.timeline, "a submit"))?;
         let bound = self.shared.wait_bound;
         let timeline = self.shared.clock.timeline("a submit")?;
         let submit = |queue| {

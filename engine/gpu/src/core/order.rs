@@ -4,13 +4,13 @@ use ash::vk;
 
 use crate::core::error::{Called, Error};
 use crate::core::tick::Tick;
-use crate::core::timeline::Timeline;
+use crate::core::timeline::TimelineWait;
 
 /// The semaphores of a submit in addition to its tick: to wait for, and to signal. Binary
 /// semaphores belong to a window.
 #[derive(Default)]
 pub(crate) struct Order<'a> {
-    pub(crate) after: Option<(&'a Timeline, Tick)>,
+    pub(crate) after: Option<TimelineWait<'a>>,
     pub(crate) acquired: Option<vk::Semaphore>,
     pub(crate) presents: Option<vk::Semaphore>,
 }
@@ -35,7 +35,7 @@ impl Order<'_> {
         let semaphore = |raw, value, stages| {
             vk::SemaphoreSubmitInfo::default().semaphore(raw).value(value).stage_mask(stages)
         };
-        let after = self.after.map(|(timeline, tick)| semaphore(timeline.raw, tick.0, all));
+        let after = self.after.map(|after| semaphore(after.timeline.raw, after.tick.0, all));
         // Only copies touch the image of a window, so the work before them need not wait.
         let copies = vk::PipelineStageFlags2::ALL_TRANSFER;
         let acquired = self.acquired.map(|raw| semaphore(raw, 0, copies));

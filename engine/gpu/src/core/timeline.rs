@@ -16,6 +16,15 @@ pub struct Timeline {
     ownership: Ownership,
 }
 
+/// A tick of a timeline that a submit waits for on the GPU.
+#[derive(Clone, Copy)]
+pub struct TimelineWait<'a> {
+    /// The timeline.
+    pub timeline: &'a Timeline,
+    /// The tick that the timeline must have reached.
+    pub tick: Tick,
+}
+
 impl Timeline {
     /// Creates a timeline at tick 0.
     ///
@@ -39,6 +48,11 @@ impl Timeline {
     pub unsafe fn from_raw(device: &Device, raw: vk::Semaphore) -> Result<Self, Error> {
         device.check_queue("a timeline")?;
         Ok(Self { device: device.clone(), raw, ownership: Ownership::Host })
+    }
+
+    /// Returns the wait of a submit for `tick` of this timeline.
+    pub fn at(&self, tick: Tick) -> TimelineWait<'_> {
+        TimelineWait { timeline: self, tick }
     }
 
     /// Signals `tick` from the CPU. Ticks must increase.

@@ -7,7 +7,7 @@ use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::core::ownership::of_device;
 use crate::memory::buffer::BufferSlice;
-use crate::memory::image::Image;
+use crate::memory::image::{Image, ImageFormats};
 use crate::memory::sampled_texture::{Contents, SampledTexture};
 use crate::record::access::{Access, LayoutChange};
 use crate::record::commands::{Commands, Failure};
@@ -43,7 +43,7 @@ impl DynamicTexture {
         }
         let usage = vk::ImageUsageFlags::SAMPLED | vk::ImageUsageFlags::TRANSFER_DST;
         let colour = vk::ImageAspectFlags::COLOR;
-        let image = Image::new(device, name, size, [FORMAT; 2], usage, colour)?;
+        let image = Image::new(device, name, size, ImageFormats::same(FORMAT), usage, colour)?;
         let info = vk::SamplerCreateInfo::default()
             .mag_filter(vk::Filter::LINEAR)
             .min_filter(vk::Filter::LINEAR)

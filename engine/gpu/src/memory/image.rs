@@ -18,14 +18,29 @@ pub(crate) struct Image {
     allocation: Option<Allocation>,
 }
 
+/// The formats of an image.
+#[derive(Clone, Copy)]
+pub(crate) struct ImageFormats {
+    /// The format of the memory.
+    pub(crate) memory: vk::Format,
+    /// The format of the view.
+    pub(crate) view: vk::Format,
+}
+
+impl ImageFormats {
+    /// Returns one format for memory and view.
+    pub(crate) fn same(format: vk::Format) -> Self {
+        Self { memory: format, view: format }
+    }
+}
+
 impl Image {
-    /// Creates an image. The first format is for its memory and the second for its view; the size
-    /// must be within the device's limits.
+    /// Creates an image; the size must be within the device's limits.
     pub(crate) fn new(
         device: &Device,
         name: &str,
         size: [u32; 2],
-        formats: [vk::Format; 2],
+        formats: ImageFormats,
         usage: vk::ImageUsageFlags,
         aspect: vk::ImageAspectFlags,
     ) -> Result<Self, Error> {
@@ -39,17 +54,18 @@ impl Image {
         name: &str,
         size: [u32; 2],
         layers: u32,
-        formats: [vk::Format; 2],
+        formats: ImageFormats,
         usage: vk::ImageUsageFlags,
         aspect: vk::ImageAspectFlags,
     ) -> Result<Self, Error> {
-        let [format, view_format] = formats;
-        let mut list = vk::ImageFormatListCreateInfo::default().view_formats(&formats);
-        let mut info = plain_image(format, size, 1, layers).usage(usage);
-        if format != view_format {
+        let ImageFormats { memory, view } = formats;
+        let both = [memory, view];
+        let mut list = vk::ImageFormatListCreateInfo::default().view_formats(&both);
+        let mut info = plain_image(memory, size, 1, layers).usage(usage);
+        if memory != view {
             info = info.flags(vk::ImageCreateFlags::MUTABLE_FORMAT).push_next(&mut list);
         }
-        let mut view = plain_view(view_format, aspect, 1, layers);
+        let mut view = plain_view(view, aspect, 1, layers);
         if layers > 1 {
             view = view.view_type(vk::ImageViewType::TYPE_2D_ARRAY);
         }

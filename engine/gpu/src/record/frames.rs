@@ -16,7 +16,7 @@ use crate::core::frames_in_flight::check_frames_in_flight;
 use crate::core::order::Order;
 use crate::core::pending_uploads::PendingUpload;
 use crate::core::tick::Tick;
-use crate::core::timeline::Timeline;
+use crate::core::timeline::TimelineWait;
 use crate::memory::upload::Uploads;
 use crate::record::access::{Access, MemoryBarrier};
 use crate::record::commands::Commands;
@@ -327,7 +327,7 @@ impl Frame<'_> {
     ///
     /// # Errors
     /// A failure while recording, or a failed call.
-    pub fn flush(&mut self, after: Option<(&Timeline, Tick)>) -> Result<Tick, Error> {
+    pub fn flush(&mut self, after: Option<TimelineWait<'_>>) -> Result<Tick, Error> {
         let slot = &mut self.ring.slots[self.slot.0];
         let tick = slot.submit(&Order { after, ..Order::default() })?;
         slot.next_piece()?;
@@ -358,7 +358,7 @@ impl Frame<'_> {
     ///
     /// # Errors
     /// A failure while recording, or a failed call.
-    pub fn submit(self, after: Option<(&Timeline, Tick)>) -> Result<Tick, Error> {
+    pub fn submit(self, after: Option<TimelineWait<'_>>) -> Result<Tick, Error> {
         self.submit_in_order(&Order { after, ..Order::default() })
     }
 

@@ -8,6 +8,7 @@ use crate::core::deletion::Retired;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::memory::buffer::BufferSlice;
+use crate::memory::image::ImageFormats;
 use crate::memory::sampled_texture::{Contents, SampledTexture};
 use crate::record::access::{Access, MemoryBarrier};
 use crate::record::attachments::{COLOUR_BYTES, COLOUR_FORMAT};
@@ -57,7 +58,7 @@ impl Multisampling {
             &format!("{name} average colour"),
             size,
             1,
-            [COLOUR_BYTES, COLOUR_FORMAT],
+            ImageFormats { memory: COLOUR_BYTES, view: COLOUR_FORMAT },
             usage,
             vk::ImageAspectFlags::COLOR,
         )?;

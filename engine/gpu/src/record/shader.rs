@@ -12,10 +12,19 @@ pub struct Spirv {
     pub name: String,
     code: Vec<u32>,
     /// The values of specialisation constants, by id; other constants keep their defaults.
-    constants: Vec<(u32, u32)>,
+    constants: Vec<SpecializationConstant>,
 }
 
 const SPIRV_MAGIC: u32 = 0x0723_0203;
+
+/// The value of a specialisation constant of 32 bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SpecializationConstant {
+    /// The id of the constant in the shader.
+    pub id: u32,
+    /// The value.
+    pub value: u32,
+}
 
 impl Spirv {
     /// Creates a shader from SPIR-V bytes, in the machine's byte order.
@@ -43,7 +52,7 @@ impl Spirv {
     /// once. Pipelines are compiled with these values, so code that they disable costs nothing. An
     /// id that the shader does not have is ignored.
     #[must_use]
-    pub fn specialised(&self, constants: &[(u32, u32)]) -> Self {
+    pub fn specialised(&self, constants: &[SpecializationConstant]) -> Self {
         Self { constants: [&self.constants, constants].concat(), ..self.clone() }
     }
 
@@ -55,11 +64,11 @@ impl Spirv {
         stage: vk::ShaderStageFlags,
         make: impl FnOnce(vk::PipelineShaderStageCreateInfo<'_>) -> Result<R, Error>,
     ) -> Result<R, Error> {
-        let values: Vec<u32> = self.constants.iter().map(|(_, value)| *value).collect();
-        let entry = |(place, (id, _)): (usize, &(u32, u32))| {
+        let values: Vec<u32> = self.constants.iter().map(|constant| constant.value).collect();
+        let entry = |(place, constant): (usize, &SpecializationConstant)| {
             let size = size_of::<u32>();
             let offset = (place * size) as u32;
-            vk::SpecializationMapEntry { constant_id: *id, offset, size }
+            vk::SpecializationMapEntry { constant_id: constant.id, offset, size }
         };
         let entries: Vec<_> = self.constants.iter().enumerate().map(entry).collect();
         let constants = vk::SpecializationInfo::default()

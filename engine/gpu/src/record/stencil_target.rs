@@ -8,7 +8,7 @@ use crate::core::device::Device;
 use crate::core::error::Error;
 use crate::core::ownership::{OfDevice, of_device};
 use crate::memory::buffer::BufferSlice;
-use crate::memory::image::Image;
+use crate::memory::image::{Image, ImageFormats};
 use crate::record::access::{Access, LayoutChange};
 use crate::record::attachments::{Attachments, COLOURS_MAX, ColourFormats};
 use crate::record::commands::Commands;
@@ -45,7 +45,7 @@ impl StencilTarget {
         Self::attachments().check(device)?;
         let usage =
             vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST;
-        let image = Image::new(device, name, size, [FORMAT; 2], usage, both())?;
+        let image = Image::new(device, name, size, ImageFormats::same(FORMAT), usage, both())?;
         Ok(Self { device: device.clone(), image, size })
     }
 

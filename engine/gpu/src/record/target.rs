@@ -7,6 +7,7 @@ use crate::core::device::Device;
 use crate::core::error::Error;
 use crate::core::ownership::of_device;
 use crate::core::tick::Tick;
+use crate::memory::image::ImageFormats;
 use crate::record::access::Access;
 use crate::record::attachments::{
     Attachments, COLOUR_BYTES, COLOUR_FORMAT, COLOURS_MAX, ColourFormats, DEPTH_AND_STENCIL_FORMAT,
@@ -84,6 +85,7 @@ impl Target {
         let depth_usage =
             vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC;
         let colour = vk::ImageAspectFlags::COLOR;
+        let colour_formats = ImageFormats { memory: COLOUR_BYTES, view: COLOUR_FORMAT };
         let depth = vk::ImageAspectFlags::DEPTH;
         let image = |what, formats, usage, aspect| {
             let name = format!("{name} {what}");
@@ -91,8 +93,8 @@ impl Target {
         };
         Ok(Self {
             device: device.clone(),
-            colours: vec![image("colour", [COLOUR_BYTES, COLOUR_FORMAT], FINISHED_USAGE, colour)?],
-            depth: image("depth", [DEPTH_FORMAT; 2], depth_usage, depth)?,
+            colours: vec![image("colour", colour_formats, FINISHED_USAGE, colour)?],
+            depth: image("depth", ImageFormats::same(DEPTH_FORMAT), depth_usage, depth)?,
             size,
             attachments: Attachments { views, ..Attachments::default() },
             multisampling: None,
@@ -167,7 +169,7 @@ impl Target {
         let depth = match samples {
             SampleCount::One => {
                 let usage = attached | vk::ImageUsageFlags::TRANSFER_SRC;
-                let formats = [DEPTH_AND_STENCIL_FORMAT; 2];
+                let formats = ImageFormats::same(DEPTH_AND_STENCIL_FORMAT);
                 TargetImage::new(device, &name, size, 1, formats, usage, aspect)?
             }
             _ => {

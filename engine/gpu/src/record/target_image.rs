@@ -4,7 +4,7 @@ use ash::vk;
 
 use crate::core::device::Device;
 use crate::core::error::Error;
-use crate::memory::image::{DepthView, Image};
+use crate::memory::image::{DepthView, Image, ImageFormats};
 use crate::record::access::{Access, LayoutChange, MemoryBarrier};
 use crate::record::attachments::has_stencil;
 use crate::record::host_image::{HostImage, ImageState};
@@ -33,13 +33,13 @@ enum Origin {
 }
 
 impl TargetImage {
-    /// Creates an image. The first format is for its memory and the second for its view.
+    /// Creates an image.
     pub(super) fn new(
         device: &Device,
         name: &str,
         size: [u32; 2],
         layers: u32,
-        formats: [vk::Format; 2],
+        formats: ImageFormats,
         usage: vk::ImageUsageFlags,
         aspect: vk::ImageAspectFlags,
     ) -> Result<Self, Error> {

@@ -24,8 +24,7 @@ const MOST_TIMES: f32 = 2.0;
 pub(super) struct InitialView<'a> {
     source: &'a Source,
     tree: &'a Tree,
-    /// The node of the first camera, with its projection.
-    camera: Option<(RigNodeId, Projection)>,
+    camera: Option<FirstCamera>,
     place: OnceCell<Place>,
 }
 
@@ -37,13 +36,16 @@ struct Place {
     most_height_m: f32,
 }
 
+/// The first camera of a file.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FirstCamera {
+    pub(super) node: RigNodeId,
+    pub(super) projection: Projection,
+}
+
 impl<'a> InitialView<'a> {
     /// Returns the view of a camera at a node, or of the whole scene without a camera.
-    pub(super) fn of(
-        source: &'a Source,
-        tree: &'a Tree,
-        camera: Option<(RigNodeId, Projection)>,
-    ) -> Self {
+    pub(super) fn of(source: &'a Source, tree: &'a Tree, camera: Option<FirstCamera>) -> Self {
         Self { source, tree, camera, place: OnceCell::new() }
     }
 
@@ -64,7 +66,9 @@ impl<'a> InitialView<'a> {
         let height_m = around.projection.height_at(around.eye.distance(all.centre()));
         let (eye, projection) = match self.camera {
             None => (around.eye, around.projection),
-            Some((node, projection)) => (self.tree.world(node).translation.into(), projection),
+            Some(FirstCamera { node, projection }) => {
+                (self.tree.world(node).translation.into(), projection)
+            }
         };
         Place { eye, projection, most_height_m: height_m * MOST_TIMES }
     }

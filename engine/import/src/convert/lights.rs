@@ -61,13 +61,16 @@ pub(super) fn surroundings() -> Light {
     }
 }
 
+/// A light of a scene.
+pub(super) struct PlacedLight {
+    pub(super) light: PunctualLight,
+    /// The node of the light; `None` if it is of no node.
+    pub(super) node: Option<RigNodeId>,
+}
+
 /// Returns all lights of the scene's nodes, with their nodes; if there are none, a light from
 /// above.
-pub(super) fn lights(
-    source: &Source,
-    tree: &Tree,
-    notes: &mut Notes,
-) -> Vec<(PunctualLight, Option<RigNodeId>)> {
+pub(super) fn lights(source: &Source, tree: &Tree, notes: &mut Notes) -> Vec<PlacedLight> {
     let json = source.document.as_json();
     let given =
         json.extensions.as_ref().and_then(|extensions| extensions.khr_lights_punctual.as_ref());
@@ -83,13 +86,13 @@ pub(super) fn lights(
             if let Some(what) = turned(light, &world) {
                 notes.count(what, 1, || tree.name(node));
             }
-            lights.push((placed(light, &world), Some(node)));
+            lights.push(PlacedLight { light: placed(light, &world), node: Some(node) });
         } else {
             notes.count("its light is nowhere, and left out", 1, || tree.name(node));
         }
     }
     if lights.is_empty() {
-        lights.push((from_above(), None));
+        lights.push(PlacedLight { light: from_above(), node: None });
     }
     lights
 }

@@ -38,11 +38,12 @@ mod weld;
 
 use animation::RigNodeId;
 use glam::Affine3A;
-use scene::{LightId, PunctualLight, Scene};
+use scene::{LightId, Scene};
 
 use self::assembly::{Assembly, rigid};
 use self::cameras::Place;
-use self::initial_view::InitialView;
+use self::initial_view::{FirstCamera, InitialView};
+use self::lights::PlacedLight;
 use self::nodes::Tree;
 use crate::gltf_scene::{GltfScene, PlacedNode, SceneCamera};
 use crate::load_options::LoadOptions;
@@ -66,7 +67,9 @@ pub(crate) fn convert(
     let tree = Tree::of(&mut source, options.place, &mut notes)?;
     let mut clips = clips::clips(&source, &tree, &mut losses, &mut notes)?;
     let cameras = cameras::cameras(&source, &tree, &mut notes);
-    let first = cameras.first().map(|camera| (camera.node, camera.projection));
+    let first = cameras.first();
+    let first =
+        first.map(|camera| FirstCamera { node: camera.node, projection: camera.projection });
     let sight = InitialView::of(&source, &tree, first);
     let lights = lights::lights(&source, &tree, &mut notes);
     renderable::check_lights(&source, &tree, &lights, &options.limits)?;
@@ -145,8 +148,8 @@ fn places(cameras: &[SceneCamera], tree: &Tree, is_empty: bool) -> Vec<Place> {
 }
 
 /// Adds the lights, and attaches moving ones to their nodes.
-fn place_lights(assembly: &mut Assembly<'_>, lights: Vec<(PunctualLight, Option<RigNodeId>)>) {
-    for (light, node) in lights {
+fn place_lights(assembly: &mut Assembly<'_>, lights: Vec<PlacedLight>) {
+    for PlacedLight { light, node } in lights {
         let id = LightId(assembly.surfaces.lights.len() as u32);
         assembly.surfaces.lights.push(light);
         if let Some(node) = node.filter(|node| assembly.tree.moves(*node)) {

@@ -2,10 +2,10 @@
 
 use std::collections::HashSet;
 
-use animation::RigNodeId;
 use scene::limits::{MAX_LAYERS, MAX_LIGHTS, MAX_PAGES, MAX_TEXTURE_TRANSFORMS};
-use scene::{Encoding, Material, PunctualLight, Sampler, Surfaces, TextureUse};
+use scene::{Encoding, Material, Sampler, Surfaces, TextureUse};
 
+use super::lights::PlacedLight;
 use super::nodes::Tree;
 use crate::{Cause, ImportError, Limits, Source};
 
@@ -18,12 +18,12 @@ fn too_many(source: &Source, object: String, what: &str, count: usize, limit: u6
 pub(super) fn check_lights(
     source: &Source,
     tree: &Tree,
-    lights: &[(PunctualLight, Option<RigNodeId>)],
+    lights: &[PlacedLight],
     limits: &Limits,
 ) -> Result<(), ImportError> {
     let limit = limits.lights.min(MAX_LIGHTS as u64);
-    let Some((_, node)) = lights.get(limit as usize) else { return Ok(()) };
-    let object = node.map_or_else(|| "lights".to_owned(), |node| tree.name(node));
+    let Some(light) = lights.get(limit as usize) else { return Ok(()) };
+    let object = light.node.map_or_else(|| "lights".to_owned(), |node| tree.name(node));
     Err(too_many(source, object, "lights in the scene", lights.len(), limit))
 }
 

@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use cull::CullView;
 use gpu::{
     Attachments, BufferSlice, Commands, Device, FragmentChoice, GraphicsPipeline,
-    GraphicsPipelineInfo, LINKED, LeafDrawBuffers, StorageLayout,
+    GraphicsPipelineInfo, LINKED, LeafDrawBuffers, SpecializationConstant, StorageLayout,
 };
 
 use crate::error::Error;
@@ -96,7 +96,10 @@ impl LeafBoxPass {
         };
         Ok(Self {
             single: pipeline("leaf boxes", fragment)?,
-            linked: pipeline("leaf boxes of lists", &fragment.specialised(&[(LINKED, 1)]))?,
+            linked: pipeline(
+                "leaf boxes of lists",
+                &fragment.specialised(&[SpecializationConstant { id: LINKED, value: 1 }]),
+            )?,
         })
     }
 

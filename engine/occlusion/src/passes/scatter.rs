@@ -21,6 +21,8 @@ pub struct ScatterIo {
     pub elements: BufferSlice,
     /// All elements, by leaf.
     pub array: BufferSlice,
+    /// The size of an element in bytes, a multiple of 4.
+    pub element_bytes: usize,
 }
 
 #[repr(C)]
@@ -55,20 +57,19 @@ impl ScatterPass {
         Ok(Self { pipeline: ComputePipeline::new(device, name, shaders.find(name)?, storage)? })
     }
 
-    /// Writes `count` new elements into each array. The second value of a pair is the size of an
-    /// element in bytes, a multiple of 4. Commands that were recorded earlier, in this frame or
-    /// another, still read the old elements: all run on one queue, so an execution barrier is
-    /// enough.
+    /// Writes `count` new elements into each array. Commands that were recorded earlier, in this
+    /// frame or another, still read the old elements: all run on one queue, so an execution barrier
+    /// is enough.
     pub fn record(
         &self,
         commands: &Commands,
         count: u32,
-        arrays: impl IntoIterator<Item = (ScatterIo, usize)>,
+        arrays: impl IntoIterator<Item = ScatterIo>,
     ) {
         commands.pass("upload changes", |commands| {
             commands.barrier(MemoryBarrier::between(&USES, &[Access::ComputeWrite]));
-            for (io, element_bytes) in arrays {
-                let element_values = (element_bytes / size_of::<u32>()) as u32;
+            for io in arrays {
+                let element_values = (io.element_bytes / size_of::<u32>()) as u32;
                 let value_count = count.saturating_mul(element_values);
                 commands.bind_compute(&self.pipeline, &[io.leaves, io.elements, io.array]);
                 let constants = Constants { element_values, value_count };

@@ -5,6 +5,7 @@ use scene::{Light, LightId, LightKind, PunctualLight};
 use crate::error::Error;
 use crate::renderer::Renderer;
 use crate::shading::surfaces::SurfaceResources;
+use crate::update_errors::LightError;
 
 impl Renderer {
     /// Replaces the light of a scene without surfaces: sun, ambient light and colour of the sky.
@@ -86,9 +87,10 @@ impl Renderer {
         let surfaces = lit_surfaces(&mut self.passes.gpu_scene.geometry.surfaces, light)?;
         let before = surfaces.table.get(light).map(|before| before.kind);
         if !before.is_some_and(|before| is_same_kind(before, to.kind)) {
-            return Err(Error::Light { light, reason: "it cannot become another kind of light" });
+            return Err(Error::Light { light, reason: LightError::OtherKind });
         }
-        surfaces.check_cookie(&to).map_err(|reason| Error::Light { light, reason })?;
+        let checked = surfaces.check_cookie(&to);
+        checked.map_err(|fault| Error::Light { light, reason: LightError::Cookie { fault } })?;
         surfaces.replace_light(self.scene.hierarchy(), light, to);
         Ok(())
     }
@@ -101,8 +103,8 @@ fn lit_surfaces(
 ) -> Result<&mut SurfaceResources, Error> {
     let refused = |reason| Error::Light { light, reason };
     let surfaces = surfaces.as_mut();
-    let surfaces = surfaces.ok_or(refused("the scene has no surfaces that it could light"))?;
-    surfaces.table.get(light).ok_or(refused("the scene has no such light"))?;
+    let surfaces = surfaces.ok_or(refused(LightError::NoSurfaces))?;
+    surfaces.table.get(light).ok_or(refused(LightError::UnknownLight))?;
     Ok(surfaces)
 }
 

@@ -10,6 +10,15 @@ use crate::renderer::Renderer;
 /// A view, and the counts of the samples visible in it.
 type SeenView<'a> = (CullView, Option<&'a SettledCounts>);
 
+/// A view that levels of detail are chosen for.
+#[derive(Clone, Copy)]
+pub struct DetailView<'a> {
+    /// The camera of the next frame.
+    pub camera: Camera,
+    /// The view, with the counts of its frames.
+    pub state: &'a RenderView,
+}
+
 impl Renderer {
     /// Chooses levels of detail ([`Surfaces::levels`](scene::Surfaces::levels)) for objects: levels
     /// whose errors are too small to be seen by any of the `cameras`. Returns the number of objects
@@ -42,13 +51,13 @@ impl Renderer {
     /// [`Error::ForeignRenderer`] for a view of another renderer. Nothing has changed then.
     pub fn choose_detail_seen(
         &mut self,
-        views: &[(Camera, &RenderView)],
+        views: &[DetailView<'_>],
         policy: &DetailPolicy,
     ) -> Result<u32, Error> {
-        views.iter().try_for_each(|(_, state)| self.check_view(state))?;
+        views.iter().try_for_each(|view| self.check_view(view.state))?;
         let seen = views
             .iter()
-            .map(|(camera, state)| (self.view_of(camera), Some(state.counts.settled())));
+            .map(|view| (self.view_of(&view.camera), Some(view.state.counts.settled())));
         let seen: Vec<SeenView<'_>> = seen.collect();
         Ok(self.choose_levels(&seen, policy))
     }

@@ -4,6 +4,7 @@ use scene::{Material, MaterialId};
 
 use crate::error::Error;
 use crate::renderer::Renderer;
+use crate::resource_errors::MaterialError;
 
 impl Renderer {
     /// Adds materials, all or none, and returns their ids in the same order. New meshes can use
@@ -18,7 +19,7 @@ impl Renderer {
     /// a number that is not finite or a texture that does not exist; [`Error::CapacityExceeded`].
     pub fn add_materials(&mut self, materials: &[Material]) -> Result<Vec<MaterialId>, Error> {
         let Some(surfaces) = &mut self.passes.gpu_scene.geometry.surfaces else {
-            return refused(materials.len(), "the scene has no surfaces");
+            return refused(materials.len());
         };
         for (index, material) in materials.iter().enumerate() {
             let checked = surfaces.check_material(material);
@@ -49,7 +50,7 @@ impl Renderer {
     pub fn set_material(&mut self, material: MaterialId, to: &Material) -> Result<(), Error> {
         let refused = |reason| Error::Material { index: material.0 as usize, reason };
         let surfaces = self.passes.gpu_scene.geometry.surfaces.as_mut();
-        let surfaces = surfaces.ok_or(refused("the scene has no surfaces"))?;
+        let surfaces = surfaces.ok_or(refused(MaterialError::NoSurfaces))?;
         surfaces.check_material(to).map_err(refused)?;
         surfaces.material_slots.check_replacement(material, to).map_err(refused)?;
         surfaces.material_slots.replace(material, to)
@@ -62,13 +63,13 @@ impl Renderer {
     /// mesh.
     pub fn remove_materials(&mut self, materials: &[MaterialId]) -> Result<(), Error> {
         let Some(surfaces) = &mut self.passes.gpu_scene.geometry.surfaces else {
-            return refused(materials.len(), "the scene has no surfaces").map(drop);
+            return refused(materials.len()).map(drop);
         };
         let slots = &mut surfaces.material_slots;
         for (index, material) in materials.iter().enumerate() {
             let is_new = !materials[..index].contains(material);
             let checked = slots.check_removal(*material);
-            let checked = checked.and(if is_new { Ok(()) } else { Err("it is named twice") });
+            let checked = checked.and(if is_new { Ok(()) } else { Err(MaterialError::NamedTwice) });
             checked.map_err(|reason| Error::Material { index, reason })?;
         }
         materials.iter().for_each(|material| slots.remove(*material));
@@ -77,6 +78,7 @@ impl Renderer {
 }
 
 /// Refuses the first of some materials. An empty list is not an error.
-fn refused(count: usize, reason: &'static str) -> Result<Vec<MaterialId>, Error> {
+fn refused(count: usize) -> Result<Vec<MaterialId>, Error> {
+    let reason = MaterialError::NoSurfaces;
     if count == 0 { Ok(Vec::new()) } else { Err(Error::Material { index: 0, reason }) }
 }

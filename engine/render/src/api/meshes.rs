@@ -5,6 +5,7 @@ use scene::{MeshId, PreparedMesh};
 
 use crate::error::Error;
 use crate::renderer::Renderer;
+use crate::resource_errors::MeshError;
 use crate::resources::mesh_slots::Residency;
 
 impl Renderer {
@@ -54,7 +55,7 @@ impl Renderer {
         for (index, mesh) in meshes.iter().enumerate() {
             let is_new = !meshes[..index].contains(mesh);
             let checked = geometry.meshes.check_removal(*mesh);
-            let checked = checked.and(if is_new { Ok(()) } else { Err("it is named twice") });
+            let checked = checked.and(if is_new { Ok(()) } else { Err(MeshError::NamedTwice) });
             checked.map_err(|reason| Error::Mesh { index, reason })?;
         }
         for mesh in meshes {

@@ -10,7 +10,7 @@ mod flares;
 pub(crate) mod headless;
 mod inspect;
 mod lights;
-mod lod;
+pub(crate) mod lod;
 mod materials;
 mod meshes;
 mod moves;

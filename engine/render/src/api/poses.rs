@@ -9,6 +9,15 @@ use crate::renderer::Renderer;
 use crate::resources::geometry::bounds_in_world;
 use crate::resources::skinned_mesh_state::SkinnedMeshState;
 use crate::update::UpdateScratch;
+use crate::update_errors::PoseError;
+
+/// The new pose of a skinned mesh.
+#[derive(Clone, Copy)]
+struct PoseRef<'a> {
+    skinned_mesh: SkinnedMeshId,
+    joints: &'a [Affine3A],
+    weights: &'a [f32],
+}
 
 impl Renderer {
     /// Sets the pose of a skinned mesh. The next frame shows it; frames in flight do not. Each
@@ -29,7 +38,7 @@ impl Renderer {
         joints: &[Affine3A],
         weights: &[f32],
     ) -> Result<(), Error> {
-        self.set_each([(skinned_mesh, joints, weights)]).map(drop)
+        self.set_each([PoseRef { skinned_mesh, joints, weights }]).map(drop)
     }
 
     /// Sets the poses of an update, in their order. Returns the number of poses that changed. After
@@ -38,18 +47,15 @@ impl Renderer {
         self.set_each(update.poses.iter().map(|PoseUpdate { skinned_mesh, joints, weights }| {
             let joints = update.joints.get(joints.clone()).unwrap_or_default();
             let weights = update.weights.get(weights.clone()).unwrap_or_default();
-            (*skinned_mesh, joints, weights)
+            PoseRef { skinned_mesh: *skinned_mesh, joints, weights }
         }))
     }
 
-    fn set_each<'a>(
-        &mut self,
-        poses: impl IntoIterator<Item = (SkinnedMeshId, &'a [Affine3A], &'a [f32])>,
-    ) -> Result<u32, Error> {
+    fn set_each<'a>(&mut self, poses: impl IntoIterator<Item = PoseRef<'a>>) -> Result<u32, Error> {
         let mut scratch = std::mem::take(&mut self.update_scratch);
         let mut count = 0;
-        let set = poses.into_iter().try_for_each(|(skinned_mesh, joints, weights)| {
-            let is_other = self.set_one(skinned_mesh, joints, weights, &mut scratch)?;
+        let set = poses.into_iter().try_for_each(|pose| {
+            let is_other = self.set_one(pose, &mut scratch)?;
             count += u32::from(is_other);
             Ok(())
         });
@@ -61,13 +67,11 @@ impl Renderer {
     /// Sets a pose. Returns true if it changed.
     fn set_one(
         &mut self,
-        skinned_mesh: SkinnedMeshId,
-        joints: &[Affine3A],
-        weights: &[f32],
+        PoseRef { skinned_mesh, joints, weights }: PoseRef<'_>,
         scratch: &mut UpdateScratch,
     ) -> Result<bool, Error> {
-        let refuse = |reason: &str| Error::Pose { skinned_mesh, reason: reason.to_owned() };
-        let none = || refuse("the scene has no skinned mesh");
+        let refuse = |reason| Error::Pose { skinned_mesh, reason };
+        let none = || refuse(PoseError::UnknownSkinnedMesh);
         let GpuScene { skinned_meshes, geometry, transparent, .. } = &mut self.passes.gpu_scene;
         let skinned_meshes = skinned_meshes.as_mut().ok_or_else(none)?;
         let Some(bounds) = skinned_meshes.bounds_in(skinned_mesh, joints, weights)? else {
@@ -80,9 +84,9 @@ impl Renderer {
             Some(id) => transparent.as_ref().and_then(|transparent| transparent.transform(id)),
             None => object.and_then(|object| geometry.transform(object)),
         };
-        const FAR: &str = "it takes its object farther than anything can be";
         let transform = transform.unwrap_or(Affine3A::IDENTITY);
-        let in_world = bounds_in_world(&bounds, &transform).ok_or_else(|| refuse(FAR))?;
+        let in_world = bounds_in_world(&bounds, &transform);
+        let in_world = in_world.ok_or_else(|| refuse(PoseError::ObjectOutOfRange))?;
         skinned_meshes.set_pose(skinned_mesh, joints, weights, bounds);
         geometry.reshape(mesh, bounds);
         self.revision.advance();

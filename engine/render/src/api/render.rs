@@ -192,8 +192,8 @@ impl Renderer {
         for image in request.image.into_iter().chain(scene_image) {
             self.check_image(image)?;
         }
-        if let Some((timeline, _)) = request.after {
-            self.device.check(timeline, "a renderer (`Renderer`)")?;
+        if let Some(after) = request.after {
+            self.device.check(after.timeline, "a renderer (`Renderer`)")?;
         }
         Ok(method)
     }
@@ -281,7 +281,8 @@ impl Renderer {
     /// Returns the view from `viewpoint` in a part of this renderer's image.
     ///
     /// # Errors
-    /// A matrix that is not a projection, or whose depth is not reversed. A camera never fails.
+    /// [`Error::InvalidView`] for numbers that are not finite and for an empty area; a matrix that
+    /// is not a projection, or whose depth is not reversed.
     pub fn view_in(&self, viewpoint: impl Into<Viewpoint>, area: Rect) -> Result<CullView, Error> {
         let view = viewpoint.into().view(&self.device, area)?;
         Ok(CullView { section: self.passes.section.planes, ..view })

@@ -7,6 +7,7 @@ use crate::error::Error;
 use crate::renderer::Renderer;
 use crate::resources::volume_meshes::VolumeMeshes;
 use crate::shadows::{LightShadow, Shadows, can_skip, caster_executor, usable_shadows};
+use crate::update_errors::LightError;
 
 impl Renderer {
     /// Returns the options of shadows.
@@ -84,11 +85,9 @@ impl Renderer {
         let refused = |reason| Error::Light { light, reason };
         let surfaces = self.passes.gpu_scene.geometry.surfaces.as_ref();
         let there = surfaces.and_then(|surfaces| surfaces.table.get(light));
-        there.ok_or(refused("the scene has no such light"))?;
+        there.ok_or(refused(LightError::UnknownLight))?;
         if shadow.is_some_and(|shadow| !(0.0..1.0e3).contains(&shadow.penumbra_m)) {
-            return Err(refused(
-                "the width of its penumbras must be a number of metres from 0 to below 1e3",
-            ));
+            return Err(refused(LightError::PenumbraWidth));
         }
         let own = &mut self.passes.shadows.own;
         match shadow {

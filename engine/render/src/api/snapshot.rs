@@ -34,12 +34,14 @@ impl Renderer {
     /// Freezes the newest frame of `state`, which was seen from `view`. Waits for it.
     ///
     /// # Errors
-    /// A view of another renderer, a lost device, or a frame that takes too long.
+    /// A view of another renderer; [`Error::InvalidView`]; a lost device, or a frame that takes too
+    /// long.
     pub fn snapshot(
         &mut self,
         state: &mut RenderView,
         view: CullView,
     ) -> Result<VisibilitySnapshot, Error> {
+        cull::check_view(&view)?;
         self.wait_idle(state)?;
         let plan = state.plan();
         let one = |first| LeafRange { first, count: 1 };
@@ -104,8 +106,8 @@ impl Renderer {
     /// shows the wireframe and the view from above. `overlay` records over that.
     ///
     /// # Errors
-    /// A snapshot of another renderer, an image of another device or size, no memory, a failed
-    /// call.
+    /// A snapshot of another renderer, an image of another device or size, a camera with numbers
+    /// that are not finite, no memory, a failed call.
     pub fn render_snapshot(
         &mut self,
         snapshot: &VisibilitySnapshot,
@@ -125,6 +127,7 @@ impl Renderer {
     ) -> Result<Tick, Error> {
         self.check_renderer(snapshot.renderer, "a snapshot (`VisibilitySnapshot`)")?;
         image.map_or(Ok(()), |image| self.check_image(image))?;
+        cull::check_camera(&camera, self.size())?;
         self.passes.pipelines.overlay.prepare(&self.device, &self.shaders)?;
         let view = self.view_of(&camera);
         let sketch = Sketch::of(snapshot, self.reach(snapshot));

@@ -4,6 +4,7 @@ use scene::{PreparedTexture, TextureId};
 
 use crate::error::Error;
 use crate::renderer::Renderer;
+use crate::resource_errors::TextureError;
 use crate::resources::limits;
 
 impl Renderer {
@@ -72,7 +73,7 @@ impl Renderer {
         for (index, texture) in textures.iter().enumerate() {
             let is_new = !textures[..index].contains(texture);
             let checked = surfaces.check_texture_removal(*texture);
-            let checked = checked.and(if is_new { Ok(()) } else { Err("it is named twice") });
+            let checked = checked.and(if is_new { Ok(()) } else { Err(TextureError::NamedTwice) });
             checked.map_err(|reason| Error::Texture { index, reason })?;
         }
         for texture in textures {
@@ -85,6 +86,6 @@ impl Renderer {
 
 /// Refuses the first of some textures. An empty list is not an error.
 fn refused(count: usize) -> Result<Vec<TextureId>, Error> {
-    let reason = "the scene has no surfaces";
+    let reason = TextureError::NoSurfaces;
     if count == 0 { Ok(Vec::new()) } else { Err(Error::Texture { index: 0, reason }) }
 }

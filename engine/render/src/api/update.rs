@@ -11,7 +11,9 @@ use scene::{LightMove, MeshId, Object, ObjectChange, SceneUpdate, TransparentMov
 
 use crate::error::Error;
 use crate::renderer::Renderer;
+use crate::resources::mesh_slots::Residency;
 use crate::update::{UpdateReport, UpdateScratch};
+use crate::update_errors::ChangeError;
 
 impl Renderer {
     /// Applies all changes between two frames: objects first, with [`Renderer::update`], then
@@ -87,10 +89,7 @@ impl Renderer {
                             free_leaves = left;
                             Ok(found)
                         }
-                        None => Err(format!(
-                            "{}, which in a renderer is `RendererOptions::spare_objects`",
-                            HierarchyError::NoFreeLeaf
-                        )),
+                        None => Err(ChangeError::NoFreeLeaf),
                     })
                 }
             };
@@ -100,17 +99,16 @@ impl Renderer {
     }
 
     /// Refuses an object that did not exist before the update or that the update removes.
-    fn check_there(&self, object: ObjectId, gone: &HashSet<ObjectId>) -> Result<(), String> {
+    fn check_there(&self, object: ObjectId, gone: &HashSet<ObjectId>) -> Result<(), ChangeError> {
         if self.scene.hierarchy().contains(object) && !gone.contains(&object) {
             return Ok(());
         }
-        Err(HierarchyError::UnknownObject { object }.to_string())
+        Err(ChangeError::UnknownObject { object })
     }
 
-    fn bounds_of_moved(&self, object: ObjectId, transform: &Affine3A) -> Result<Aabb, String> {
-        const NOWHERE: &str = "its transform takes it nowhere: check it for infinities and NaN";
-        let bounds = self.passes.gpu_scene.geometry.bounds_at(object, transform);
-        bounds.ok_or_else(|| NOWHERE.to_owned())
+    fn bounds_of_moved(&self, object: ObjectId, to: &Affine3A) -> Result<Aabb, ChangeError> {
+        let bounds = self.passes.gpu_scene.geometry.bounds_at(object, to);
+        bounds.ok_or(ChangeError::BadTransform)
     }
 
     /// Refuses a second object with a skinned mesh: the box of one object would not hold the other.
@@ -119,20 +117,26 @@ impl Renderer {
         object: &Object,
         gone: &HashSet<ObjectId>,
         taken: &mut HashSet<MeshId>,
-    ) -> Result<(), String> {
-        const TAKEN: &str = "its mesh is skinned and another object has it: remove that first";
+    ) -> Result<(), ChangeError> {
+        let mesh = object.mesh;
         let geometry = &self.passes.gpu_scene.geometry;
-        if !geometry.is_skinned(object.mesh) {
+        if !geometry.is_skinned(mesh) {
             return Ok(());
         }
-        let is_there = geometry.owner(object.mesh).is_some_and(|owner| !gone.contains(&owner));
-        if is_there || !taken.insert(object.mesh) { Err(TAKEN.to_owned()) } else { Ok(()) }
+        let is_there = geometry.owner(mesh).is_some_and(|owner| !gone.contains(&owner));
+        if is_there || !taken.insert(mesh) {
+            return Err(ChangeError::SkinnedMeshInUse { mesh });
+        }
+        Ok(())
     }
 
-    fn bounds_of_added(&self, object: &Object) -> Result<Aabb, String> {
-        const NONE: &str = "the scene has no such mesh, or its transform is no number";
-        let bounds = self.passes.gpu_scene.geometry.bounds_of(object.mesh.0, &object.transform);
-        bounds.ok_or_else(|| NONE.to_owned())
+    fn bounds_of_added(&self, object: &Object) -> Result<Aabb, ChangeError> {
+        let geometry = &self.passes.gpu_scene.geometry;
+        let mesh = object.mesh;
+        if geometry.meshes.residency(mesh) == Residency::Free {
+            return Err(ChangeError::UnknownMesh { mesh });
+        }
+        geometry.bounds_of(mesh.0, &object.transform).ok_or(ChangeError::BadTransform)
     }
 
     /// Makes changes that have been checked.

@@ -10,7 +10,7 @@ use crate::attachment_schedule::AttachmentSchedule;
 use crate::debug::depth_complexity::{DEPTH_COMPLEXITY, record_depth_complexity};
 use crate::debug::outline::OUTLINE;
 use crate::debug::palette::{BOX_BEHIND, BOX_HIDDEN, BOX_SHOWED, BOX_UNKNOWN};
-use crate::debug::top_down::{BACKGROUND, Sketch, VIEW_FROM_ABOVE, above, reach};
+use crate::debug::top_down::{BACKGROUND, Sketch, SketchBox, VIEW_FROM_ABOVE, above, reach};
 use crate::debug::visibility_snapshot::VisibilitySnapshot;
 use crate::error::Error;
 use crate::host_overlay::HOST_OVERLAY;
@@ -86,7 +86,7 @@ impl DebugOverlay {
                 (_, NodeState::Unknown) => BOX_UNKNOWN,
                 (_, NodeState::Visible) => BOX_SHOWED,
             };
-            (hierarchy.bounds(test.tag.node), colour)
+            SketchBox { bounds: hierarchy.bounds(test.tag.node), colour }
         });
         let boxes =
             self.has_boxes.then(|| Sketch::through(boxes).upload(view_pass.frame)).transpose()?;

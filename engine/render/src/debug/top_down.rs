@@ -57,6 +57,13 @@ pub(crate) struct Sketch {
     pub(crate) lines_through: Vec<OverlayVertex>,
 }
 
+/// A box of a sketch.
+#[derive(Clone, Copy)]
+pub(crate) struct SketchBox {
+    pub(crate) bounds: Aabb,
+    pub(crate) colour: Swatch,
+}
+
 impl Sketch {
     /// Creates the sketch of a snapshot seen from above.
     pub(crate) fn of(snapshot: &VisibilitySnapshot, reach: f32) -> Self {
@@ -80,9 +87,9 @@ impl Sketch {
     }
 
     /// Creates a sketch of boxes seen from the eye, drawn over everything.
-    pub(crate) fn through(boxes: impl Iterator<Item = (Aabb, Swatch)>) -> Self {
+    pub(crate) fn through(boxes: impl Iterator<Item = SketchBox>) -> Self {
         let mut lines_through = Vec::new();
-        for (bounds, colour) in boxes {
+        for SketchBox { bounds, colour } in boxes {
             push_edges(
                 &mut lines_through,
                 &corners_of(&bounds),

@@ -124,32 +124,43 @@ impl ObjectOutline {
 
 /// Refuses impossible options of edges.
 pub(crate) fn check_edges(options: &EdgeOptions) -> Result<(), Error> {
-    let checks = [
-        (is_width(options.width_pixels, 64.0), "a line is above 0 and at most 64 pixels wide"),
-        (is_width(options.dash_pixels, 1024.0), "a dash is above 0 and at most 1024 pixels long"),
-        ((0.0..=1024.0).contains(&options.gap_pixels), "a gap is 0 to 1024 pixels long"),
-        ((0.0..=180.0).contains(&options.crease_degrees), "a crease angle is 0 to 180 degrees"),
-        (
+    let rule = |is_kept, sentence| Rule { is_kept, sentence };
+    refuse(&[
+        rule(is_width(options.width_pixels, 64.0), "a line is above 0 and at most 64 pixels wide"),
+        rule(
+            is_width(options.dash_pixels, 1024.0),
+            "a dash is above 0 and at most 1024 pixels long",
+        ),
+        rule((0.0..=1024.0).contains(&options.gap_pixels), "a gap is 0 to 1024 pixels long"),
+        rule((0.0..=180.0).contains(&options.crease_degrees), "a crease angle is 0 to 180 degrees"),
+        rule(
             [options.colour, options.hidden_colour, options.paper].iter().all(is_colour),
             "the parts of a colour are numbers from 0 to 1",
         ),
-    ];
-    refuse(&checks)
+    ])
 }
 
 /// Refuses impossible outlines.
 pub(crate) fn check_outlines(outlines: &[ObjectOutline]) -> Result<(), Error> {
     let is_wide = outlines.iter().all(|outline| is_width(outline.width_pixels, 32.0));
     let is_coloured = outlines.iter().all(|outline| is_colour(&outline.colour));
+    let rule = |is_kept, sentence| Rule { is_kept, sentence };
     refuse(&[
-        (is_wide, "an outline is above 0 and at most 32 pixels wide"),
-        (is_coloured, "the parts of a colour are numbers from 0 to 1"),
+        rule(is_wide, "an outline is above 0 and at most 32 pixels wide"),
+        rule(is_coloured, "the parts of a colour are numbers from 0 to 1"),
     ])
 }
 
-fn refuse(checks: &[(bool, &'static str)]) -> Result<(), Error> {
-    match checks.iter().find(|(is_fine, _)| !is_fine) {
-        Some((_, rule)) => Err(Error::Edges(rule)),
+/// A rule of options.
+struct Rule {
+    is_kept: bool,
+    sentence: &'static str,
+}
+
+/// Refuses the first rule that is not kept.
+fn refuse(rules: &[Rule]) -> Result<(), Error> {
+    match rules.iter().find(|rule| !rule.is_kept) {
+        Some(rule) => Err(Error::Edges(rule.sentence)),
         None => Ok(()),
     }
 }

@@ -39,7 +39,9 @@ pub(crate) use pointer::{PointerIo, PointerPass};
 pub use section::SectionIo;
 pub(crate) use section::{ImageRows, SectionRow};
 pub(crate) use seen::{SeenIo, SeenPass};
-pub(crate) use skinning::{NOTHING, REST_VALUES, SkinningIo, SkinningJob, SkinningPass};
+pub(crate) use skinning::{
+    NOTHING, PredicatedJob, REST_VALUES, SkinningIo, SkinningJob, SkinningPass,
+};
 pub(crate) use sky::SkyIo;
 pub use sky::{SkyPass, SkyRow};
 pub use surface::{SurfaceIo, SurfaceKind, SurfacePass, SurfaceShadows};

@@ -65,6 +65,14 @@ const GROUP_THREADS: u32 = 64;
 /// The highest number of workgroups. More are not faster, and every device allows 65535.
 const GROUPS_MAX: u32 = 4096;
 
+/// The skinning of a mesh that may depend on a result.
+#[derive(Clone, Copy)]
+pub(crate) struct PredicatedJob {
+    /// The results that decide; `None` if the mesh is skinned in any case.
+    pub(crate) results: Option<BufferSlice>,
+    pub(crate) job: SkinningJob,
+}
+
 impl SkinningPass {
     /// Compiles the pass.
     pub(crate) fn new(device: &Device, shaders: &ShaderSet) -> Result<Self, Error> {
@@ -80,7 +88,7 @@ impl SkinningPass {
         &self,
         commands: &Commands,
         io: &SkinningIo,
-        jobs: impl Iterator<Item = (Option<BufferSlice>, SkinningJob)>,
+        jobs: impl Iterator<Item = PredicatedJob>,
     ) {
         let between = MemoryBarrier::between;
         commands.pass("skin meshes", |commands| {
@@ -88,7 +96,7 @@ impl SkinningPass {
             let before = [Access::AttributeRead, Access::ComputeWrite, Access::CopyWrite];
             commands.barrier(between(&before, &[Access::ComputeWrite]));
             let mut bound = None;
-            for (results, job) in jobs {
+            for PredicatedJob { results, job } in jobs {
                 // A buffer must be bound even if it is not used.
                 let results = results.unwrap_or(io.mesh_data);
                 if bound.replace(results) != Some(results) {

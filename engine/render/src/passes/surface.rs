@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use cull::{CullView, ProjectionKind};
 use gpu::{
     Attachments, Blend, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
-    GraphicsPipelineInfo, SampledArrays, StorageLayout, VertexLayout, vk,
+    GraphicsPipelineInfo, SampledArrays, SpecializationConstant, StorageLayout, VertexLayout, vk,
 };
 use scene::limits::MAX_PAGES;
 use scene::{Light, SurfaceVertex};
@@ -200,10 +200,11 @@ impl SurfacePass {
             SurfaceKind::Transparent | SurfaceKind::Fragments | SurfaceKind::Transmittance
         );
         let mut constants = surfaces.features(is_transparent).constants(is_transparent).to_vec();
-        constants.push((PICTURE_PAGES, surfaces.features(is_transparent).pictures));
-        constants.push((ENVIRONMENT, u32::from(surfaces.environment.is_there())));
+        let constant = |id, value| SpecializationConstant { id, value };
+        constants.push(constant(PICTURE_PAGES, surfaces.features(is_transparent).pictures));
+        constants.push(constant(ENVIRONMENT, u32::from(surfaces.environment.is_there())));
         let has_several = attachments.samples != vk::SampleCountFlags::TYPE_1;
-        constants.push((SEVERAL_SAMPLES, u32::from(has_several)));
+        constants.push(constant(SEVERAL_SAMPLES, u32::from(has_several)));
         constants.extend(shadows.filter(|_| inputs == Inputs::Maps).and_then(filter_constant));
         let stage = |name: &str, end: &str| {
             shaders.find_of_objects(name, end).map(|shader| shader.specialised(&constants))
@@ -259,7 +260,7 @@ impl SurfacePass {
     /// Binds everything except the view.
     pub(super) fn bind_inputs(&self, commands: &Commands, io: &SurfaceIo<'_>) {
         let [materials, transforms, lights, lists] = io.surfaces.buffers();
-        let own = [io.instances, materials, transforms, lights, lists];
+        let own = SurfaceBuffers { instances: io.instances, materials, transforms, lights, lists };
         self.bind_buffers(commands, io, own);
     }
 
@@ -275,12 +276,18 @@ impl SurfacePass {
         light: &Light,
     ) {
         let [materials, transforms, ..] = io.surfaces.buffers();
-        let own = [io.instances, materials, transforms, blocks, transmittance];
+        let own = SurfaceBuffers {
+            instances: io.instances,
+            materials,
+            transforms,
+            lights: blocks,
+            lists: transmittance,
+        };
         self.bind_buffers(commands, &SurfaceIo { shadows: None, ..*io }, own);
         self.set_view(commands, io, view, light);
     }
 
-    fn bind_buffers(&self, commands: &Commands, io: &SurfaceIo<'_>, own: [BufferSlice; 5]) {
+    fn bind_buffers(&self, commands: &Commands, io: &SurfaceIo<'_>, own: SurfaceBuffers) {
         io.surfaces.textures.bound(|pages| self.bind_inputs_with(commands, io, own, pages));
         commands.bind_geometry_beside([io.vertices, io.surfaces.vertices()], io.indices);
     }
@@ -289,11 +296,12 @@ impl SurfacePass {
         &self,
         commands: &Commands,
         io: &SurfaceIo<'_>,
-        own: [BufferSlice; 5],
+        own: SurfaceBuffers,
         pages: SampledArrays<'_>,
     ) {
         let around = io.surfaces.environment.sampled();
-        let [instances, materials, transforms, lights, lists] = own;
+        let SurfaceBuffers { instances, materials, transforms, lights, lists } = own;
+        let own = [instances, materials, transforms, lights, lists];
         match (self.inputs, &io.shadows) {
             (Inputs::Holes, _) => with_others(&own, io, |all| {
                 commands.bind_sampled(&self.pipeline, all, &[], pages);
@@ -382,6 +390,18 @@ fn with_others(own: &[BufferSlice], io: &SurfaceIo<'_>, bind: impl FnOnce(&[Buff
     bind(&own.iter().copied().chain(planes).chain([fragments]).collect::<Vec<_>>());
 }
 
+/// The storage buffers that each kind of pass binds first.
+#[derive(Clone, Copy)]
+struct SurfaceBuffers {
+    instances: BufferSlice,
+    materials: BufferSlice,
+    transforms: BufferSlice,
+    /// The lights; for transmittance, the blocks of flares.
+    lights: BufferSlice,
+    /// The lists of lights of objects; for transmittance, the transmittance of flares.
+    lists: BufferSlice,
+}
+
 /// Returns the name of the fragment shader of a pass with these inputs. `shader` is the name of its
 /// other shaders.
 fn fragment_shader(kind: SurfaceKind, inputs: Inputs, shader: &'static str) -> &'static str {
@@ -406,9 +426,11 @@ fn other_buffers(kind: SurfaceKind, section: SectionShaders) -> u32 {
 }
 
 /// Returns the specialisation constant for the filter of shadow maps.
-fn filter_constant(shadows: SurfaceShadows) -> Option<(u32, u32)> {
+fn filter_constant(shadows: SurfaceShadows) -> Option<SpecializationConstant> {
     match shadows {
-        SurfaceShadows::Maps(filter) => Some((SHADOW_FILTER, filter_number(filter))),
+        SurfaceShadows::Maps(filter) => {
+            Some(SpecializationConstant { id: SHADOW_FILTER, value: filter_number(filter) })
+        }
         SurfaceShadows::Volumes => None,
     }
 }

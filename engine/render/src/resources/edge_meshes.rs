@@ -181,9 +181,9 @@ impl EdgeMeshes {
             elements: uploads.push_iter(draws)?,
             leaves: uploads.push_iter(changed.iter().map(|leaf| leaf.0))?,
             array: self.leaf_draws.whole(),
+            element_bytes: size_of::<UnindexedDraw>(),
         };
-        let arrays = [(io, size_of::<UnindexedDraw>())];
-        scatter.record(frame.commands(), changed.len() as u32, arrays);
+        scatter.record(frame.commands(), changed.len() as u32, [io]);
         Ok(())
     }
 

@@ -17,6 +17,7 @@ use scene::{
 };
 
 use crate::error::Error;
+use crate::resource_errors::MeshError;
 use crate::resources::instance::{Instance, rows_of, with_lights};
 use crate::resources::joined_meshes::JoinedMeshes;
 use crate::resources::limits::{check_leaves, check_memory, check_storage};
@@ -161,12 +162,12 @@ impl Geometry {
     }
 
     /// Refuses a mesh that does not fit the scene, with the reason.
-    pub(crate) fn check_mesh(&self, mesh: &PreparedMesh) -> Result<(), &'static str> {
+    pub(crate) fn check_mesh(&self, mesh: &PreparedMesh) -> Result<(), MeshError> {
         match (&self.surfaces, mesh.surface()) {
             (None, None) => Ok(()),
             (Some(surfaces), Some(surface)) => surfaces.material_slots.check_mesh(surface.material),
-            (Some(_), None) => Err("the scene has surfaces and the mesh has none"),
-            (None, Some(_)) => Err("the scene has no surfaces and the mesh has one"),
+            (Some(_), None) => Err(MeshError::SurfaceMissing),
+            (None, Some(_)) => Err(MeshError::NoSurfaces),
         }
     }
 

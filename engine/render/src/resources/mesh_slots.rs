@@ -7,6 +7,7 @@ use occlusion::{MeshDraw, MeshDrawId};
 use scene::{MeshId, PreparedMesh, Scene};
 
 use crate::error::Error;
+use crate::resource_errors::MeshError;
 use crate::resources::joined_meshes::JoinedMeshes;
 use crate::resources::skinned_meshes::are_skinned;
 use crate::resources::spare_capacity::{SpareCapacity, SpareRanges};
@@ -159,11 +160,11 @@ impl MeshSlots {
     }
 
     /// Refuses to remove a mesh that is in use or permanent, with the reason.
-    pub(crate) fn check_removal(&self, mesh: MeshId) -> Result<(), &'static str> {
+    pub(crate) fn check_removal(&self, mesh: MeshId) -> Result<(), MeshError> {
         match (self.residency(mesh), self.slots.get(mesh.0 as usize).map_or(0, |slot| slot.users)) {
-            (Residency::Free, _) => Err("the renderer has no such mesh"),
-            (Residency::Kept, _) => Err("meshes that are skinned or of sprites stay"),
-            (_, 1..) => Err("objects have it: remove those first"),
+            (Residency::Free, _) => Err(MeshError::UnknownMesh),
+            (Residency::Kept, _) => Err(MeshError::Permanent),
+            (_, 1..) => Err(MeshError::InUse),
             _ => Ok(()),
         }
     }

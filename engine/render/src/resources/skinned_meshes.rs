@@ -13,9 +13,10 @@ use occlusion::UpcomingDraws;
 use scene::{MeshId, MorphTarget, Scene, SkinnedMeshId, TransparentId};
 
 use crate::error::Error;
-use crate::passes::{REST_VALUES, SkinningIo, SkinningJob, SkinningPass};
+use crate::passes::{PredicatedJob, REST_VALUES, SkinningIo, SkinningJob, SkinningPass};
 use crate::resources::limits::check_storage;
 use crate::resources::skinned_mesh_state::SkinnedMeshState;
+use crate::update_errors::PoseError;
 
 /// All skinned meshes of a scene and their newest poses.
 pub(crate) struct SkinnedMeshes {
@@ -153,30 +154,30 @@ impl SkinnedMeshes {
         joints: &[Affine3A],
         weights: &[f32],
     ) -> Result<Option<Aabb>, Error> {
-        let refuse = |reason: String| Err(Error::Pose { skinned_mesh, reason });
+        let refuse = |reason| Err(Error::Pose { skinned_mesh, reason });
         let Some(state) = self.all.get(skinned_mesh.0 as usize) else {
-            return refuse("the scene has no such skinned mesh".to_owned());
+            return refuse(PoseError::UnknownSkinnedMesh);
         };
         let joint_count = state.joint_count;
         let target_count = state.targets.len();
         if joints.len() != joint_count {
-            return refuse(format!("it has {joint_count} joints, not {}", joints.len()));
+            return refuse(PoseError::JointCount { joints: joint_count, given: joints.len() });
         }
         if weights.len() != target_count {
-            return refuse(format!("it has {target_count} morph targets, not {}", weights.len()));
+            return refuse(PoseError::TargetCount { targets: target_count, given: weights.len() });
         }
         if let Some(joint) = joints.iter().position(|joint| !joint.is_finite()) {
-            return refuse(format!("its joint {joint} has a number that is not finite"));
+            return refuse(PoseError::JointNotFinite { joint });
         }
         if let Some(target) = weights.iter().position(|weight| !weight.is_finite()) {
-            return refuse(format!("the weight of its target {target} is not finite"));
+            return refuse(PoseError::WeightNotFinite { target });
         }
         if state.joints == joints && state.weights == weights {
             return Ok(None);
         }
         match state.pose_bounds.bounds(joints, weights) {
             Some(bounds) => Ok(Some(bounds)),
-            None => refuse("it takes the mesh beyond all that can be drawn".to_owned()),
+            None => refuse(PoseError::MeshOutOfRange),
         }
     }
 
@@ -317,7 +318,7 @@ impl SkinnedMeshes {
                 let state = all.get_mut(*number).filter(|state| !state.is_written)?;
                 state.is_written = true;
                 skinned.vertices += u64::from(state.rest.vertex_count);
-                Some((None, state.pose))
+                Some(PredicatedJob { results: None, job: state.pose })
             }),
         );
     }
@@ -349,7 +350,8 @@ impl SkinnedMeshes {
             let state = all.get(number)?;
             skinned.predicated_vertices += u64::from(state.rest.vertex_count);
             let Predicate { results, result, threshold_samples, .. } = *predicate;
-            Some((Some(results), SkinningJob { result, threshold_samples, ..state.pose }))
+            let job = SkinningJob { result, threshold_samples, ..state.pose };
+            Some(PredicatedJob { results: Some(results), job })
         });
         pass.record(commands, &io, jobs);
     }

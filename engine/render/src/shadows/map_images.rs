@@ -13,7 +13,9 @@ use ::shadows::{FaceWork, PlannedFace, ShadowBias, ShadowOptions, ShadowPlan};
 use gpu::{Commands, DepthLayers, DepthTile, Device, Error};
 
 use crate::passes::{MapPasses, MidpointIo, MidpointPass, MidpointTile};
-use crate::shadows::tile_draws::{CasterDraws, TileDraws, TileStart, begin_tile, tiles_target};
+use crate::shadows::tile_draws::{
+    CasterDraws, DrawnTile, TileDraws, TileStart, begin_tile, tiles_target,
+};
 
 /// The depths of casters, in images with the same tiles.
 struct CasterDepths {
@@ -243,7 +245,8 @@ fn draw_midpoints(
             let (Some(target), true) = (layers.target(layer), drawn.peek().is_some()) else {
                 continue;
             };
-            let tiles = drawn.clone().map(|face| (face.tile, TileStart::Cleared));
+            let tiles =
+                drawn.clone().map(|face| DrawnTile { tile: face.tile, start: TileStart::Cleared });
             commands.rendering(tiles_target(target, tiles), |commands| {
                 pass.bind(commands, &io);
                 for face in drawn {

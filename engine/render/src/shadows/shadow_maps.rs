@@ -26,7 +26,7 @@ use crate::shadows::culled_draws::{CasterGroup, CastersInView, CulledGroup};
 use crate::shadows::map_images::MapImages;
 use crate::shadows::records::{FaceRecord, LightRecord, ShadowMapIo, light_records};
 use crate::shadows::tile_draws::{
-    CasterDraws, FaceSections, TileStart, begin_tile, caster_io, tiles_target,
+    CasterDraws, DrawnTile, FaceSections, TileStart, begin_tile, caster_io, tiles_target,
 };
 
 /// The side of the tile of disks, in pixels. Neighbouring pixels filter with different disks.
@@ -319,8 +319,11 @@ impl ShadowMaps {
                     let (Some(target), true) = (layers.target(layer), here.peek().is_some()) else {
                         continue;
                     };
-                    let tiles = groups()
-                        .filter_map(|group| Some((planned(group)?.tile, TileStart::Cleared)));
+                    let cleared = |face: &PlannedFace| DrawnTile {
+                        tile: face.tile,
+                        start: TileStart::Cleared,
+                    };
+                    let tiles = groups().filter_map(|group| planned(group).map(cleared));
                     commands.rendering(tiles_target(target, tiles), |commands| {
                         self.sections.bind(commands, casters, &io);
                         for (culled, face) in here {

@@ -109,10 +109,9 @@ impl CasterDraws<'_> {
                 let (Some(target), true) = (layers.target(layer), work.peek().is_some()) else {
                     continue;
                 };
-                let tiles = faces
-                    .iter()
-                    .filter(is_here)
-                    .filter_map(|face| Some((face.tile, part(&face.work)?.start())));
+                let tiles = faces.iter().filter(is_here).filter_map(|face| {
+                    Some(DrawnTile { tile: face.tile, start: part(&face.work)?.start() })
+                });
                 commands.rendering(tiles_target(target, tiles), |commands| {
                     self.section.bind(commands, pass, &io);
                     work.for_each(|(number, face, part)| {
@@ -152,11 +151,18 @@ pub(super) enum TileStart {
     Cleared,
 }
 
+/// A tile that is drawn to.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DrawnTile {
+    pub(super) tile: Tile,
+    pub(super) start: TileStart,
+}
+
 /// Returns the target of a rendering to these tiles of a layer, which must not overlap. It loads
 /// and stores only what the tiles need.
 pub(super) fn tiles_target(
     layer: RenderTarget,
-    tiles: impl Iterator<Item = (Tile, TileStart)>,
+    tiles: impl Iterator<Item = DrawnTile>,
 ) -> RenderTarget {
     let area = TilesArea::of(tiles);
     let mut target = layer.within(area.origin, area.size);
@@ -176,11 +182,11 @@ struct TilesArea {
 }
 
 impl TilesArea {
-    fn of(tiles: impl Iterator<Item = (Tile, TileStart)>) -> Self {
+    fn of(tiles: impl Iterator<Item = DrawnTile>) -> Self {
         let mut low = [u32::MAX; 2];
         let mut high = [0; 2];
         let mut cleared = 0_u64;
-        for (tile, start) in tiles {
+        for DrawnTile { tile, start } in tiles {
             for (axis, at) in tile.origin.into_iter().enumerate() {
                 low[axis] = low[axis].min(at);
                 high[axis] = high[axis].max(at.saturating_add(tile.side));
@@ -225,7 +231,8 @@ mod tests {
 
     fn area(tiles: &[([u32; 2], u32, TileStart)]) -> TilesArea {
         let tile = |(origin, side, start): &([u32; 2], u32, TileStart)| {
-            (Tile { layer: 0, origin: *origin, side: *side }, *start)
+            let tile = Tile { layer: 0, origin: *origin, side: *side };
+            DrawnTile { tile, start: *start }
         };
         TilesArea::of(tiles.iter().map(tile))
     }

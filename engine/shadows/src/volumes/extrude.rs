@@ -25,6 +25,13 @@ pub struct Extrusion {
     pub end: VolumeEnd,
 }
 
+/// A corner of a triangle or of its neighbour.
+#[derive(Clone, Copy, Debug)]
+struct NamedCorner {
+    name: u32,
+    at: Vec3,
+}
+
 impl Extrusion {
     /// Returns the boundary of a mesh's shadow volumes, with the vertices at these positions.
     #[must_use]
@@ -38,9 +45,10 @@ impl Extrusion {
     }
 
     fn add_triangle(&self, names: &[u32; 6], at: [Vec3; 6], boundary: &mut Vec<VolumeTriangle>) {
+        let corner = |name, at| NamedCorner { name, at };
         let [a, _, b, _, c, _] = at;
         let [name_a, name_ab, name_b, name_bc, name_c, name_ca] = *names;
-        let faces = self.faces([(name_a, a), (name_b, b), (name_c, c)]);
+        let faces = self.faces([corner(name_a, a), corner(name_b, b), corner(name_c, c)]);
         if self.kind == VolumeKind::Plain && !faces {
             return;
         }
@@ -54,19 +62,17 @@ impl Extrusion {
         }
         let [_, ab, _, bc, _, ca] = at;
         let edges = [
-            [(name_a, a), (name_ab, ab), (name_b, b)],
-            [(name_b, b), (name_bc, bc), (name_c, c)],
-            [(name_c, c), (name_ca, ca), (name_a, a)],
+            [corner(name_a, a), corner(name_ab, ab), corner(name_b, b)],
+            [corner(name_b, b), corner(name_bc, bc), corner(name_c, c)],
+            [corner(name_c, c), corner(name_ca, ca), corner(name_a, a)],
         ];
         for [from, far, to] in edges {
             // The neighbour runs along the edge in the other direction.
-            if far.0 == from.0 || self.faces([to, from, far]) != faces {
-                let from = from.1;
-                let to = to.1;
+            if far.name == from.name || self.faces([to, from, far]) != faces {
                 if faces {
-                    self.add_side(from, to, boundary);
+                    self.add_side(from.at, to.at, boundary);
                 } else {
-                    self.add_side(to, from, boundary);
+                    self.add_side(to.at, from.at, boundary);
                 }
             }
         }
@@ -91,15 +97,16 @@ impl Extrusion {
     /// A triangle is tested once for itself and once for each neighbour. All four tests must agree,
     /// even where rounding decides. So the arithmetic begins at the corner of the least name,
     /// whatever the order of the corners.
-    fn faces(&self, corners: [(u32, Vec3); 3]) -> bool {
-        let [(a, at_a), (b, at_b), (c, at_c)] = corners;
-        let [p, q, r] = if a < b && a < c {
-            [at_a, at_b, at_c]
-        } else if b < c {
-            [at_b, at_c, at_a]
+    fn faces(&self, corners: [NamedCorner; 3]) -> bool {
+        let [a, b, c] = corners;
+        let from_least = if a.name < b.name && a.name < c.name {
+            [a, b, c]
+        } else if b.name < c.name {
+            [b, c, a]
         } else {
-            [at_c, at_a, at_b]
+            [c, a, b]
         };
+        let [p, q, r] = from_least.map(|corner| corner.at);
         let to_light = self.light.truncate() - self.light.w * p;
         (q - p).cross(r - p).dot(to_light) > 0.0
     }

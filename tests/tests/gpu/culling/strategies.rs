@@ -305,7 +305,7 @@ fn a_frame_is_sent_off_in_pieces() {
         let mut frame = ring.begin().unwrap();
         // More pieces than share descriptors. The commands of all pieces run in order.
         let mut ticks: Vec<Tick> =
-            (0..100).map(|_| frame.flush(Some((&gate, Tick(1)))).unwrap()).collect();
+            (0..100).map(|_| frame.flush(Some(gate.at(Tick(1)))).unwrap()).collect();
         assert_eq!(device.completed().unwrap(), before, "all pieces are held back");
         assert_eq!(frame.waits(), 0);
         gate.signal(Tick(1)).unwrap();
@@ -339,7 +339,7 @@ fn a_host_holds_a_blocking_method_back_only_up_to_its_gate() {
         for (strategy, image) in [(Strategy::FRUSTUM, &expected), (methods::CHC, &got)] {
             let request = FrameRequest {
                 image: Some(image),
-                after: Some((&gate, Tick(1))),
+                after: Some(gate.at(Tick(1))),
                 ..FrameRequest::new(strategy, path.camera(3))
             };
             renderer.render(&mut view, request).unwrap();

@@ -42,7 +42,7 @@ fn recording_goes_on_while_the_gpu_is_held_back() {
                 &mut view,
                 FrameRequest {
                     image: (number + 1 == FRAMES_IN_FLIGHT).then_some(&image),
-                    after: Some((&gate, Tick(1))),
+                    after: Some(gate.at(Tick(1))),
                     ..FrameRequest::new(Strategy::ANTUMBRA, path.camera(20 + number))
                 },
             );

@@ -136,7 +136,7 @@ fn the_loop_goes_on_while_the_gpu_is_held_back() {
         let mut submitted = Vec::new();
         for _ in 0..FRAMES_IN_FLIGHT {
             let frame = ring.begin().unwrap();
-            submitted.push(frame.submit(Some((&gate, Tick(1)))).unwrap());
+            submitted.push(frame.submit(Some(gate.at(Tick(1)))).unwrap());
         }
         // All slots are in flight and not over, so no call has waited for them.
         assert_eq!(device.completed().unwrap(), before);
@@ -157,7 +157,7 @@ fn a_wait_has_a_bound() {
         let device = Device::new(&instance, &adapter, &options).unwrap();
         let gate = Timeline::new(&device, "gate").unwrap();
         let mut ring = FrameRing::new(&device, 1).unwrap();
-        ring.begin().unwrap().submit(Some((&gate, Tick(1)))).unwrap();
+        ring.begin().unwrap().submit(Some(gate.at(Tick(1)))).unwrap();
         assert!(matches!(ring.begin().err(), Some(Error::Timeout { .. })));
         gate.signal(Tick(1)).unwrap();
     }

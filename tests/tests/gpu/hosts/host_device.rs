@@ -258,7 +258,7 @@ fn frames_wait_for_a_timeline_of_the_host_and_signal_one_that_it_can_read() {
         let raw = host.create_timeline();
         let timeline = host.lend_timeline(&device, raw);
         let mut ring = FrameRing::new(&device, 2).unwrap();
-        let tick = ring.begin().unwrap().submit(Some((&timeline, gpu::Tick(7)))).unwrap();
+        let tick = ring.begin().unwrap().submit(Some(timeline.at(gpu::Tick(7)))).unwrap();
         let ticks = device.timeline_semaphore().unwrap();
         assert!(host.value_of(ticks) < tick.0);
         host.signal(raw, 7);

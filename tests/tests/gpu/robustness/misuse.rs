@@ -1,11 +1,16 @@
 //! Objects that do not belong together are refused before anything is recorded, with a helpful
 //! message.
 
-use cull::{Aabb, CostTable, Hierarchy, Strategy};
-use gpu::{Readback, Tick, Timeline};
+use cull::{
+    Aabb, Camera, ClipY, CostTable, CullView, DepthConvention, Hierarchy, InvalidView, Projection,
+    Strategy, ViewError, ViewProjection,
+};
+use glam::Vec3;
+use gpu::{FrameRing, Readback, Target, Tick, Timeline};
+use occlusion::{CulledScene, CulledSceneOptions, DrawRequest};
 use render::{
-    CostModel, Error, FrameRequest, MAX_FRAMES_IN_FLIGHT, Renderer, RendererOptions, ViewsRequest,
-    object_bounds,
+    CostModel, Error, FrameRequest, MAX_FRAMES_IN_FLIGHT, Rect, Renderer, RendererOptions,
+    ViewsRequest, object_bounds,
 };
 use scenes::{CameraPath, GeneratedScene, PathKind};
 use tests::walk::SceneKind;
@@ -149,6 +154,121 @@ fn a_frame_without_a_view_is_refused() {
     });
 }
 
+/// Returns cameras with a number that is not finite, and the field that has it.
+fn impossible_cameras(good: Camera) -> Vec<(Camera, &'static str)> {
+    let mut cameras = Vec::new();
+    for number in [f32::NAN, f32::INFINITY] {
+        cameras.push((Camera { eye: Vec3::X * number, ..good }, "camera.eye"));
+        cameras.push((Camera { forward: Vec3::splat(number), ..good }, "camera.forward"));
+        cameras.push((Camera { up: Vec3::splat(number), ..good }, "camera.up"));
+        cameras.push((Camera { near: number, ..good }, "camera.near"));
+        for (projection, field) in [
+            (Projection::perspective(number), "camera.projection.fov_y"),
+            (Projection::Orthographic { height: number, far: 9.0 }, "camera.projection.height"),
+            (Projection::Orthographic { height: 9.0, far: number }, "camera.projection.far"),
+        ] {
+            cameras.push((Camera { projection, ..good }, field));
+        }
+    }
+    // Each number is finite, and products of them are not.
+    cameras.push((Camera { eye: Vec3::splat(3.0e38), ..good }, "view.view_proj"));
+    cameras
+}
+
+/// Returns true for the refusal of a number in `expected`.
+fn is_not_finite(error: &Error, expected: &str) -> bool {
+    matches!(error, Error::InvalidView(InvalidView::NotFinite { field }) if *field == expected)
+}
+
+/// Returns the reason why a host's view was refused.
+fn invalid_view(error: &occlusion::Error) -> Option<InvalidView> {
+    match error {
+        occlusion::Error::InvalidView(reason) => Some(*reason),
+        _ => None,
+    }
+}
+
+#[test]
+fn a_camera_with_impossible_numbers_is_refused_and_the_next_frame_is_right() {
+    run(Driver::Lavapipe, |device| {
+        let GeneratedScene { scene, routes } = SceneKind::City.build(50);
+        let camera = CameraPath::new(PathKind::Street, &routes).unwrap().camera(0);
+        let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        let image = Readback::new(device, SIZE).unwrap();
+        let good =
+            FrameRequest { image: Some(&image), ..FrameRequest::new(Strategy::ANTUMBRA, camera) };
+        renderer.render(&mut view, good).unwrap();
+        device.wait_idle().unwrap();
+        let before = image.rgba8().unwrap().to_vec();
+        let seen = renderer.view_of(&camera);
+        let snapshot = renderer.snapshot(&mut view, seen).unwrap();
+        for (bad, field) in impossible_cameras(camera) {
+            for strategy in [Strategy::ANTUMBRA, Strategy::FRUSTUM] {
+                let request = FrameRequest::new(strategy, bad);
+                let error = renderer.render(&mut view, request).unwrap_err();
+                assert!(is_not_finite(&error, field), "{field}: {error}");
+            }
+            if field.starts_with("camera") {
+                let error = renderer.render_snapshot(&snapshot, bad, None, None).unwrap_err();
+                assert!(is_not_finite(&error, field), "{field}: {error}");
+            }
+        }
+        let depth = DepthConvention::Reversed;
+        let mut matrix = ViewProjection { matrix: seen.view_proj, depth, y: ClipY::Down };
+        matrix.matrix.w_axis.x = f32::NAN;
+        let error = renderer.render(&mut view, matrix).unwrap_err();
+        assert!(matches!(error, Error::CullView(ViewError::NotFinite { .. })), "{error}");
+        let broken = CullView { anchor: Vec3::NAN, ..seen };
+        let error = renderer.snapshot(&mut view, broken).unwrap_err();
+        assert!(is_not_finite(&error, "view.anchor"), "{error}");
+        let nothing = Rect { origin: [0, 0], size: [0, 8] };
+        let error = renderer.view_in(camera, nothing).unwrap_err();
+        let expected = InvalidView::NoPixels { size: [0, 8] };
+        assert!(matches!(error, Error::InvalidView(found) if found == expected), "{error}");
+        renderer.render(&mut view, good).unwrap();
+        device.wait_idle().unwrap();
+        assert!(*image.rgba8().unwrap() == before);
+    });
+}
+
+#[test]
+fn a_view_of_a_host_with_impossible_numbers_is_refused() {
+    run(Driver::Lavapipe, |device| {
+        let target = Target::new(device, SIZE, "views").unwrap();
+        let attachments = target.attachments();
+        let mut scene =
+            CulledScene::new(device, attachments, &CulledSceneOptions::default()).unwrap();
+        let mut state = scene.new_view(&target).unwrap();
+        let mut other = scene.new_view(&target).unwrap();
+        let mut frames = FrameRing::new(device, 2).unwrap();
+        let good = CullView::new(&Camera::look_at([0.0, 0.0, 5.0], [0.0; 3]), SIZE, 8);
+        let mut nan = good;
+        nan.view_proj.y_axis.y = f32::NAN;
+        for (bad, expected) in [
+            (nan, InvalidView::NotFinite { field: "view.view_proj" }),
+            (
+                CullView { anchor: Vec3::INFINITY, ..good },
+                InvalidView::NotFinite { field: "view.anchor" },
+            ),
+            (CullView { size: [0, 0], ..good }, InvalidView::NoPixels { size: [0, 0] }),
+        ] {
+            let frame = frames.begin().unwrap();
+            let mut scope = scene.begin(frame).unwrap();
+            let refused = scope.plan(&mut state, &bad).err().unwrap();
+            assert_eq!(invalid_view(&refused), Some(expected), "{refused}");
+            drop(scope);
+            let mut scope = scene.begin(frames.begin().unwrap()).unwrap();
+            let views = [(&mut other, DrawRequest::from(&good)), (&mut state, (&bad).into())];
+            let refused = scope.plan_all(views, 100).err().unwrap();
+            assert_eq!(invalid_view(&refused), Some(expected), "{refused}");
+        }
+        // The next frame is planned.
+        let mut scope = scene.begin(frames.begin().unwrap()).unwrap();
+        assert!(scope.plan(&mut state, &good).is_ok());
+    });
+}
+
 #[test]
 fn outcomes_that_nobody_takes_are_kept_within_bounds() {
     run(Driver::Lavapipe, |device| {
@@ -187,7 +307,7 @@ fn an_image_is_read_when_its_frame_is_over_and_not_before() {
         };
         is_refused("never written");
         let waits = device.wait_counts().other;
-        let held_back = request(0, Some((&gate, Tick(1))));
+        let held_back = request(0, Some(gate.at(Tick(1))));
         let tick = renderer.render(&mut view, held_back).unwrap().tick;
         is_refused("on its way");
         assert_eq!(device.wait_counts().other, waits, "nobody waits for an image");
@@ -205,7 +325,7 @@ fn an_image_is_read_when_its_frame_is_over_and_not_before() {
         drop(first);
 
         // Written again: first the image is not ready, then it is a new one.
-        renderer.render(&mut view, request(40, Some((&gate, Tick(2))))).unwrap();
+        renderer.render(&mut view, request(40, Some(gate.at(Tick(2))))).unwrap();
         is_refused("on its way again");
         gate.signal(Tick(2)).unwrap();
         renderer.wait_idle(&mut view).unwrap();

@@ -91,7 +91,7 @@ fn a_tick_of_another_device_proves_nothing() {
         queries.scope(frame.commands(), gpu::QueryIndex(0), |_| {});
         queries.resolve(frame.commands(), 0..1);
         queries.read_back(frame.commands());
-        let tick = frame.submit(Some((&gate, Tick(1)))).unwrap();
+        let tick = frame.submit(Some(gate.at(Tick(1)))).unwrap();
         // The frame would be over if its tick belonged to the other device.
         queries.submitted(Tick::ZERO);
         let mut told = Vec::new();

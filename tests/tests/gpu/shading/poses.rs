@@ -4,7 +4,7 @@
 use cull::{Aabb, Camera, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use gpu::{Device, Readback};
-use render::{DebugOverlay, Error, FrameRequest, RenderView, Renderer};
+use render::{ChangeError, DebugOverlay, Error, FrameRequest, PoseError, RenderView, Renderer};
 use scene::{MeshId, Object, ObjectChange, PoseUpdate, Scene, SceneUpdate, SkinnedMeshId};
 use tests::run_on_all;
 use tests::walk::pixels_that_differ;
@@ -226,28 +226,37 @@ fn bad_poses_are_refused_and_change_nothing() {
         let before = draw(&mut renderer, Strategy::FRUSTUM);
         let Pose { joints, weights } = pose(0.4);
         let nowhere = Affine3A::from_translation(Vec3::splat(f32::NAN));
-        let mut refuse = |skinned_mesh, joints: &[Affine3A], weights: &[f32], why: &str| {
-            let error =
-                renderer.set_pose(SkinnedMeshId(skinned_mesh), joints, weights).unwrap_err();
-            let text = error.to_string();
-            assert!(matches!(error, Error::Pose { .. }) && text.contains(why), "{text}");
+        let mut refuse = |skinned_mesh, joints: &[Affine3A], weights: &[f32], expected| {
+            let skinned_mesh = SkinnedMeshId(skinned_mesh);
+            match renderer.set_pose(skinned_mesh, joints, weights).unwrap_err() {
+                Error::Pose { skinned_mesh: refused, reason } => {
+                    assert_eq!((refused, reason), (skinned_mesh, expected));
+                }
+                other => panic!("{other}"),
+            }
         };
-        refuse(2, &joints, &weights, "no such skinned mesh");
-        refuse(0, &joints[..2], &weights, "3 joints");
-        refuse(0, &joints, &weights[..1], "2 morph targets");
-        refuse(1, &[joints[0], nowhere, joints[2]], &weights, "joint 1");
-        refuse(1, &joints, &[0.0, f32::INFINITY], "target 1");
+        refuse(2, &joints, &weights, PoseError::UnknownSkinnedMesh);
+        refuse(0, &joints[..2], &weights, PoseError::JointCount { joints: 3, given: 2 });
+        refuse(0, &joints, &weights[..1], PoseError::TargetCount { targets: 2, given: 1 });
+        let torn = [joints[0], nowhere, joints[2]];
+        refuse(1, &torn, &weights, PoseError::JointNotFinite { joint: 1 });
+        refuse(1, &joints, &[0.0, f32::INFINITY], PoseError::WeightNotFinite { target: 1 });
         let far = Affine3A::from_translation(Vec3::splat(2e15));
-        refuse(1, &[joints[0], far, joints[2]], &weights, "beyond all that can be drawn");
-        refuse(1, &joints, &[0.0, f32::MAX], "beyond all that can be drawn");
+        refuse(1, &[joints[0], far, joints[2]], &weights, PoseError::MeshOutOfRange);
+        refuse(1, &joints, &[0.0, f32::MAX], PoseError::MeshOutOfRange);
         let grows = Affine3A::from_scale(Vec3::splat(1e9));
         let change = ObjectChange::Move { object: ObjectId(1), transform: grows };
         renderer.update(&[change]).unwrap();
-        let mut refuse = |joints: &[Affine3A], why: &str| {
-            let error = renderer.set_pose(SkinnedMeshId(1), joints, &weights).unwrap_err();
-            assert!(error.to_string().contains(why), "{error}");
-        };
-        refuse(&[grows; 3], "farther than anything can be");
+        let error = renderer.set_pose(SkinnedMeshId(1), &[grows; 3], &weights).unwrap_err();
+        assert!(
+            matches!(error, Error::Pose { reason: PoseError::ObjectOutOfRange, .. }),
+            "{error}"
+        );
+        let twin = ObjectChange::Add { object: scene.objects[1] };
+        let error = renderer.update(&[twin]).unwrap_err();
+        let mesh = scene.objects[1].mesh;
+        let expected = ChangeError::SkinnedMeshInUse { mesh };
+        assert!(matches!(&error, Error::Change { reason, .. } if *reason == expected), "{error}");
         let transform = scene.objects[1].transform;
         renderer.update(&[ObjectChange::Move { object: ObjectId(1), transform }]).unwrap();
         let after = draw(&mut renderer, Strategy::FRUSTUM);

@@ -3,7 +3,9 @@
 use cull::{Camera, Projection, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use gpu::{Device, PredicationMode, Readback};
-use render::{CostModel, Error, FrameReport, FrameRequest, Renderer, RendererOptions};
+use render::{
+    CostModel, Error, FrameReport, FrameRequest, Renderer, RendererOptions, TransparentError,
+};
 use scene::{Alpha, Material, MaterialId, MeshId, Object, ObjectChange, Scene, TransparentId};
 use tests::run_on_all;
 use tests::shapes::coloured_cubes;
@@ -234,9 +236,15 @@ fn bad_moves_are_refused_and_change_nothing() {
         let scene = scene();
         let mut renderer = Renderer::new(device, &scene, &options(2)).unwrap();
         let nowhere = Affine3A::from_translation(Vec3::splat(f32::NAN));
-        for (number, transform) in [(PANES, Affine3A::IDENTITY), (0, nowhere)] {
+        for (number, transform, expected) in [
+            (PANES, Affine3A::IDENTITY, TransparentError::UnknownObject),
+            (0, nowhere, TransparentError::BadTransform),
+        ] {
             let error = renderer.move_transparent(TransparentId(number), transform).unwrap_err();
-            assert!(matches!(error, Error::Transparent { .. }), "{error}");
+            assert!(
+                matches!(error, Error::Transparent { reason, .. } if reason == expected),
+                "{error}"
+            );
         }
     });
 }

@@ -7,7 +7,8 @@ use cull::{Camera, ObjectId, Projection, Strategy};
 use glam::{Affine3A, Vec3, vec3};
 use gpu::{Device, Readback};
 use render::{
-    CostModel, Error, FrameRequest, RenderView, Renderer, RendererOptions, SpareCapacity,
+    CostModel, Error, FrameRequest, LightError, RenderView, Renderer, RendererOptions,
+    SpareCapacity,
 };
 use scene::{
     Alpha, LightId, LightKind, Material, MaterialId, MeshId, Object, ObjectChange, PunctualLight,
@@ -137,11 +138,12 @@ fn lights_that_cannot_be_are_refused() {
         let scene = room();
         let mut renderer = renderer(device, &scene);
         let sun = PunctualLight { kind: LightKind::Directional, ..bulb(Vec3::ZERO) };
-        for (light, to) in [(0, sun), (30, bulb(Vec3::ZERO))] {
-            let refused = renderer.set_light(LightId(light), to);
-            assert!(
-                matches!(refused, Err(Error::Light { light: LightId(refused), .. }) if refused == light)
-            );
+        for (light, to, expected) in
+            [(0, sun, LightError::OtherKind), (30, bulb(Vec3::ZERO), LightError::UnknownLight)]
+        {
+            let error = renderer.set_light(LightId(light), to).unwrap_err();
+            let Error::Light { light: refused, reason } = error else { panic!("{error}") };
+            assert_eq!((refused, reason), (LightId(light), expected));
         }
         renderer.set_light(LightId(0), bulb(Vec3::NAN)).unwrap();
         assert_eq!(scene.surfaces.unwrap().meshes[0].material, MaterialId(0));

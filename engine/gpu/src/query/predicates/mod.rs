@@ -29,7 +29,7 @@ use crate::record::commands::{Commands, Failure};
 use crate::record::frames::Frame;
 use crate::record::indirect::{DRAW_BYTES, DrawLink, DrawRange, IndirectDraw};
 use crate::record::pipeline::{ComputePipeline, StorageLayout};
-use crate::record::shader::Spirv;
+use crate::record::shader::{SpecializationConstant, Spirv};
 pub use decisions::{Predicate, PredicatedRange, PredicationMode, ResultSource, Reveal};
 pub use predicate_list::BOX_VERTICES;
 use predicate_list::PredicateList;
@@ -142,7 +142,8 @@ impl Predicates {
             None => None,
             Some(shader) => {
                 let spirv = Spirv::from_bytes(shader.name, shader.spirv)?;
-                let spirv = spirv.specialised(&[(LINKED, u32::from(links.is_some()))]);
+                let value = u32::from(links.is_some());
+                let spirv = spirv.specialised(&[SpecializationConstant { id: LINKED, value }]);
                 Some(ComputePipeline::new(device, shader.name, &spirv, storage)?)
             }
         };

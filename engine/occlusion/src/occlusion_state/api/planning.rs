@@ -32,7 +32,8 @@ impl OcclusionState {
 
     /// Plans the next frame of a view, or of several views drawn at once, and lays out its tests.
     /// Call it after all changes of the scene were uploaded. The plan can be executed once, for
-    /// these views. Does nothing for a scene other than the view's own.
+    /// these views. Does nothing for a scene other than the view's own, and for views that
+    /// [`cull::check_view`] refuses: an execution is then refused by [`Error::NoPlan`].
     pub fn plan_frame<'v>(
         &mut self,
         scene: &CulledScene,
@@ -67,7 +68,8 @@ impl OcclusionState {
         plan: impl FnOnce(&mut Culler, &mut FramePlan),
     ) {
         self.planned = None;
-        if self.check(scene).is_err() {
+        let are_valid = views.iter().all(|view| cull::check_view(view).is_ok());
+        if !are_valid || self.check(scene).is_err() {
             return;
         }
         self.planned_views.clear();

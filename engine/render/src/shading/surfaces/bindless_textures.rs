@@ -7,6 +7,7 @@ use scene::limits::MAX_OWN_IMAGES;
 use scene::{PreparedTexture, Surfaces, TextureId};
 
 use crate::error::Error;
+use crate::resource_errors::TextureError;
 use crate::resources::limits;
 use crate::resources::spare_capacity::SpareRanges;
 use crate::shading::surfaces::blocks::{PageBlocks, SampledBlocks};
@@ -82,11 +83,11 @@ impl BindlessTextures {
     }
 
     /// Refuses a texture that cannot be added for a reason other than lack of room.
-    pub(crate) fn check(&self, texture: &PreparedTexture) -> Result<(), &'static str> {
+    pub(crate) fn check(&self, texture: &PreparedTexture) -> Result<(), TextureError> {
         if texture.image().size.iter().all(|side| (1..=self.max_side).contains(side)) {
             Ok(())
         } else {
-            Err("the device has no images of its size")
+            Err(TextureError::Size)
         }
     }
 
@@ -146,7 +147,7 @@ impl BindlessTextures {
 
     /// Refuses to remove a texture that was not added later or does not exist. Materials are not
     /// checked.
-    pub(crate) fn check_removal(&self, texture: TextureId) -> Result<(), &'static str> {
+    pub(crate) fn check_removal(&self, texture: TextureId) -> Result<(), TextureError> {
         removable(texture, self.of_scene, &self.places).map(drop)
     }
 

@@ -49,9 +49,8 @@ pub(crate) struct LightTree {
 /// The strongest lights that reach a box.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Strongest {
-    /// Strengths and places in the table, from the strongest on. Equal lights are in the order of
-    /// the table.
-    lights: [(f32, u32); MAX_LIGHTS_PER_OBJECT],
+    /// The lights from the strongest on. Equal lights are in the order of the table.
+    lights: [RankedLight; MAX_LIGHTS_PER_OBJECT],
     /// The number of lights.
     count: usize,
     /// True if other lights may reach the box as well.
@@ -60,8 +59,29 @@ pub(crate) struct Strongest {
     pub(crate) visits: usize,
 }
 
-/// A node to visit, its leaves, and a bound on its strongest light.
-type Open = (usize, Range<usize>, (f32, u32));
+/// A light in the order of strength, or a bound on the strongest of several lights.
+#[derive(Clone, Copy, Debug, Default)]
+struct RankedLight {
+    /// The light that arrives at the nearest point of the box.
+    lux: f32,
+    /// The place in the light table; of several lights, the first.
+    entry: u32,
+}
+
+/// A node and the range of its leaves.
+#[derive(Clone, Debug)]
+struct Subtree {
+    node: usize,
+    leaves: Range<usize>,
+}
+
+/// A subtree to visit.
+#[derive(Clone, Debug)]
+struct Open {
+    subtree: Subtree,
+    /// A bound on its strongest light.
+    at_most: RankedLight,
+}
 
 impl LightTree {
     /// Builds the tree of lights, which are in the order of the scene.
@@ -99,11 +119,11 @@ impl LightTree {
             let light = self.order.get(leaves.start).copied().unwrap_or_default();
             Node::of(self.reaches.get(light as usize).copied().flatten())
         } else {
-            let children = children(node, leaves);
-            for (child, leaves) in children.clone() {
-                self.refit(child, leaves, changed);
-            }
-            let [left, right] = children.map(|(child, _)| self.node(child));
+            let [left, right] = Subtree { node, leaves }.children().map(|child| {
+                let Subtree { node, leaves } = child;
+                self.refit(node, leaves, changed);
+                self.node(node)
+            });
             left.and(right)
         };
         if let Some(node) = self.nodes.get_mut(node) {
@@ -141,8 +161,8 @@ impl LightTree {
             return found;
         }
         let mut open: Vec<Open> = Vec::with_capacity(32);
-        open.extend(self.open(0, 0..self.order.len(), bounds));
-        while let Some((node, leaves, at_most)) = open.pop() {
+        open.extend(self.open(Subtree { node: 0, leaves: 0..self.order.len() }, bounds));
+        while let Some(Open { subtree, at_most }) = open.pop() {
             if found.is_hopeless(at_most) {
                 continue;
             }
@@ -151,14 +171,13 @@ impl LightTree {
                 break;
             }
             found.visits += 1;
-            if leaves.len() == 1 {
+            if subtree.leaves.len() == 1 {
                 found.take(at_most);
                 continue;
             }
-            let [left, right] =
-                children(node, leaves).map(|(child, leaves)| self.open(child, leaves, bounds));
+            let [left, right] = subtree.children().map(|child| self.open(child, bounds));
             match (left, right) {
-                (Some(left), Some(right)) if is_stronger(left.2, right.2) => {
+                (Some(left), Some(right)) if left.at_most.is_stronger_than(&right.at_most) => {
                     open.extend([right, left]);
                 }
                 (left, right) => open.extend(left.into_iter().chain(right)),
@@ -170,21 +189,33 @@ impl LightTree {
     /// Returns the bound of a node to visit; `None` if none of its lights reaches the box. At a
     /// leaf, whose node is a point, rounding is the same as for the light itself. A node above is
     /// never weaker, since rounding keeps the order of differences, squares, sums and quotients.
-    fn open(&self, node: usize, leaves: Range<usize>, bounds: &Aabb) -> Option<Open> {
-        let own = self.node(node);
+    fn open(&self, subtree: Subtree, bounds: &Aabb) -> Option<Open> {
+        let own = self.node(subtree.node);
         let gap = (bounds.min - own.bounds.max).max(own.bounds.min - bounds.max).max(Vec3::ZERO);
         let distance_squared = gap.length_squared();
-        // The light that arrives at the nearest point of the box, in lux.
         let lux = own.candela / distance_squared.max(1.0e-4);
-        (distance_squared <= own.reach_squared).then_some((node, leaves, (lux, own.first_entry)))
+        let at_most = RankedLight { lux, entry: own.first_entry };
+        (distance_squared <= own.reach_squared).then_some(Open { subtree, at_most })
     }
 }
 
-/// Returns the children of an inner node with their leaves.
-fn children(node: usize, leaves: Range<usize>) -> [(usize, Range<usize>); 2] {
-    let middle = leaves.start + leaves.len() / 2;
-    let right = node + 2 * (leaves.len() / 2);
-    [(node + 1, leaves.start..middle), (right, middle..leaves.end)]
+impl Subtree {
+    /// Returns the subtrees of the children of an inner node.
+    fn children(self) -> [Self; 2] {
+        let Self { node, leaves } = self;
+        let middle = leaves.start + leaves.len() / 2;
+        let right = node + 2 * (leaves.len() / 2);
+        let left = Self { node: node + 1, leaves: leaves.start..middle };
+        [left, Self { node: right, leaves: middle..leaves.end }]
+    }
+}
+
+impl RankedLight {
+    /// Returns true if this light comes before another: it is stronger, or as strong and earlier in
+    /// the table.
+    fn is_stronger_than(&self, other: &Self) -> bool {
+        other.lux.total_cmp(&self.lux).then(self.entry.cmp(&other.entry)).is_lt()
+    }
 }
 
 /// Orders lights such that halves, recursively, lie apart from each other where possible.
@@ -205,11 +236,6 @@ fn split(lights: &mut [u32], position: &impl Fn(u32) -> Vec3) {
     let (left, right) = lights.split_at_mut(middle);
     split(left, position);
     split(right, position);
-}
-
-/// Returns true if a strength and place in the table comes before another.
-fn is_stronger(a: (f32, u32), b: (f32, u32)) -> bool {
-    b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)).is_lt()
 }
 
 impl Reach {
@@ -250,19 +276,19 @@ impl Node {
 impl Strongest {
     /// Returns the places of the lights in the table.
     pub(crate) fn entries(&self) -> impl Iterator<Item = u32> + '_ {
-        self.lights.iter().take(self.count).map(|(_, entry)| *entry)
+        self.lights.iter().take(self.count).map(|light| light.entry)
     }
 
     /// Returns true if a light that is at most as strong as `at_most` would be left out. Some light
     /// must already be left out.
-    fn is_hopeless(&self, at_most: (f32, u32)) -> bool {
+    fn is_hopeless(&self, at_most: RankedLight) -> bool {
         let weakest = self.lights.last().filter(|_| self.leaves_out);
-        weakest.is_some_and(|weakest| is_stronger(*weakest, at_most))
+        weakest.is_some_and(|weakest| weakest.is_stronger_than(&at_most))
     }
 
-    fn take(&mut self, light: (f32, u32)) {
+    fn take(&mut self, light: RankedLight) {
         self.leaves_out |= self.count == self.lights.len();
-        let stronger = |other: &&(f32, u32)| is_stronger(**other, light);
+        let stronger = |other: &&RankedLight| other.is_stronger_than(&light);
         let place = self.lights.iter().take(self.count).take_while(stronger).count();
         self.count = (self.count + 1).min(self.lights.len());
         if let Some(behind @ [_, ..]) = self.lights.get_mut(place..self.count) {

@@ -6,6 +6,7 @@ use occlusion::{ScatterIo, ScatterPass};
 use scene::{Alpha, Material, MaterialId, PunctualLight, Surfaces, TextureId};
 
 use crate::error::Error;
+use crate::resource_errors::{MaterialError, MeshError};
 use crate::resources::spare_capacity::{SpareCapacity, SpareRanges};
 use crate::shading::surfaces::marked::Marked;
 use crate::shading::surfaces::materials::{Features, MaterialEntry, MaterialTable};
@@ -67,12 +68,10 @@ impl MaterialSlots {
     }
 
     /// Refuses a material that an added mesh cannot have, with the reason.
-    pub(crate) fn check_mesh(&self, material: MaterialId) -> Result<(), &'static str> {
+    pub(crate) fn check_mesh(&self, material: MaterialId) -> Result<(), MeshError> {
         match self.material(material) {
-            None => Err("the scene does not have its material"),
-            Some(material) if material.alpha == Alpha::Blend => {
-                Err("its material blends, and transparent meshes cannot be added")
-            }
+            None => Err(MeshError::UnknownMaterial),
+            Some(material) if material.alpha == Alpha::Blend => Err(MeshError::Transparent),
             Some(_) => Ok(()),
         }
     }
@@ -83,11 +82,12 @@ impl MaterialSlots {
         &self,
         material: &Material,
         features: &Features,
-    ) -> Result<(), &'static str> {
+    ) -> Result<(), MaterialError> {
         if material.alpha == Alpha::Blend {
-            return Err("it blends, and transparent objects cannot be added");
+            return Err(MaterialError::Transparent);
         }
-        material.check(self.table.texture_count())?;
+        let checked = material.check(self.table.texture_count());
+        checked.map_err(|fault| MaterialError::Broken { fault })?;
         self.table.check(material, features)
     }
 
@@ -146,12 +146,10 @@ impl MaterialSlots {
     }
 
     /// Refuses to remove a material that is used or does not exist, with the reason.
-    pub(crate) fn check_removal(&self, material: MaterialId) -> Result<(), &'static str> {
+    pub(crate) fn check_removal(&self, material: MaterialId) -> Result<(), MaterialError> {
         match self.slots.get(material.0 as usize) {
-            None | Some(MaterialSlot { material: None, .. }) => {
-                Err("the renderer has no such material")
-            }
-            Some(MaterialSlot { users: 1.., .. }) => Err("meshes have it: remove those first"),
+            None | Some(MaterialSlot { material: None, .. }) => Err(MaterialError::UnknownMaterial),
+            Some(MaterialSlot { users: 1.., .. }) => Err(MaterialError::InUse),
             Some(_) => Ok(()),
         }
     }
@@ -170,11 +168,11 @@ impl MaterialSlots {
         &self,
         material: MaterialId,
         to: &Material,
-    ) -> Result<(), &'static str> {
+    ) -> Result<(), MaterialError> {
         match self.material(material) {
-            None => Err("the renderer has no such material"),
+            None => Err(MaterialError::UnknownMaterial),
             Some(before) if [before.alpha, to.alpha] != [Alpha::Opaque; 2] => {
-                Err("only opaque materials can be replaced, by opaque ones")
+                Err(MaterialError::NotOpaque)
             }
             Some(_) => Ok(()),
         }
@@ -219,18 +217,18 @@ impl MaterialSlots {
             let uploads = frame.uploads();
             let leaves = uploads.push(dirty)?;
             let elements = uploads.push_iter(entries)?;
-            let io = ScatterIo { leaves, elements, array: materials };
-            let bytes = size_of::<MaterialEntry>();
-            scatter.record(frame.commands(), dirty.len() as u32, [(io, bytes)]);
+            let element_bytes = size_of::<MaterialEntry>();
+            let io = ScatterIo { leaves, elements, array: materials, element_bytes };
+            scatter.record(frame.commands(), dirty.len() as u32, [io]);
         }
         let (dirty, entries) = self.table.transforms.dirty();
         if !dirty.is_empty() {
             let uploads = frame.uploads();
             let leaves = uploads.push(dirty)?;
             let elements = uploads.push_iter(entries)?;
-            let io = ScatterIo { leaves, elements, array: transforms };
-            let bytes = size_of::<TransformEntry>();
-            scatter.record(frame.commands(), dirty.len() as u32, [(io, bytes)]);
+            let element_bytes = size_of::<TransformEntry>();
+            let io = ScatterIo { leaves, elements, array: transforms, element_bytes };
+            scatter.record(frame.commands(), dirty.len() as u32, [io]);
         }
         Ok(())
     }

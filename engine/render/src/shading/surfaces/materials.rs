@@ -2,11 +2,13 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::Affine2;
+use gpu::SpecializationConstant;
 use scene::{
     Alpha, Encoding, LightCookie, Material, PunctualLight, Surfaces, TextureId, TextureUse,
 };
 
 use crate::error::Error;
+use crate::resource_errors::MaterialError;
 use crate::shading::surfaces::pages::PagePlan;
 use crate::shading::surfaces::texture_slots::TexturePlace;
 use crate::shading::surfaces::texture_transforms::TextureTransforms;
@@ -94,19 +96,15 @@ impl MaterialTable {
         &self,
         material: &Material,
         features: &Features,
-    ) -> Result<(), &'static str> {
+    ) -> Result<(), MaterialError> {
         let mut uses = textures_of(material).into_iter().flatten();
         if uses.any(|texture_use| place_of(texture_use, &self.places).is_none()) {
-            return Err(
-                "one of its textures is not on the GPU: it was removed, or no material of the \
-                        scene that the renderer began with used it",
-            );
+            return Err(MaterialError::UnknownTexture);
         }
         if Features::of([material].into_iter(), &self.places).are_within(features) {
             return Ok(());
         }
-        Err("it samples numbers as colours, or colours as numbers: base colours and emission are \
-             `Encoding::Srgb`, all others `Encoding::Linear`")
+        Err(MaterialError::Encoding)
     }
 
     /// Refuses a material if there is no room for the transforms of its textures.
@@ -247,7 +245,7 @@ impl Features {
     }
 
     /// Returns the specialisation constants of `surface_constants.glsl`.
-    pub(crate) fn constants(&self, is_transparent: bool) -> [(u32, u32); 13] {
+    pub(crate) fn constants(&self, is_transparent: bool) -> [SpecializationConstant; 13] {
         let [base_colour, metallic_roughness, normal, occlusion, emission] = self.pages;
         let values = [
             u32::from(self.is_masked),
@@ -264,7 +262,7 @@ impl Features {
             occlusion,
             emission,
         ];
-        std::array::from_fn(|id| (id as u32, values[id]))
+        std::array::from_fn(|id| SpecializationConstant { id: id as u32, value: values[id] })
     }
 }
 

@@ -8,6 +8,7 @@ use scene::{
 };
 
 use crate::error::Error;
+use crate::resource_errors::{MaterialError, TextureError};
 use crate::resources::instance::lights_and_tint;
 use crate::resources::limits;
 use crate::resources::skinned_meshes::mesh_order;
@@ -179,7 +180,7 @@ impl SurfaceResources {
     }
 
     /// Refuses a material that cannot be added, with the reason.
-    pub(crate) fn check_material(&self, material: &Material) -> Result<(), &'static str> {
+    pub(crate) fn check_material(&self, material: &Material) -> Result<(), MaterialError> {
         self.material_slots.check(material, &self.features[0])
     }
 
@@ -214,13 +215,9 @@ impl SurfaceResources {
 
     /// Refuses to remove a texture that is in use, that the scene began with, or that does not
     /// exist.
-    pub(crate) fn check_texture_removal(&self, texture: TextureId) -> Result<(), &'static str> {
+    pub(crate) fn check_texture_removal(&self, texture: TextureId) -> Result<(), TextureError> {
         self.textures.check_removal(texture)?;
-        if self.material_slots.uses_texture(texture) {
-            Err("materials use it, or lights project it: change those first")
-        } else {
-            Ok(())
-        }
+        if self.material_slots.uses_texture(texture) { Err(TextureError::InUse) } else { Ok(()) }
     }
 
     /// Refuses the picture of a light that cannot be shown, with the reason.
@@ -362,8 +359,9 @@ impl SurfaceResources {
             let leaves = uploads.push(dirty)?;
             let elements =
                 uploads.push_iter(dirty.iter().map(|slot| self.light_lists.values(*slot)))?;
-            let io = ScatterIo { leaves, elements, array: self.lists.whole() };
-            scatter.record(frame.commands(), dirty.len() as u32, [(io, LIST_VALUES * 4)]);
+            let array = self.lists.whole();
+            let io = ScatterIo { leaves, elements, array, element_bytes: LIST_VALUES * 4 };
+            scatter.record(frame.commands(), dirty.len() as u32, [io]);
         }
         let changed = || {
             self.dirty_lights.list().iter().filter_map(|light| {
@@ -384,8 +382,10 @@ impl SurfaceResources {
             let uploads = frame.uploads();
             let leaves = uploads.push(&places)?;
             let elements = uploads.push(&entries)?;
-            let io = ScatterIo { leaves, elements, array: self.lights.whole() };
-            scatter.record(frame.commands(), count as u32, [(io, size_of::<LightEntry>())]);
+            let array = self.lights.whole();
+            let element_bytes = size_of::<LightEntry>();
+            let io = ScatterIo { leaves, elements, array, element_bytes };
+            scatter.record(frame.commands(), count as u32, [io]);
         }
         Ok(())
     }

@@ -3,6 +3,7 @@
 use scene::{PreparedTexture, TextureId};
 
 use crate::error::Error;
+use crate::resource_errors::TextureError;
 use crate::resources::spare_capacity::{SpareRanges, TextureCapacity};
 
 /// The place of a texture.
@@ -54,11 +55,11 @@ impl TextureSlots {
     }
 
     /// Refuses a texture that cannot be added for a reason other than lack of room.
-    pub(crate) fn check(&self, texture: &PreparedTexture) -> Result<(), &'static str> {
+    pub(crate) fn check(&self, texture: &PreparedTexture) -> Result<(), TextureError> {
         if self.pages.iter().any(|page| page.room.takes(texture)) {
             return Ok(());
         }
-        Err("no room is kept for its size, encoding and sampler (`SpareCapacity::textures`)")
+        Err(TextureError::NoRoomForKind)
     }
 
     /// Takes a place for a texture that was checked.
@@ -93,7 +94,7 @@ impl TextureSlots {
 
     /// Refuses to remove a texture that was not added later or does not exist. Materials are not
     /// checked.
-    pub(crate) fn check_removal(&self, texture: TextureId) -> Result<(), &'static str> {
+    pub(crate) fn check_removal(&self, texture: TextureId) -> Result<(), TextureError> {
         removable(texture, self.of_scene, &self.places).map(drop)
     }
 
@@ -114,10 +115,10 @@ pub(super) fn removable(
     texture: TextureId,
     of_scene: u32,
     places: &[Option<TexturePlace>],
-) -> Result<TexturePlace, &'static str> {
+) -> Result<TexturePlace, TextureError> {
     let Some(number) = texture.0.checked_sub(of_scene) else {
-        return Err("it belongs to the scene that the renderer began with, and stays");
+        return Err(TextureError::Permanent);
     };
     let place = places.get(number as usize).copied().flatten();
-    place.ok_or("the renderer has no such texture")
+    place.ok_or(TextureError::UnknownTexture)
 }

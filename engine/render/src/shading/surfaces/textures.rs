@@ -5,6 +5,7 @@ use scene::limits::MAX_PAGES;
 use scene::{PreparedTexture, Surfaces, Texels, TextureId};
 
 use crate::error::Error;
+use crate::resource_errors::TextureError;
 use crate::shading::surfaces::bindless_textures::BindlessTextures;
 use crate::shading::surfaces::page_upload::{Sampling, plan, upload_all_pages};
 use crate::shading::surfaces::pages::PagePlan;
@@ -89,7 +90,7 @@ impl SurfaceTextures {
     }
 
     /// Refuses a texture that cannot be added for a reason other than lack of room.
-    pub(crate) fn check(&self, texture: &PreparedTexture) -> Result<(), &'static str> {
+    pub(crate) fn check(&self, texture: &PreparedTexture) -> Result<(), TextureError> {
         match self {
             Self::Pages { slots, .. } => slots.check(texture),
             Self::Images(images) => images.check(texture),
@@ -109,7 +110,7 @@ impl SurfaceTextures {
 
     /// Refuses to remove a texture that was not added later or does not exist. Materials are not
     /// checked.
-    pub(crate) fn check_removal(&self, texture: TextureId) -> Result<(), &'static str> {
+    pub(crate) fn check_removal(&self, texture: TextureId) -> Result<(), TextureError> {
         match self {
             Self::Pages { slots, .. } => slots.check_removal(texture),
             Self::Images(images) => images.check_removal(texture),

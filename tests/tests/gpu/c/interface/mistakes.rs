@@ -52,7 +52,14 @@ fn mistakes_in_a_frame_are_named_and_the_next_frame_is_recorded() {
         let mut no_image = target;
         no_image.depth.image = vk::Image::null();
         let foreign = AntumbraView { id: 7 };
+        let mut nan = camera;
+        nan.clip_from_world[0] = f32::NAN;
+        let mut infinite = camera;
+        infinite.clip_from_world[15] = f32::INFINITY;
+        let not_finite = "camera.clip_from_world: the matrix of the view has an element that is";
         for (view, result, words) in [
+            (AntumbraViewFrame { camera: &nan, ..good }, BadArgument, not_finite),
+            (AntumbraViewFrame { camera: &infinite, ..good }, BadArgument, not_finite),
             (
                 AntumbraViewFrame { camera: &small, ..good },
                 BadArgument,

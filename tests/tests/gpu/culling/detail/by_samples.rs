@@ -4,7 +4,7 @@
 use cull::{Camera, DetailBySamples, DetailPolicy, ObjectId, Strategy};
 use glam::{Affine3A, Quat, Vec3, vec3};
 use gpu::Device;
-use render::{Error, RenderView, Renderer};
+use render::{DetailView, Error, RenderView, Renderer};
 use scene::{MeshId, Object, ObjectChange, Scene};
 use tests::run_on_all;
 use tests::shapes::{coloured_cubes, square_camera};
@@ -75,7 +75,7 @@ impl Side {
     fn frame(&mut self, camera: Camera, columns: f32) -> (gpu::Readback, Vec<u64>) {
         let Self { renderer, view, strategy } = self;
         renderer.update(&[ObjectChange::Move { object: WALL, transform: wall(columns) }]).unwrap();
-        renderer.choose_detail_seen(&[(camera, view)], &POLICY).unwrap();
+        renderer.choose_detail_seen(&[DetailView { camera, state: view }], &POLICY).unwrap();
         let triangles = (0..42).map(|object| renderer.triangles_of(ObjectId(object))).collect();
         (render(renderer, view, *strategy, camera), triangles)
     }
@@ -169,7 +169,8 @@ fn without_counts_the_distance_decides() {
         assert_eq!(side.frame(square_camera(), 1.0).1[0], FINE);
         side.renderer.wait_idle(&mut side.view).unwrap();
         let other = Renderer::new(device, &scene(), &options()).unwrap().new_view().unwrap();
-        let error = side.renderer.choose_detail_seen(&[(square_camera(), &other)], &POLICY);
+        let of_other = DetailView { camera: square_camera(), state: &other };
+        let error = side.renderer.choose_detail_seen(&[of_other], &POLICY);
         assert!(matches!(error, Err(Error::ForeignRenderer { .. })), "{error:?}");
     });
 }

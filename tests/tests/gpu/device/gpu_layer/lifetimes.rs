@@ -28,7 +28,7 @@ fn what_is_dropped_lives_until_its_tick() {
         let (_, in_use) = device.memory_bytes();
         let frame = ring.begin().unwrap();
         frame.commands().copy_buffer(from.whole(), to.whole());
-        frame.submit(Some((&gate, Tick(1)))).unwrap();
+        frame.submit(Some(gate.at(Tick(1)))).unwrap();
         drop(from);
         ring.begin().unwrap().submit(None).unwrap();
         assert_eq!((device.retired(), device.memory_bytes().1), (1, in_use));

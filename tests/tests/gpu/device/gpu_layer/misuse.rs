@@ -181,7 +181,7 @@ fn a_frame_waits_for_no_other_device() {
         let elsewhere = Timeline::new(&other, "elsewhere").unwrap();
         let mut ring = FrameRing::new(device, 1).unwrap();
         let error =
-            ring.begin().unwrap().submit(Some((&elsewhere, Tick(1)))).expect_err("an error");
+            ring.begin().unwrap().submit(Some(elsewhere.at(Tick(1)))).expect_err("an error");
         assert!(matches!(error, Error::Foreign { .. }), "{error}");
     });
 }

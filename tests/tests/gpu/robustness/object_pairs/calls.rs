@@ -99,11 +99,11 @@ fn frames() -> Vec<Row> {
     vec![
         row("Frame::submit", TIMELINE, |ours: &mut Side, theirs: &mut Side| {
             let mut ring = gpu::FrameRing::new(&ours.device(), 1).unwrap();
-            text(ring.begin().unwrap().submit(Some((&theirs.timeline, Tick(1)))))
+            text(ring.begin().unwrap().submit(Some(theirs.timeline.at(Tick(1)))))
         }),
         row("Frame::flush", TIMELINE, |ours, theirs| {
             let mut ring = gpu::FrameRing::new(&ours.device(), 1).unwrap();
-            text(ring.begin().unwrap().flush(Some((&theirs.timeline, Tick(1)))))
+            text(ring.begin().unwrap().flush(Some(theirs.timeline.at(Tick(1)))))
         }),
         row("QueryRing::begin", "a query ring (`QueryRing`)", |ours, theirs| {
             framed(&ours.device(), |frame| theirs.queries.begin(frame, &[1]))

@@ -37,7 +37,7 @@ fn views_rendered(ours: &mut Side, theirs: &mut Side, what: &'static str) -> Str
         strategy: methods::IDEAL,
         image: (what == IMAGE).then_some(&theirs.image),
         overlay: None,
-        after: (what == TIMELINE).then_some((&theirs.timeline, Tick(1))),
+        after: (what == TIMELINE).then_some(theirs.timeline.at(Tick(1))),
     };
     let request = match what {
         VISIBLE_SET => request,
@@ -56,7 +56,7 @@ pub fn rows() -> Vec<Row> {
             rendered(ours, |request| request.scene_image = Some(&theirs.image))
         }),
         row("Renderer::render", TIMELINE, "Device", |ours, theirs| {
-            rendered(ours, |request| request.after = Some((&theirs.timeline, Tick(1))))
+            rendered(ours, |request| request.after = Some(theirs.timeline.at(Tick(1))))
         }),
         row("Renderer::render", VIEW, "Renderer", |ours, theirs| {
             let request = FrameRequest::new(Strategy::ANTUMBRA, ours.camera);

@@ -1,7 +1,9 @@
 //! Meshes and materials that do not fit, or that a scene cannot show.
 
 use glam::{Affine2, Vec2, Vec3};
-use render::{Renderer, SpareCapacity, TextureCapacity};
+use render::{
+    Error, MaterialError, MeshError, Renderer, SpareCapacity, TextureCapacity, TextureError,
+};
 use scene::{
     Alpha, Encoding, Image, Material, MaterialId, MeshId, Object, ObjectChange, PreparedMesh,
     PreparedTexture, Sampler, TextureId, TextureUse,
@@ -12,6 +14,22 @@ use tests::window_fixture::Random;
 use super::scenes::{
     Kind, SPARE, first_scene, object, options, rooms, some_mesh, spare, surface_of,
 };
+
+/// Returns the index of a refused mesh, and the reason.
+fn of_mesh(error: Error) -> (usize, MeshError) {
+    match error {
+        Error::Mesh { index, reason } => (index, reason),
+        other => panic!("{other}"),
+    }
+}
+
+/// Returns the index of a refused material, and the reason.
+fn of_material(error: Error) -> (usize, MaterialError) {
+    match error {
+        Error::Material { index, reason } => (index, reason),
+        other => panic!("{other}"),
+    }
+}
 
 #[test]
 fn a_mesh_that_does_not_fit_is_refused_by_name_and_changes_nothing() {
@@ -31,17 +49,21 @@ fn a_mesh_that_does_not_fit_is_refused_by_name_and_changes_nothing() {
             let error = renderer.add_meshes(meshes).unwrap_err().to_string();
             assert!(error.contains(reason), "{error}");
         };
-        refused(&mut plain, vec![whole.clone()], "mesh 0 of those named");
-        refused(&mut lit, vec![whole.clone(), bare.clone()], "mesh 1 of those named");
-        refused(&mut lit, vec![of(2)], "blends");
-        refused(&mut lit, vec![of(3)], "does not have its material");
+        let error = plain.add_meshes(vec![whole.clone()]).unwrap_err();
+        assert_eq!(of_mesh(error), (0, MeshError::NoSurfaces));
+        let error = lit.add_meshes(vec![whole.clone(), bare.clone()]).unwrap_err();
+        assert_eq!(of_mesh(error), (1, MeshError::SurfaceMissing));
+        let error = lit.add_meshes(vec![of(2)]).unwrap_err();
+        assert_eq!(of_mesh(error), (0, MeshError::Transparent));
+        let error = lit.add_meshes(vec![of(3)]).unwrap_err();
+        assert_eq!(of_mesh(error), (0, MeshError::UnknownMaterial));
         refused(&mut plain, vec![bare.clone(); 2], "no room for 1 meshes");
         let added = plain.add_meshes(vec![bare.clone()]).unwrap();
         refused(&mut plain, vec![bare.clone()], "RendererOptions::spare");
-        let twice = plain.remove_meshes(&[added[0], added[0]]).unwrap_err().to_string();
-        assert!(twice.contains("named twice"), "{twice}");
-        let unknown = plain.remove_meshes(&[added[0], MeshId(77)]).unwrap_err().to_string();
-        assert!(unknown.contains("no such mesh"), "{unknown}");
+        let twice = plain.remove_meshes(&[added[0], added[0]]).unwrap_err();
+        assert_eq!(of_mesh(twice), (1, MeshError::NamedTwice));
+        let unknown = plain.remove_meshes(&[added[0], MeshId(77)]).unwrap_err();
+        assert_eq!(of_mesh(unknown), (1, MeshError::UnknownMesh));
         let scene = first_scene(Kind::Surfaces);
         for (spare, reason) in [
             (SpareCapacity { meshes: u32::MAX, ..SPARE }, "no memory for meshes"),
@@ -76,15 +98,24 @@ fn a_material_that_cannot_be_drawn_is_refused_by_name_and_changes_nothing() {
             Some(TextureUse { texture: TextureId(texture), uv_set: 0, transform })
         };
         for (bad, reason) in [
-            (Material { alpha: Alpha::Blend, ..good.clone() }, "it blends"),
-            (Material { roughness: f32::NAN, ..good.clone() }, "not finite"),
-            (Material { base_colour_texture: used(2, 1.0), ..good.clone() }, "one of its textures"),
-            (Material { base_colour_texture: used(1, 1.0), ..good.clone() }, "Encoding::Srgb"),
-            (Material { normal_texture: used(0, 1.0), ..good.clone() }, "Encoding::Linear"),
+            (Material { alpha: Alpha::Blend, ..good.clone() }, MaterialError::Transparent),
+            (
+                Material { base_colour_texture: used(2, 1.0), ..good.clone() },
+                MaterialError::UnknownTexture,
+            ),
+            (
+                Material { base_colour_texture: used(1, 1.0), ..good.clone() },
+                MaterialError::Encoding,
+            ),
+            (Material { normal_texture: used(0, 1.0), ..good.clone() }, MaterialError::Encoding),
         ] {
-            let error = renderer.add_materials(&[good.clone(), bad]).unwrap_err().to_string();
-            assert!(error.contains("material 1") && error.contains(reason), "{error}");
+            let error = renderer.add_materials(&[good.clone(), bad]).unwrap_err();
+            assert_eq!(of_material(error), (1, reason));
         }
+        let rough = Material { roughness: f32::NAN, ..good.clone() };
+        let error = renderer.add_materials(&[rough]).unwrap_err();
+        assert!(error.to_string().contains("not finite"), "{error}");
+        assert!(matches!(of_material(error), (0, MaterialError::Broken { .. })));
         let error = plain.add_materials(std::slice::from_ref(&good)).unwrap_err().to_string();
         assert!(error.contains("no surfaces"), "{error}");
         assert!(plain.add_materials(&[]).unwrap().is_empty());
@@ -92,10 +123,10 @@ fn a_material_that_cannot_be_drawn_is_refused_by_name_and_changes_nothing() {
         let error = renderer.add_materials(&many).unwrap_err().to_string();
         assert!(error.contains("no room for 1 materials"), "{error}");
         let added = renderer.add_materials(&many[1..]).unwrap();
-        let twice = renderer.remove_materials(&[added[1], added[1]]).unwrap_err().to_string();
-        assert!(twice.contains("named twice"), "{twice}");
+        let twice = renderer.remove_materials(&[added[1], added[1]]).unwrap_err();
+        assert_eq!(of_material(twice), (1, MaterialError::NamedTwice));
         let unknown = renderer.remove_materials(&[added[1], MaterialId(77)]).unwrap_err();
-        assert!(unknown.to_string().contains("no such material"), "{unknown}");
+        assert_eq!(of_material(unknown), (1, MaterialError::UnknownMaterial));
         renderer.remove_materials(&added).unwrap();
         assert!(renderer.remove_materials(&added[..1]).is_err());
         // Texture transforms are removed with the last material that uses them: there is room for
@@ -137,16 +168,19 @@ fn a_texture_that_there_is_no_room_for_is_refused_by_name_and_changes_nothing() 
         assert!(error.contains("no room for 1 textures of this kind"), "{error}");
         let added = renderer.add_textures(vec![good.clone(); 2]).unwrap();
         assert!(renderer.is_uploading());
-        let refused = |renderer: &mut Renderer, ids: &[TextureId], reason: &str| {
-            let error = renderer.remove_textures(ids).unwrap_err().to_string();
-            assert!(error.contains(reason), "{error}");
+        let refused = |renderer: &mut Renderer, ids: &[TextureId], expected| match renderer
+            .remove_textures(ids)
+            .unwrap_err()
+        {
+            Error::Texture { reason, .. } => assert_eq!(reason, expected),
+            other => panic!("{other}"),
         };
-        refused(&mut renderer, &[added[0], added[0]], "named twice");
-        refused(&mut renderer, &[added[0], TextureId(77)], "no such texture");
-        refused(&mut renderer, &[TextureId(0)], "began with");
+        refused(&mut renderer, &[added[0], added[0]], TextureError::NamedTwice);
+        refused(&mut renderer, &[added[0], TextureId(77)], TextureError::UnknownTexture);
+        refused(&mut renderer, &[TextureId(0)], TextureError::Permanent);
         renderer.remove_textures(&added).unwrap();
         assert!(!renderer.is_uploading(), "it is on its way no more");
-        refused(&mut renderer, &added[..1], "no such texture");
+        refused(&mut renderer, &added[..1], TextureError::UnknownTexture);
         let gone = TextureUse { texture: added[0], uv_set: 0, transform: Affine2::IDENTITY };
         let material = Material { base_colour_texture: Some(gone), ..Material::default() };
         let error = renderer.add_materials(&[material]).unwrap_err().to_string();

@@ -101,6 +101,8 @@ fn mistakes_of_a_scene_and_of_a_frame_are_named() {
     let mut image = AntumbraFinishedImage::INIT;
     let mut id = 9;
     let camera = camera();
+    let mut broken = camera;
+    broken.clip_from_world[5] = f32::NAN;
     // SAFETY: pointers to values on this stack.
     unsafe {
         let result = antumbra_renderer_image(x, renderer, &mut image, error);
@@ -127,6 +129,7 @@ fn mistakes_of_a_scene_and_of_a_frame_are_named() {
             (AntumbraCamera { width: 8, ..camera }, 1, "antumbra_renderer_resize"),
             (AntumbraCamera { depth: ANTUMBRA_DEPTH_STANDARD, ..camera }, 1, "reversed depth"),
             (AntumbraCamera { clip_from_world: [0.0; 16], ..camera }, 1, ""),
+            (broken, 1, "that is not finite"),
             (camera, 9, "STRATEGY_.. 9"),
         ] {
             let desc = AntumbraRenderDesc { strategy, camera: &camera, ..Versioned::INIT };
