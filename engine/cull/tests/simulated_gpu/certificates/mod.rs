@@ -60,9 +60,8 @@ impl Certificate {
     /// Returns the sides of the image within which all of a later view lies.
     pub fn sides_around(&self, later: &CullView) -> Sides {
         let inside = |clip: glam::DVec4| {
-            let slack = 1.0e-6;
-            let [x, y, w] = [clip.x, clip.y, clip.w];
-            [w + x, w - x, w + y, w - y].map(|distance| distance >= -slack)
+            let distances = [clip.w + clip.x, clip.w - clip.x, clip.w + clip.y, clip.w - clip.y];
+            distances.map(|distance| distance >= -1.0e-6)
         };
         let corners = [-1.0, 1.0].map(|x| [-1.0, 1.0].map(|y| later.rays.along(Vec2::new(x, y))));
         let matrix = self.view.from_anchor.as_dmat4();

@@ -386,21 +386,27 @@ fn tests_without_a_certificate() {
     }
 }
 
-/// Measures certificates with images that no asynchronous pass would have: the limit of shrunk
-/// solids.
+/// Measures larger images than an asynchronous pass would have, and bounds that look through gaps
+/// narrower than a pixel of the frame.
 #[test]
 #[ignore = "long walk"]
 fn frames_without_a_break_with_huge_certificates() {
-    let kind = Kind::Solids { guard: 0.0 };
+    let solids = Kind::Solids { guard: 0.0 };
     for motion in [Motion::Straight(1.4), Motion::Walk(1.4)] {
         let course = Course { place: Place::Districts, motion, size: SIZE };
         let recorded = [0, 1].map(|seed| record(course, seed, None));
-        for size in [[640, 360], [1280, 720], [2560, 1440]] {
+        let methods = [
+            (Kind::Bound, [640, 360]),
+            (Kind::Bound, [1280, 720]),
+            (solids, [1280, 720]),
+            (solids, [2560, 1440]),
+        ];
+        for (kind, size) in methods {
             let mut tally = Tally::default();
             for walk in &recorded {
                 tally.add(walk, Method { kind, radius_m: 0.071, size });
             }
-            println!("{motion:?} {size:?}: {tally}");
+            println!("{motion:?} {kind:?} {size:?}: {tally}");
         }
     }
 }
