@@ -9,6 +9,7 @@
 
 mod blocking;
 mod casters;
+mod certificates;
 mod device;
 mod device_costs;
 mod exactness;
