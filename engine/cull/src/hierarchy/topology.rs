@@ -19,11 +19,13 @@ pub(crate) struct Links {
 }
 
 impl Links {
+    #[inline]
     pub(crate) const fn is_leaf(&self) -> bool {
         self.leaf_count == 1
     }
 
     /// Returns the children of an inner node, whose index is `node`.
+    #[inline]
     pub(crate) const fn children(&self, node: u32) -> [u32; 2] {
         [node + 1, self.right]
     }
