@@ -4,6 +4,7 @@
 mod api;
 mod box_log;
 mod build;
+mod chunks;
 mod error;
 pub(crate) mod front_to_back;
 mod journal;
