@@ -138,3 +138,47 @@ pub(super) fn append(topology: &mut Topology, objects: &[u32], part: &Topology, 
         topology.object_nodes[object as usize] = first + part.object_nodes[local.0 as usize];
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hierarchy::build;
+
+    /// Checks that subtrees are contiguous, that the links fit each other and that each object has
+    /// one leaf.
+    fn check(topology: &Topology, objects: usize) {
+        assert_eq!(topology.nodes.len(), 2 * objects - 1);
+        for (node, links) in (0..).zip(&topology.nodes) {
+            if links.is_leaf() {
+                let object = topology.leaf_objects[links.first_leaf as usize];
+                assert_eq!(topology.object_nodes[object.0 as usize], node);
+                continue;
+            }
+            let children = links.children(node);
+            let [left, right] = children.map(|child| topology.nodes[child as usize]);
+            for child in [left, right] {
+                assert_eq!((child.parent, child.level), (node, links.level + 1));
+            }
+            assert_eq!(left.end(children[0]), children[1]);
+            assert_eq!(right.end(children[1]), links.end(node));
+            assert_eq!(left.first_leaf, links.first_leaf);
+            assert_eq!(right.first_leaf, links.first_leaf + left.leaf_count);
+        }
+    }
+
+    #[test]
+    fn the_shape_is_well_formed_whether_objects_share_a_cell_or_not() {
+        const COUNT: usize = OBJECTS_OF_WHOLE + 3_000;
+        for outlier in [0.0, 1.0e12] {
+            for free in [0, 1, 500] {
+                let mut boxes: Vec<Aabb> = (0..COUNT)
+                    .map(|n| Vec3::new((n % 257) as f32, (n % 7) as f32, (n / 257) as f32))
+                    .map(|corner| Aabb::new(corner, corner + 0.5))
+                    .collect();
+                boxes[7].max.x += outlier;
+                boxes[20..20 + free].fill(Aabb::EMPTY);
+                check(&build::topology(&boxes).unwrap(), COUNT);
+            }
+        }
+    }
+}
