@@ -11,7 +11,7 @@ use scene::{LightMove, MeshId, Object, ObjectChange, SceneUpdate, TransparentMov
 
 use crate::error::Error;
 use crate::renderer::Renderer;
-use crate::update::{UpdateReport, UpdateScratch};
+use crate::update::{ObjectSet, UpdateReport, UpdateScratch};
 
 impl Renderer {
     /// Applies all changes between two frames: objects first, with [`Renderer::update`], then
@@ -100,8 +100,8 @@ impl Renderer {
     }
 
     /// Refuses an object that did not exist before the update or that the update removes.
-    fn check_there(&self, object: ObjectId, gone: &HashSet<ObjectId>) -> Result<(), String> {
-        if self.scene.hierarchy().contains(object) && !gone.contains(&object) {
+    fn check_there(&self, object: ObjectId, gone: &ObjectSet) -> Result<(), String> {
+        if self.scene.hierarchy().contains(object) && !gone.contains(object) {
             return Ok(());
         }
         Err(HierarchyError::UnknownObject { object }.to_string())
@@ -117,7 +117,7 @@ impl Renderer {
     fn check_alone(
         &self,
         object: &Object,
-        gone: &HashSet<ObjectId>,
+        gone: &ObjectSet,
         taken: &mut HashSet<MeshId>,
     ) -> Result<(), String> {
         const TAKEN: &str = "its mesh is skinned and another object has it: remove that first";
@@ -125,7 +125,7 @@ impl Renderer {
         if !geometry.is_skinned(object.mesh) {
             return Ok(());
         }
-        let is_there = geometry.owner(object.mesh).is_some_and(|owner| !gone.contains(&owner));
+        let is_there = geometry.owner(object.mesh).is_some_and(|owner| !gone.contains(owner));
         if is_there || !taken.insert(object.mesh) { Err(TAKEN.to_owned()) } else { Ok(()) }
     }
 
