@@ -72,6 +72,8 @@ pub struct LeafTable {
     counts: LeafCounts,
     pub(crate) changes: DrawChanges,
     dirty: DirtyList<LeafIndex>,
+    /// The dirty leaves with another draw, where leaves have one draw each: most changes are moves.
+    dirty_draws: DirtyList<LeafIndex>,
     /// The cells whose command or link changed, where leaves have any number of draws.
     dirty_cells: DirtyList<u32>,
     uploads: UploadFrames,
@@ -131,6 +133,7 @@ impl LeafTable {
             layout: DrawLayout::OnePerLeaf(draws),
             changes: DrawChanges::new(objects.len()),
             dirty: DirtyList::new(objects.len(), |leaf| leaf.0),
+            dirty_draws: DirtyList::new(objects.len(), |leaf| leaf.0),
             dirty_cells: DirtyList::new(0, |cell| *cell),
             uploads: UploadFrames::default(),
             uploaded_in: None,
@@ -210,14 +213,12 @@ impl LeafTable {
     /// Notes that the object of a leaf was replaced or moved, or now has the mesh `now`: the next
     /// frame uploads it. The mesh is ignored in a table with buckets.
     pub fn mark_dirty(&mut self, leaf: LeafIndex, now: MeshDrawId) {
-        let before = self.layout.count(leaf);
         if let DrawLayout::OnePerLeaf(draws) = &mut self.layout
-            && let Some(id) = draws.leaves.get_mut(leaf.0 as usize)
-            && std::mem::replace(id, now) != now
+            && let Some(before) = draws.replace(leaf, now)
         {
-            let now = draws.count(leaf);
-            self.counts.replace(leaf.0 as usize, before, now);
+            self.counts.replace(leaf.0 as usize, before, draws.count(leaf));
             self.changes.push(leaf.0);
+            self.dirty_draws.push(leaf);
         }
         self.uploaded_in = None;
         self.version += 1;
@@ -242,12 +243,14 @@ impl LeafTable {
         let disorders = self.device.disorders();
         if std::mem::replace(&mut self.disorders, disorders) != disorders {
             self.dirty.push_all((0..self.layout.leaf_count()).map(LeafIndex));
+            self.dirty_draws.push_all((0..self.layout.leaf_count()).map(LeafIndex));
             if !self.has_one_draw_per_leaf() {
                 self.dirty_cells.push_all(0..self.cell_capacity);
             }
             self.changes.forget();
         }
         self.forget_uploaded();
+        self.dirty.sort();
         Ok(())
     }
 
@@ -255,6 +258,7 @@ impl LeafTable {
         let Self { device, uploads, .. } = self;
         let ran = uploads.newest_run(device.settled(), |frame| device.is_lost(frame));
         self.dirty.forget(ran);
+        self.dirty_draws.forget(ran);
         self.dirty_cells.forget(ran);
     }
 
@@ -308,19 +312,33 @@ impl LeafTable {
             |elements, array, element_bytes| ScatterIo { leaves, elements, array, element_bytes };
         let beside = beside.map(|beside| io(beside.elements, beside.array, beside.element_bytes));
         let boxes = io(boxes, self.boxes(), size_of::<ProxyBox>());
-        let first_draws = match (&self.layout, self.links()) {
+        let firsts = match (&self.layout, self.links()) {
             (DrawLayout::Bucketed(cells), Some(to)) => {
                 let firsts = self.dirty().iter().map(|leaf| cells.first(*leaf));
-                io(uploads.push_iter(firsts)?, to.firsts, size_of::<u32>())
+                Some(io(uploads.push_iter(firsts)?, to.firsts, size_of::<u32>()))
             }
-            _ => {
-                let draws = uploads.push_iter(self.dirty().iter().map(|leaf| self.draw(*leaf)))?;
-                io(draws, self.predicates.draws(), size_of::<IndirectDraw>())
-            }
+            _ => None,
         };
-        let arrays = beside.into_iter().chain([first_draws, boxes]);
+        let arrays = beside.into_iter().chain(firsts).chain([boxes]);
         scatter.record(frame.commands(), self.dirty().len() as u32, arrays);
+        self.upload_draws(frame, scatter)?;
         self.upload_cells(frame, scatter)
+    }
+
+    /// Records the upload of changed draws, where leaves have one draw each.
+    fn upload_draws(&self, frame: &mut Frame<'_>, scatter: &ScatterPass) -> Result<(), Error> {
+        let changed = self.dirty_draws.items();
+        if changed.is_empty() || !self.has_one_draw_per_leaf() {
+            return Ok(());
+        }
+        let uploads = frame.uploads();
+        let leaves = uploads.push_iter(changed.iter().map(|leaf| leaf.0))?;
+        let elements = uploads.push_iter(changed.iter().map(|leaf| self.draw(*leaf)))?;
+        let array = self.predicates.draws();
+        let element_bytes = size_of::<IndirectDraw>();
+        let draws = ScatterIo { leaves, elements, array, element_bytes };
+        scatter.record(frame.commands(), changed.len() as u32, [draws]);
+        Ok(())
     }
 
     /// Records the upload of changed cells, where leaves have any number of draws.
@@ -351,6 +369,7 @@ impl LeafTable {
     pub fn submitted(&mut self, tick: Tick) {
         if self.uploaded_in.take().is_some() {
             self.dirty.sent(tick);
+            self.dirty_draws.sent(tick);
             self.dirty_cells.sent(tick);
             self.uploads.sent(tick);
         }

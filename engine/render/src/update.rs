@@ -34,10 +34,68 @@ pub struct UpdateReport {
 pub(crate) struct UpdateScratch {
     /// The box of the object of each change; empty for a removed object.
     pub(crate) bounds: Vec<Aabb>,
-    pub(crate) gone: HashSet<ObjectId>,
+    pub(crate) gone: ObjectSet,
     /// The skinned meshes that get an object.
     pub(crate) taken: HashSet<MeshId>,
     pub(crate) moves: Vec<(ObjectId, Aabb)>,
     pub(crate) changed: Vec<ObjectId>,
     pub(crate) reordered: Vec<LeafRange>,
+}
+
+/// A set of objects as one bit per id: an update asks it about each object that moves.
+#[derive(Default)]
+pub(crate) struct ObjectSet {
+    words: Vec<u64>,
+    objects: Vec<ObjectId>,
+}
+
+impl ObjectSet {
+    /// Removes all objects, in a time in proportion to their number.
+    pub(crate) fn clear(&mut self) {
+        for object in self.objects.drain(..) {
+            self.words[word_of(object)] = 0;
+        }
+    }
+
+    /// Inserts an object.
+    pub(crate) fn insert(&mut self, object: ObjectId) {
+        let word = word_of(object);
+        if word >= self.words.len() {
+            self.words.resize(word + 1, 0);
+        }
+        self.words[word] |= bit_of(object);
+        self.objects.push(object);
+    }
+
+    /// Returns true if an object is in the set.
+    #[inline]
+    pub(crate) fn contains(&self, object: ObjectId) -> bool {
+        self.words.get(word_of(object)).is_some_and(|word| word & bit_of(object) != 0)
+    }
+}
+
+const fn word_of(object: ObjectId) -> usize {
+    (object.0 / u64::BITS) as usize
+}
+
+const fn bit_of(object: ObjectId) -> u64 {
+    1 << (object.0 % u64::BITS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_set_has_the_objects_inserted_since_it_was_cleared() {
+        let mut set = ObjectSet::default();
+        for first in [0, 40] {
+            let objects = [0, 1, 63, 64, 900].map(|id| ObjectId(first + id));
+            objects.iter().for_each(|object| set.insert(*object));
+            for object in (0..2_000).map(ObjectId) {
+                assert_eq!(set.contains(object), objects.contains(&object), "{object:?}");
+            }
+            set.clear();
+        }
+    }
 }

@@ -100,6 +100,7 @@ pub fn bounds_of_vertices(vertices: &[Vertex]) -> Aabb {
 
 /// Returns the box around a transformed box; see [`Scene::bounds_of`](super::Scene::bounds_of) for
 /// its precision.
+#[inline]
 pub fn bounds_of_transformed(bounds: &Aabb, transform: &Affine3A) -> Aabb {
     let extremes = |column: Vec3A, low: f32, high: f32| {
         let a = column * low;

@@ -29,6 +29,7 @@ pub(super) struct BoxLog {
 }
 
 impl BoxLog {
+    #[inline]
     pub(super) fn push(&mut self, change: BoxChange) {
         if self.changes.len() == CHANGES_MAX {
             self.changes.pop_front();

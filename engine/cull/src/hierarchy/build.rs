@@ -3,10 +3,12 @@
 //! the crate `obvhs`.
 
 use glam::{DVec3, Vec3, Vec3A};
+use obvhs::bvh2::Bvh2;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
+use super::chunks::{Chunks, append};
 use super::error::{BUILD_BYTES_PER_OBJECT, HierarchyError, MAX_OBJECTS, check};
-use super::topology::{Split, Topology};
+use super::topology::{NO_NODE, Split, Topology};
 use crate::geom::bounds::Aabb;
 use crate::ids::ObjectId;
 use crate::rng::SplitMix64;
@@ -19,6 +21,11 @@ const JITTER_OF_SCENE: f32 = 1.0 / (1 << 20) as f32;
 
 /// The random growth relative to the box itself, for boxes that are large against their distance.
 const JITTER_OF_BOX: f32 = 1.0 / 1024.0;
+
+/// The number of first passes, over the chunks of a large hierarchy, in which a node looks at its
+/// next neighbour alone. One such pass saves a fifth of the time and raises the surface-area cost by
+/// 3 %.
+const NEAR_PASSES: usize = 1;
 
 /// Returns the shape of a good hierarchy over `boxes`. An [empty](Aabb::EMPTY) box becomes a free
 /// leaf. Free leaves form a balanced subtree next to the rest, at the end of the leaves.
@@ -37,67 +44,78 @@ pub(super) fn topology(boxes: &[Aabb]) -> Result<Topology, HierarchyError> {
     if boxes.is_empty() {
         return Ok(Topology::default());
     }
-    let mut nodes = balanced(&free);
-    let spare_root = (!free.is_empty()).then_some(0);
-    let root = cluster(boxes, occupied, &mut nodes);
-    let root = match (root, spare_root) {
-        (Some(left), Some(right)) => {
-            nodes.push(Split::Inner(left, right));
-            nodes.len() as u32 - 1
-        }
-        (Some(root), None) | (None, Some(root)) => root,
-        (None, None) => 0,
+    let mut topology = Topology::with_capacity(boxes.len(), boxes.len());
+    let root = if occupied.is_empty() || free.is_empty() {
+        NO_NODE
+    } else {
+        topology.push_inner(NO_NODE, boxes.len() as u32)
     };
-    Ok(Topology::linearise(root, boxes.len(), |node| nodes[node as usize]))
-}
-
-/// Returns a balanced tree over leaves in any order; node 0 is its root.
-fn balanced(objects: &[u32]) -> Vec<Split> {
-    let mut nodes = Vec::new();
-    let mut waiting = Vec::new();
-    if !objects.is_empty() {
-        nodes.push(Split::Inner(0, 0));
-        waiting.push((0, objects));
+    if !occupied.is_empty() {
+        let chunks = Chunks::new(boxes, occupied);
+        let near_passes = if chunks.is_split() { NEAR_PASSES } else { 0 };
+        let mut clustering = Clustering { near_passes, ..Clustering::default() };
+        chunks.append_to(&mut topology, root, |objects| clustering.cluster(boxes, objects));
     }
-    while let Some((node, objects)) = waiting.pop() {
-        nodes[node] = match objects {
-            [object] => Split::Leaf(ObjectId(*object)),
-            _ => {
-                let (left, right) = objects.split_at(objects.len() / 2);
-                let child = nodes.len();
-                nodes.extend([Split::Inner(0, 0); 2]);
-                waiting.extend([(child, left), (child + 1, right)]);
-                Split::Inner(child as u32, child as u32 + 1)
-            }
-        };
-    }
-    nodes
-}
-
-/// Appends the clustered tree over the `occupied` indices of `boxes` to `nodes` and returns its
-/// root.
-fn cluster(boxes: &[Aabb], occupied: Vec<u32>, nodes: &mut Vec<Split>) -> Option<u32> {
-    if occupied.is_empty() {
-        return None;
-    }
-    let present: Vec<Aabb> = occupied.iter().map(|object| boxes[*object as usize]).collect();
-    let tree = PlocBuilder::new().build(
-        PlocSearchDistance::Medium,
-        &distinct(&present),
-        (0..present.len() as u32).collect(),
-        SortPrecision::U64,
-        0,
-    );
-    let root = nodes.len() as u32;
-    nodes.extend(tree.nodes.iter().map(|node| {
-        if node.is_leaf() {
-            let place = tree.primitive_indices[node.first_index as usize];
-            Split::Leaf(ObjectId(occupied[place as usize]))
-        } else {
-            Split::Inner(root + node.first_index, root + node.first_index + 1)
+    if !free.is_empty() {
+        let first = topology.nodes.len() as u32;
+        if let Some(root) = topology.nodes.get_mut(root as usize) {
+            root.right = first;
         }
-    }));
-    Some(root)
+        append(&mut topology, &free, &balanced(free.len() as u32), root);
+    }
+    Ok(topology)
+}
+
+/// Returns the shape of a balanced tree over leaves in any order.
+fn balanced(leaves: u32) -> Topology {
+    let mut topology = Topology::with_capacity(leaves as usize, leaves as usize);
+    // The leaves, the node above them, and true if they are its right child.
+    let mut waiting = vec![(0..leaves, NO_NODE, false)];
+    while let Some((leaves, parent, is_right)) = waiting.pop() {
+        let node = topology.push_inner(parent, leaves.len() as u32);
+        if is_right {
+            topology.nodes[parent as usize].right = node;
+        }
+        if leaves.len() == 1 {
+            topology.object_nodes[leaves.start as usize] = node;
+            topology.leaf_objects.push(ObjectId(leaves.start));
+        } else {
+            let middle = leaves.start.midpoint(leaves.end);
+            waiting.push((middle..leaves.end, node, true));
+            waiting.push((leaves.start..middle, node, false));
+        }
+    }
+    topology
+}
+
+/// The memory of the clustering, which all chunks use.
+#[derive(Default)]
+struct Clustering {
+    near_passes: usize,
+    distinct: Vec<obvhs::aabb::Aabb>,
+    builder: PlocBuilder,
+    tree: Bvh2,
+}
+
+impl Clustering {
+    /// Returns the shape over the `occupied` indices of `boxes`, by their position.
+    fn cluster(&mut self, boxes: &[Aabb], occupied: &[u32]) -> Topology {
+        let Self { near_passes, distinct, builder, tree } = self;
+        make_distinct(boxes, occupied, distinct);
+        let mut places = std::mem::take(&mut tree.primitive_indices);
+        places.clear();
+        places.extend(0..occupied.len() as u32);
+        let reach = PlocSearchDistance::Medium;
+        builder.build_with_bvh(tree, reach, distinct, places, SortPrecision::U64, *near_passes);
+        Topology::linearise(0, occupied.len(), |node| {
+            let node = &tree.nodes[node as usize];
+            if node.is_leaf() {
+                Split::Leaf(ObjectId(tree.primitive_indices[node.first_index as usize]))
+            } else {
+                Split::Inner(node.first_index, node.first_index + 1)
+            }
+        })
+    }
 }
 
 /// Checks a number of objects against the limit of a hierarchy and against the available memory.
@@ -122,24 +140,24 @@ pub(super) fn check_memory(count: usize) -> Result<(), HierarchyError> {
     asked.map_err(|_| HierarchyError::NoMemory { count, size_bytes })
 }
 
-/// Returns the boxes moved into the unit cube and made different from each other by a jitter.
-fn distinct(boxes: &[Aabb]) -> Vec<obvhs::aabb::Aabb> {
-    let scene = boxes.iter().fold(Aabb::EMPTY, |sum, next| sum.union(next));
+/// Lists the `occupied` of the boxes, moved into the unit cube and made different from each other by
+/// a jitter.
+fn make_distinct(boxes: &[Aabb], occupied: &[u32], distinct: &mut Vec<obvhs::aabb::Aabb>) {
+    let each = || occupied.iter().map(|object| &boxes[*object as usize]);
+    let scene = each().fold(Aabb::EMPTY, |sum, next| sum.union(next));
     let origin = scene.min.as_dvec3();
     let size = (scene.max.as_dvec3() - origin).max_element();
     let scale = if size > 0.0 { 1.0 / size } else { 0.0 };
     let mut rng = SplitMix64::new(0x616e_7475_6d62_7261);
     let normalised = |point: Vec3| -> DVec3 { (point.as_dvec3() - origin) * scale };
-    boxes
-        .iter()
-        .map(|bounds| {
-            let min = normalised(bounds.min).as_vec3();
-            let max = normalised(bounds.max).as_vec3();
-            let reach = (max - min) * JITTER_OF_BOX + JITTER_OF_SCENE;
-            let mut jitter = || Vec3::new(rng.unit(), rng.unit(), rng.unit()) * reach;
-            obvhs::aabb::Aabb::new(Vec3A::from(min - jitter()), Vec3A::from(max + jitter()))
-        })
-        .collect()
+    distinct.clear();
+    distinct.extend(each().map(|bounds| {
+        let min = normalised(bounds.min).as_vec3();
+        let max = normalised(bounds.max).as_vec3();
+        let reach = (max - min) * JITTER_OF_BOX + JITTER_OF_SCENE;
+        let mut jitter = || Vec3::new(rng.unit(), rng.unit(), rng.unit()) * reach;
+        obvhs::aabb::Aabb::new(Vec3A::from(min - jitter()), Vec3A::from(max + jitter()))
+    }));
 }
 
 #[cfg(test)]

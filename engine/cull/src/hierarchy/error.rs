@@ -1,8 +1,9 @@
 //! The errors of a hierarchy, and its limits.
 
+use glam::Vec3;
 use thiserror::Error;
 
-use crate::geom::bounds::Aabb;
+use crate::geom::bounds::{Aabb, MAX_COORDINATE};
 use crate::ids::ObjectId;
 
 /// The most objects of one hierarchy: node ids stay below 2^31.
@@ -61,8 +62,13 @@ pub enum HierarchyError {
 }
 
 /// Checks that a box can be part of a hierarchy.
+#[inline]
 pub(super) fn check(object: usize, bounds: &Aabb) -> Result<(), HierarchyError> {
-    if bounds.is_usable() {
+    let Aabb { min, max } = bounds;
+    let limit = Vec3::splat(MAX_COORDINATE);
+    // Equal to `Aabb::is_usable` in fewer instructions, because refits check every box: a NaN fails
+    // each comparison.
+    if (min.cmpge(-limit) & max.cmple(limit) & min.cmple(*max)).all() {
         return Ok(());
     }
     Err(HierarchyError::BadBox {

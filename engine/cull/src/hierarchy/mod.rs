@@ -4,9 +4,12 @@
 mod api;
 mod box_log;
 mod build;
+mod chunks;
 mod error;
 pub(crate) mod front_to_back;
 mod journal;
+mod node;
+mod node_set;
 mod occupancy;
 mod rebuild_subtrees;
 mod refit;
@@ -40,7 +43,8 @@ pub struct Hierarchy {
     journal: journal::Journal,
     boxes: box_log::BoxLog,
     worn: rebuild_subtrees::Worn,
-    refit_scratch: refit::Scratch,
+    /// The nodes that a refit must update; empty between refits.
+    stale: node_set::NodeSet,
     search: occupancy::Search,
     /// Subtrees to rebuild; kept for its memory.
     chosen: Vec<u32>,
@@ -68,7 +72,7 @@ impl Hierarchy {
             journal: journal::Journal::default(),
             boxes: box_log::BoxLog::default(),
             worn: rebuild_subtrees::Worn::default(),
-            refit_scratch: refit::Scratch::default(),
+            stale: node_set::NodeSet::default(),
             search: occupancy::Search::default(),
             chosen: Vec::new(),
             work: HierarchyWork::default(),
@@ -100,13 +104,13 @@ impl Hierarchy {
     /// Returns the root; `None` if there are no leaves.
     #[must_use]
     pub fn root(&self) -> Option<NodeId> {
-        (!self.nodes.bounds.is_empty()).then_some(NodeId(0))
+        (!self.nodes.all.is_empty()).then_some(NodeId(0))
     }
 
     /// Returns the number of nodes: twice the number of leaves minus one.
     #[must_use]
     pub fn node_count(&self) -> usize {
-        self.nodes.bounds.len()
+        self.nodes.all.len()
     }
 
     /// Returns the object of each leaf, in depth-first order; the free id for a free leaf.
@@ -117,6 +121,7 @@ impl Hierarchy {
 
     /// Returns the position of an object's leaf in depth-first order.
     #[must_use]
+    #[inline]
     pub fn leaf_of(&self, object: ObjectId) -> Option<LeafIndex> {
         let node = *self.topology.object_nodes.get(object.0 as usize)?;
         Some(self.leaves(NodeId(node)).first)
@@ -124,12 +129,14 @@ impl Hierarchy {
 
     /// Returns true if an object is in the hierarchy.
     #[must_use]
+    #[inline]
     pub fn contains(&self, object: ObjectId) -> bool {
         refit::occupied(&self.topology, &self.nodes, object).is_ok()
     }
 
     /// Returns the node of an object's leaf.
     #[must_use]
+    #[inline]
     pub fn node_of(&self, object: ObjectId) -> Option<NodeId> {
         self.topology.object_nodes.get(object.0 as usize).map(|node| NodeId(*node))
     }
@@ -137,12 +144,14 @@ impl Hierarchy {
     /// Returns the box around all objects under a node; [`Aabb::EMPTY`] if there are none, or for a
     /// foreign id.
     #[must_use]
+    #[inline]
     pub fn bounds(&self, node: NodeId) -> Aabb {
-        self.nodes.bounds.get(node.0 as usize).copied().unwrap_or(Aabb::EMPTY)
+        self.nodes.all.get(node.0 as usize).map_or(Aabb::EMPTY, |data| data.bounds())
     }
 
     /// Returns the leaves under a node; an empty range for a foreign id.
     #[must_use]
+    #[inline]
     pub fn leaves(&self, node: NodeId) -> LeafRange {
         match self.topology.nodes.get(node.0 as usize) {
             Some(links) => {

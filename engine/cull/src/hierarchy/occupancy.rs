@@ -5,8 +5,10 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::error::{HierarchyError, check};
+use super::node::Node;
 use super::refit::{Nodes, occupied};
 use super::topology::{NO_NODE, Topology};
+use super::wear::Wear;
 use crate::geom::bounds::Aabb;
 use crate::ids::ObjectId;
 
@@ -35,17 +37,17 @@ pub(super) fn occupy(
     Ok(leaf)
 }
 
-/// Updates the ancestors of a leaf and calls `touched` with each.
+/// Updates the ancestors of a leaf and calls `touched` with each and its new data.
 pub(super) fn refit_above(
     topology: &Topology,
     nodes: &mut Nodes,
     leaf: u32,
-    mut touched: impl FnMut(&Nodes, u32),
+    mut touched: impl FnMut(&Wear, u32, &Node),
 ) {
     let mut node = topology.nodes[leaf as usize].parent;
     while node != NO_NODE {
-        nodes.update(topology, node);
-        touched(nodes, node);
+        let data = nodes.update(topology, node);
+        touched(&nodes.wear, node, &data);
         node = topology.nodes[node as usize].parent;
     }
 }
@@ -67,14 +69,14 @@ fn free_leaf(
 ) -> Option<u32> {
     search.clear();
     let growth_above = |growth: f32, node: u32| {
-        let before = &nodes.bounds[node as usize];
+        let before = &nodes.all[node as usize].bounds();
         growth + (before.union(bounds).half_area() - before.half_area()).max(0.0)
     };
     // Floats that are not negative sort like their bits.
     let waiting = |growth: f32, node: u32| {
         (Reverse(growth.to_bits()), topology.nodes[node as usize].level, node)
     };
-    if nodes.free.first().is_some_and(|free| *free > 0) {
+    if nodes.all.first().is_some_and(|root| root.free() > 0) {
         search.push(waiting(0.0, 0));
     }
     let mut looked_at = 0;
@@ -89,7 +91,7 @@ fn free_leaf(
             // The search ends: from now on only nodes below this node count.
             search.clear();
         }
-        let is_free = |child: &u32| nodes.free[*child as usize] > 0;
+        let is_free = |child: &u32| nodes.all[*child as usize].free() > 0;
         search.extend(
             links.children(node).iter().filter(|c| is_free(c)).map(|c| waiting(growth, *c)),
         );

@@ -5,9 +5,10 @@
 use super::build;
 use super::error::HierarchyError;
 use super::journal::{FREE_LEAF, NEW_LEAF, Restructured};
+use super::node::Node;
 use super::refit::Nodes;
 use super::topology::{Links, NO_NODE, Topology};
-use super::wear::LEAVES_MIN;
+use super::wear::{LEAVES_MIN, LEAVES_PER_UPDATE, Wear};
 use crate::geom::bounds::Aabb;
 use crate::ids::ObjectId;
 
@@ -22,23 +23,16 @@ pub(super) struct Worn {
 }
 
 impl Worn {
-    /// Notes a refitted node if a rebuild of at most `most_leaves` may be worthwhile.
-    pub(super) fn consider(
-        &mut self,
-        topology: &Topology,
-        nodes: &Nodes,
-        node: u32,
-        most_leaves: u32,
-    ) {
+    /// Notes a refitted node, now with `data`, if its rebuild may be worthwhile.
+    #[inline]
+    pub(super) fn consider(&mut self, topology: &Topology, wear: &Wear, node: u32, data: &Node) {
         let leaves = topology.nodes[node as usize].leaf_count;
-        if !(LEAVES_MIN..=most_leaves).contains(&leaves) {
-            return;
-        }
-        self.is_candidate.resize(nodes.bounds.len(), false);
-        let is_known = self.is_candidate[node as usize];
-        if !is_known && nodes.wear.excess(node, &nodes.bounds[node as usize]).is_some() {
-            self.is_candidate[node as usize] = true;
-            self.candidates.push(node);
+        let is_size = (LEAVES_MIN..=LEAVES_PER_UPDATE).contains(&leaves);
+        if is_size && wear.excess(node, data).is_some() {
+            self.is_candidate.resize(topology.nodes.len(), false);
+            if !std::mem::replace(&mut self.is_candidate[node as usize], true) {
+                self.candidates.push(node);
+            }
         }
     }
 
@@ -54,7 +48,7 @@ impl Worn {
     ) {
         self.ranked.clear();
         self.candidates.retain(|node| {
-            let excess = nodes.wear.excess(*node, &nodes.bounds[*node as usize]);
+            let excess = nodes.excess(*node);
             if let Some(excess) = excess {
                 let leaves = topology.nodes[*node as usize].leaf_count;
                 self.ranked.push((excess / leaves as f32, *node));
@@ -98,7 +92,8 @@ pub(super) fn rebuild_subtree(
     let leaves = first..first + top.leaf_count as usize;
     let mut objects: Vec<ObjectId> = topology.leaf_objects[leaves].to_vec();
     let node_of = |object: &ObjectId| topology.object_nodes[object.0 as usize] as usize;
-    let mut boxes: Vec<Aabb> = objects.iter().map(|object| nodes.bounds[node_of(object)]).collect();
+    let mut boxes: Vec<Aabb> =
+        objects.iter().map(|object| nodes.all[node_of(object)].bounds()).collect();
     objects.extend((topology.leaf_objects.len() as u32..).take(more.len()).map(ObjectId));
     boxes.extend_from_slice(more);
     let built = build::topology(&boxes)?;

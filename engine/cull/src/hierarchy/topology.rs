@@ -19,11 +19,13 @@ pub(crate) struct Links {
 }
 
 impl Links {
+    #[inline]
     pub(crate) const fn is_leaf(&self) -> bool {
         self.leaf_count == 1
     }
 
     /// Returns the children of an inner node, whose index is `node`.
+    #[inline]
     pub(crate) const fn children(&self, node: u32) -> [u32; 2] {
         [node + 1, self.right]
     }
@@ -55,11 +57,7 @@ impl Topology {
     /// Converts the tree below `root` to depth-first pre-order. Uses an explicit stack instead of
     /// recursion, because degenerate scenes make trees as deep as their number of objects.
     pub(crate) fn linearise(root: u32, object_count: usize, split: impl Fn(u32) -> Split) -> Self {
-        let mut topology = Self {
-            nodes: Vec::with_capacity(2 * object_count),
-            leaf_objects: Vec::with_capacity(object_count),
-            object_nodes: vec![NO_NODE; object_count],
-        };
+        let mut topology = Self::with_capacity(object_count, object_count);
         // The source node, its parent in the result, and its level.
         let mut stack = vec![(root, NO_NODE, 0_u32)];
         while let Some((source, parent, level)) = stack.pop() {
@@ -94,6 +92,24 @@ impl Topology {
             topology.nodes[parent as usize].leaf_count += leaf_count;
         }
         topology
+    }
+
+    /// Creates an empty shape with memory for `leaves` leaves, and no node for any object.
+    pub(crate) fn with_capacity(leaves: usize, object_count: usize) -> Self {
+        Self {
+            nodes: Vec::with_capacity(2 * leaves),
+            leaf_objects: Vec::with_capacity(leaves),
+            object_nodes: vec![NO_NODE; object_count],
+        }
+    }
+
+    /// Appends an inner node above `leaf_count` leaves, which must follow. The right child is not
+    /// known yet.
+    pub(crate) fn push_inner(&mut self, parent: u32, leaf_count: u32) -> u32 {
+        let level = self.nodes.get(parent as usize).map_or(0, |links| links.level + 1);
+        let first_leaf = self.leaf_objects.len() as u32;
+        self.nodes.push(Links { right: NO_NODE, parent, first_leaf, leaf_count, level });
+        self.nodes.len() as u32 - 1
     }
 
     /// The memory per leaf and its two nodes (bytes).

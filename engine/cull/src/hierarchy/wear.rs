@@ -8,7 +8,7 @@
 
 use std::collections::TryReserveError;
 
-use crate::geom::bounds::Aabb;
+use super::node::Node;
 
 /// The factor by which a cost may grow before the subtree counts as worn. Boxes of moving objects
 /// grow and shrink: with a smaller factor a rebuild would recur frame after frame without a gain.
@@ -28,65 +28,43 @@ pub(super) const LEAVES_PER_UPDATE: u32 = 1024;
 /// worst, and seldom, because a rebuild resets the wear.
 pub(super) const LEAVES_OF_WHOLE: u32 = 1 << 15;
 
-/// The areas and costs of the subtree of every node.
+/// The cost of each subtree after its last build.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Wear {
-    /// The sum of the areas of all inner nodes of each subtree.
-    areas: Vec<f32>,
-    /// The cost of each subtree after its last build.
     built: Vec<f32>,
 }
 
 impl Wear {
-    /// Creates the wear of a number of nodes. Every node must be [updated](Wear::update), then
-    /// [reset](Wear::reset).
+    /// Creates the wear of a number of nodes, which must be [reset](Wear::reset).
     pub(super) fn new(nodes: usize) -> Self {
-        Self { areas: vec![0.0; nodes], built: vec![0.0; nodes] }
+        Self { built: vec![0.0; nodes] }
     }
 
     /// The memory per node (bytes).
-    pub(super) const BYTES: usize = 2 * size_of::<f32>();
+    pub(super) const BYTES: usize = size_of::<f32>();
 
     /// Reserves memory for [`Wear::add`].
     pub(super) fn try_reserve(&mut self, nodes: usize) -> Result<(), TryReserveError> {
-        self.areas.try_reserve_exact(nodes)?;
         self.built.try_reserve_exact(nodes)
     }
 
-    /// Adds nodes, which must be updated and reset as in [`Wear::new`].
+    /// Adds nodes, which must be reset as in [`Wear::new`].
     pub(super) fn add(&mut self, nodes: usize) {
-        for values in [&mut self.areas, &mut self.built] {
-            values.resize(values.len() + nodes, 0.0);
-        }
-    }
-
-    /// Computes the areas under an inner node from the areas under its children.
-    pub(super) fn update(&mut self, node: u32, bounds: &Aabb, children: [u32; 2]) {
-        let [left, right] = children.map(|child| self.areas[child as usize]);
-        self.areas[node as usize] = bounds.half_area() + left + right;
-    }
-
-    /// Sets the areas under a leaf to 0.
-    pub(super) fn update_leaf(&mut self, node: u32) {
-        self.areas[node as usize] = 0.0;
+        self.built.resize(self.built.len() + nodes, 0.0);
     }
 
     /// Records the present cost of a node's subtree as the cost after a build.
-    pub(super) fn reset(&mut self, node: u32, bounds: &Aabb) {
-        self.built[node as usize] = self.cost(node, bounds);
-    }
-
-    fn cost(&self, node: u32, bounds: &Aabb) -> f32 {
-        let area = bounds.half_area();
-        if area > 0.0 { self.areas[node as usize] / area } else { 0.0 }
+    pub(super) fn reset(&mut self, node: u32, data: &Node) {
+        let area = data.half_area();
+        self.built[node as usize] = if area > 0.0 { data.areas() / area } else { 0.0 };
     }
 
     /// Returns the area (square metres) that a rebuild of the subtree is expected to save; `None`
     /// if the subtree is not worn.
-    pub(super) fn excess(&self, node: u32, bounds: &Aabb) -> Option<f32> {
-        let built = self.built[node as usize].max(LEAST_COST);
-        let is_degraded = self.cost(node, bounds) > GROWTH * built;
-        is_degraded.then(|| self.areas[node as usize] - built * bounds.half_area())
+    #[inline]
+    pub(super) fn excess(&self, node: u32, data: &Node) -> Option<f32> {
+        let built = self.built[node as usize].max(LEAST_COST) * data.half_area();
+        (data.areas() > GROWTH * built).then(|| data.areas() - built)
     }
 }
 
@@ -95,14 +73,13 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
+    use crate::geom::bounds::Aabb;
 
-    /// Returns the box of nodes 1 and 4, which hold two leaves each under node 0, and the area that
-    /// a rebuild of these four leaves saves.
-    fn worn(left: Aabb, right: Aabb, wear: &mut Wear) -> (Aabb, Option<f32>) {
-        wear.update(1, &left, [2, 3]);
-        wear.update(4, &right, [5, 6]);
-        let both = left.union(&right);
-        wear.update(0, &both, [1, 4]);
+    /// Returns node 0 above two nodes that hold two leaves each, and the area that a rebuild of
+    /// these four leaves saves.
+    fn worn(left: Aabb, right: Aabb, wear: &Wear) -> (Node, Option<f32>) {
+        let node = |bounds: Aabb| Node::above(&Node::leaf(bounds), &Node::leaf(bounds));
+        let both = Node::above(&node(left), &node(right));
         (both, wear.excess(0, &both))
     }
 
@@ -112,20 +89,20 @@ mod tests {
 
     #[test]
     fn moving_and_growing_as_a_whole_is_no_wear() {
-        let mut wear = Wear::new(7);
-        let (both, _) = worn(cube(0.0, 1.0), cube(2.0, 1.0), &mut wear);
+        let mut wear = Wear::new(1);
+        let (both, _) = worn(cube(0.0, 1.0), cube(2.0, 1.0), &wear);
         wear.reset(0, &both);
-        assert_eq!(worn(cube(50.0, 1.0), cube(52.0, 1.0), &mut wear).1, None);
-        assert_eq!(worn(cube(0.0, 10.0), cube(20.0, 10.0), &mut wear).1, None);
+        assert_eq!(worn(cube(50.0, 1.0), cube(52.0, 1.0), &wear).1, None);
+        assert_eq!(worn(cube(0.0, 10.0), cube(20.0, 10.0), &wear).1, None);
     }
 
     #[test]
     fn parts_that_mingle_are_wear_until_the_next_build() {
-        let mut wear = Wear::new(7);
-        let (both, _) = worn(cube(0.0, 1.0), cube(20.0, 1.0), &mut wear);
+        let mut wear = Wear::new(1);
+        let (both, _) = worn(cube(0.0, 1.0), cube(20.0, 1.0), &wear);
         wear.reset(0, &both);
-        let mingled = [cube(0.0, 1.0).union(&cube(20.0, 1.0)); 2];
-        let (both, excess) = worn(mingled[0], mingled[1], &mut wear);
+        let mingled = cube(0.0, 1.0).union(&cube(20.0, 1.0));
+        let (both, excess) = worn(mingled, mingled, &wear);
         assert!(excess.is_some_and(|area| area > both.half_area()), "{excess:?}");
         wear.reset(0, &both);
         assert_eq!(wear.excess(0, &both), None);
@@ -133,8 +110,7 @@ mod tests {
 
     #[test]
     fn what_has_no_objects_is_not_worn() {
-        let mut wear = Wear::new(7);
-        let (both, excess) = worn(Aabb::EMPTY, Aabb::EMPTY, &mut wear);
-        assert_eq!((both, excess), (Aabb::EMPTY, None));
+        let (both, excess) = worn(Aabb::EMPTY, Aabb::EMPTY, &Wear::new(1));
+        assert_eq!((both.bounds(), excess), (Aabb::EMPTY, None));
     }
 }

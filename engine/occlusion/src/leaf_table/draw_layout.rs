@@ -48,10 +48,23 @@ impl MeshDraws {
         IndirectDraw { first_instance: leaf.0, ..draw }
     }
 
+    /// Replaces the mesh of a leaf. Returns the count of the leaf before; `None` if it has this mesh
+    /// already or does not exist.
+    pub(super) fn replace(&mut self, leaf: LeafIndex, mesh: MeshDrawId) -> Option<LeafCount> {
+        let before = self.leaves.get(leaf.0 as usize).filter(|before| **before != mesh)?;
+        let before = self.count_of(*before);
+        *self.leaves.get_mut(leaf.0 as usize)? = mesh;
+        Some(before)
+    }
+
     pub(super) fn count(&self, leaf: LeafIndex) -> LeafCount {
+        self.leaves.get(leaf.0 as usize).map(|id| self.count_of(*id)).unwrap_or_default()
+    }
+
+    fn count_of(&self, id: MeshDrawId) -> LeafCount {
         let count =
             |mesh_draw: &MeshDraw| LeafCount { draws: 1, triangles: mesh_draw.triangles.into() };
-        self.mesh(leaf).map(count).unwrap_or_default()
+        self.meshes.get(id.0 as usize).map(count).unwrap_or_default()
     }
 
     fn mesh(&self, leaf: LeafIndex) -> Option<&MeshDraw> {

@@ -12,7 +12,7 @@ use scene::{LightMove, MeshId, Object, ObjectChange, SceneUpdate, TransparentMov
 use crate::error::Error;
 use crate::renderer::Renderer;
 use crate::resources::mesh_slots::Residency;
-use crate::update::{UpdateReport, UpdateScratch};
+use crate::update::{ObjectSet, UpdateReport, UpdateScratch};
 use crate::update_errors::ChangeError;
 
 impl Renderer {
@@ -99,8 +99,8 @@ impl Renderer {
     }
 
     /// Refuses an object that did not exist before the update or that the update removes.
-    fn check_there(&self, object: ObjectId, gone: &HashSet<ObjectId>) -> Result<(), ChangeError> {
-        if self.scene.hierarchy().contains(object) && !gone.contains(&object) {
+    fn check_there(&self, object: ObjectId, gone: &ObjectSet) -> Result<(), ChangeError> {
+        if self.scene.hierarchy().contains(object) && !gone.contains(object) {
             return Ok(());
         }
         Err(ChangeError::UnknownObject { object })
@@ -115,7 +115,7 @@ impl Renderer {
     fn check_alone(
         &self,
         object: &Object,
-        gone: &HashSet<ObjectId>,
+        gone: &ObjectSet,
         taken: &mut HashSet<MeshId>,
     ) -> Result<(), ChangeError> {
         let mesh = object.mesh;
@@ -123,7 +123,7 @@ impl Renderer {
         if !geometry.is_skinned(mesh) {
             return Ok(());
         }
-        let is_there = geometry.owner(mesh).is_some_and(|owner| !gone.contains(&owner));
+        let is_there = geometry.owner(mesh).is_some_and(|owner| !gone.contains(owner));
         if is_there || !taken.insert(mesh) {
             return Err(ChangeError::SkinnedMeshInUse { mesh });
         }

@@ -39,12 +39,12 @@ impl Hierarchy {
         &mut self,
         moved: impl IntoIterator<Item = (ObjectId, Aabb)>,
     ) -> Result<(), HierarchyError> {
-        let Self { topology, nodes, refit_scratch, boxes, worn, work, .. } = self;
+        let Self { topology, nodes, stale, boxes, worn, work, .. } = self;
         let moved = moved.into_iter().inspect(|_| work.placed_leaves += 1);
         let mut refitted = 0;
-        let outcome = refit(topology, nodes, refit_scratch, boxes, moved, |nodes, node| {
+        let outcome = refit(topology, nodes, stale, boxes, moved, |wear, node, data| {
             refitted += 1;
-            worn.consider(topology, nodes, node, LEAVES_PER_UPDATE);
+            worn.consider(topology, wear, node, data);
         });
         work.refitted_nodes += refitted;
         outcome
@@ -190,7 +190,7 @@ impl Hierarchy {
     /// Returns the number of objects that can still be inserted.
     #[must_use]
     pub fn free_leaves(&self) -> usize {
-        self.nodes.free.first().map_or(0, |free| *free as usize)
+        self.nodes.all.first().map_or(0, |root| root.free() as usize)
     }
 
     /// Rebuilds subtrees that are worn by moves, a bounded number of leaves per call, the most
@@ -209,7 +209,7 @@ impl Hierarchy {
         self.worn.choose(&self.topology, &self.nodes, LEAVES_PER_UPDATE, &mut chosen);
         for node in chosen.drain(..) {
             // A rebuild above or below may have repaired it.
-            if self.nodes.wear.excess(node, &self.nodes.bounds[node as usize]).is_some() {
+            if self.nodes.excess(node).is_some() {
                 let _ = self.rebuild_below(node, &[], reordered);
             }
         }
@@ -221,8 +221,7 @@ impl Hierarchy {
     /// thousand objects.
     #[must_use]
     pub fn is_degraded(&self) -> bool {
-        let root = self.nodes.bounds.first();
-        root.is_some_and(|bounds| self.nodes.wear.excess(0, bounds).is_some())
+        self.nodes.excess(0).is_some()
     }
 
     /// Returns the box of each object, by its id; [empty](Aabb::EMPTY) for a free id.
@@ -245,7 +244,7 @@ impl Hierarchy {
                 return FREE_LEAF;
             }
             let before = self.topology.object_nodes.get(object.0 as usize);
-            let before = before.filter(|node| self.nodes.free[**node as usize] == 0);
+            let before = before.filter(|node| self.nodes.all[**node as usize].free() == 0);
             before.map_or(NEW_LEAF, |node| self.topology.nodes[*node as usize].first_leaf)
         });
         let leaf_counts = |topology: &Topology| {
@@ -261,7 +260,6 @@ impl Hierarchy {
         self.topology = topology;
         self.boxes.clear();
         self.worn = rebuild_subtrees::Worn::default();
-        self.refit_scratch = super::super::refit::Scratch::default();
         self.work.rebuilt_leaves += boxes.len() as u64;
         let generation = self.begin_generation();
         self.births = vec![generation; self.topology.nodes.len()];
@@ -319,9 +317,9 @@ impl Hierarchy {
     fn refit_above(&mut self, leaf: u32) {
         let Self { topology, nodes, worn, work, .. } = self;
         work.placed_leaves += 1;
-        occupancy::refit_above(topology, nodes, leaf, |nodes, node| {
+        occupancy::refit_above(topology, nodes, leaf, |wear, node, data| {
             work.refitted_nodes += 1;
-            worn.consider(topology, nodes, node, LEAVES_PER_UPDATE);
+            worn.consider(topology, wear, node, data);
         });
     }
 

@@ -55,10 +55,10 @@ impl Hierarchy {
         let is_cut = !view.section.is_empty();
         let mut node = 0;
         // In pre-order, the node after a subtree is the next node that is not below it.
-        while let Some((links, bounds)) =
-            self.topology.nodes.get(node as usize).zip(self.nodes.bounds.get(node as usize))
+        while let Some((links, data)) =
+            self.topology.nodes.get(node as usize).zip(self.nodes.all.get(node as usize))
         {
-            let (containment, _) = frustum.classify(bounds, PlaneMask::ALL);
+            let (containment, _) = frustum.classify(&data.bounds(), PlaneMask::ALL);
             let containment = match containment {
                 _ if is_cut && self.is_cut_away(NodeId(node), view) => Containment::Outside,
                 Containment::Inside if is_cut => Containment::Intersects,
@@ -77,6 +77,6 @@ impl Hierarchy {
     }
 
     fn free_below(&self, node: u32) -> u32 {
-        self.nodes.free.get(node as usize).copied().unwrap_or(0)
+        self.nodes.all.get(node as usize).map_or(0, |data| data.free())
     }
 }

@@ -63,6 +63,7 @@ impl LeafTable {
             counts: LeafCounts::default(),
             changes: DrawChanges::new(cell_capacity as usize),
             dirty: DirtyList::new(leaf_count, |leaf| leaf.0),
+            dirty_draws: DirtyList::new(0, |leaf| leaf.0),
             dirty_cells: DirtyList::new(cell_capacity as usize, |cell| *cell),
             uploads: UploadFrames::default(),
             uploaded_in: None,
