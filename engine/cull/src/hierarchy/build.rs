@@ -23,8 +23,8 @@ const JITTER_OF_SCENE: f32 = 1.0 / (1 << 20) as f32;
 const JITTER_OF_BOX: f32 = 1.0 / 1024.0;
 
 /// The number of first passes, over the chunks of a large hierarchy, in which a node looks at its
-/// next neighbour alone. One such pass saves a fifth of the time and raises the surface-area cost by
-/// 3 %.
+/// next neighbour alone. One such pass saves a fifth of the time and raises the surface-area cost
+/// by 3 %.
 const NEAR_PASSES: usize = 1;
 
 /// Returns the shape of a good hierarchy over `boxes`. An [empty](Aabb::EMPTY) box becomes a free
@@ -140,8 +140,8 @@ pub(super) fn check_memory(count: usize) -> Result<(), HierarchyError> {
     asked.map_err(|_| HierarchyError::NoMemory { count, size_bytes })
 }
 
-/// Lists the `occupied` of the boxes, moved into the unit cube and made different from each other by
-/// a jitter.
+/// Lists the `occupied` of the boxes, moved into the unit cube and made different from each other
+/// by a jitter.
 fn make_distinct(boxes: &[Aabb], occupied: &[u32], distinct: &mut Vec<obvhs::aabb::Aabb>) {
     let each = || occupied.iter().map(|object| &boxes[*object as usize]);
     let scene = each().fold(Aabb::EMPTY, |sum, next| sum.union(next));

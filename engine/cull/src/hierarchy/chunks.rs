@@ -14,9 +14,9 @@ use crate::ids::ObjectId;
 /// The most objects of a hierarchy that is clustered as a whole.
 const OBJECTS_OF_WHOLE: usize = 1 << 16;
 
-/// The number of objects up to which a part is not split further. Over 1,000,000 houses on a square,
-/// chunks of 65,536, 16,384 and 4,096 objects give a surface-area cost of 89, 69 and 59; clustering
-/// as a whole gives 161.
+/// The number of objects up to which a part is not split further. Over 1,000,000 houses on a
+/// square, chunks of 65,536, 16,384 and 4,096 objects give a surface-area cost of 89, 69 and 59;
+/// clustering as a whole gives 161.
 const OBJECTS_PER_CHUNK: usize = 1 << 12;
 
 /// The bits of a cell number per axis.

@@ -71,8 +71,8 @@ impl<T: Ord> DirtyList<T> {
             return;
         }
         let newest = self.sent.back().map_or(NEXT, |(state, _)| *state);
-        // States are given out in turn. When all are in use, the last one serves for two frames, and
-        // its items wait for the later frame.
+        // States are given out in turn. When all are in use, the last one serves for two frames,
+        // and its items wait for the later frame.
         let state = if newest == u8::MAX { NEXT + 1 } else { newest + 1 };
         let state = match self.sent.front() {
             Some((oldest, _)) if *oldest == state => newest,

@@ -48,8 +48,8 @@ impl MeshDraws {
         IndirectDraw { first_instance: leaf.0, ..draw }
     }
 
-    /// Replaces the mesh of a leaf. Returns the count of the leaf before; `None` if it has this mesh
-    /// already or does not exist.
+    /// Replaces the mesh of a leaf. Returns the count of the leaf before; `None` if it has this
+    /// mesh already or does not exist.
     pub(super) fn replace(&mut self, leaf: LeafIndex, mesh: MeshDrawId) -> Option<LeafCount> {
         let before = self.leaves.get(leaf.0 as usize).filter(|before| **before != mesh)?;
         let before = self.count_of(*before);
