@@ -44,16 +44,20 @@ pub(super) fn topology(boxes: &[Aabb]) -> Result<Topology, HierarchyError> {
     if boxes.is_empty() {
         return Ok(Topology::default());
     }
+    let chunks = Chunks::new(boxes, occupied);
+    let near_passes = if chunks.is_split() { NEAR_PASSES } else { 0 };
+    let mut clustering = Clustering { near_passes, ..Clustering::default() };
+    if free.is_empty() && !chunks.is_split() {
+        // All objects in their order: their positions are their numbers, and nothing is copied.
+        return Ok(clustering.cluster(boxes, chunks.objects()));
+    }
     let mut topology = Topology::with_capacity(boxes.len(), boxes.len());
-    let root = if occupied.is_empty() || free.is_empty() {
+    let root = if chunks.objects().is_empty() || free.is_empty() {
         NO_NODE
     } else {
         topology.push_inner(NO_NODE, boxes.len() as u32)
     };
-    if !occupied.is_empty() {
-        let chunks = Chunks::new(boxes, occupied);
-        let near_passes = if chunks.is_split() { NEAR_PASSES } else { 0 };
-        let mut clustering = Clustering { near_passes, ..Clustering::default() };
+    if !chunks.objects().is_empty() {
         chunks.append_to(&mut topology, root, |objects| clustering.cluster(boxes, objects));
     }
     if !free.is_empty() {

@@ -56,6 +56,11 @@ impl Chunks {
         Self { objects: sorted, firsts }
     }
 
+    /// Returns the objects of all chunks.
+    pub(super) fn objects(&self) -> &[u32] {
+        &self.objects
+    }
+
     /// Returns true if there are several chunks.
     pub(super) fn is_split(&self) -> bool {
         !self.firsts.is_empty()

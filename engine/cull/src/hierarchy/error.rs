@@ -10,7 +10,7 @@ use crate::ids::ObjectId;
 pub const MAX_OBJECTS: usize = 1 << 30;
 
 /// The peak memory for building a hierarchy, per object (bytes).
-pub const BUILD_BYTES_PER_OBJECT: usize = 288;
+pub const BUILD_BYTES_PER_OBJECT: usize = 296;
 
 /// The reason why a hierarchy cannot be built or changed.
 #[derive(Clone, Debug, PartialEq, Error)]
