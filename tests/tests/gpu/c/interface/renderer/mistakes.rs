@@ -44,6 +44,32 @@ fn a_device_that_cannot_have_a_renderer_is_refused_by_name() {
     host.finish();
 }
 
+/// Expects that a scene with a broken mesh is refused by the name of its mistake.
+fn refuse_meshes(
+    c: &mut CHost,
+    good: &AntumbraRendererDesc,
+    vertices: &[AntumbraVertex],
+    desc: &AntumbraMeshDesc,
+) {
+    let mut broken = vertices.to_vec();
+    broken[0].position[1] = f32::NAN;
+    for (mesh, result, words) in [
+        (mesh_desc(vertices, &[0, 1, 36]), BadArgument, "desc.meshes[0]"),
+        (mesh_desc(vertices, &[0, 1]), BadArgument, "no multiple of 3"),
+        (mesh_desc(&broken, &[0, 1, 2]), BadArgument, "not a finite number"),
+        (
+            AntumbraMeshDesc { vertices: null(), ..*desc },
+            BadPointer,
+            "desc.meshes[0].vertices is null",
+        ),
+        (AntumbraMeshDesc { struct_size: 20, ..*desc }, BadStructSize, "AntumbraMeshDesc"),
+    ] {
+        let meshes = [&raw const mesh];
+        let (refused, _) = c.create(&AntumbraRendererDesc { meshes: meshes.as_ptr(), ..*good });
+        expect(refused, result, words, &c.error);
+    }
+}
+
 #[test]
 fn mistakes_of_a_scene_and_of_a_frame_are_named() {
     let host = Host::new(Driver::Lavapipe, Purpose::Renderer);
@@ -62,23 +88,7 @@ fn mistakes_of_a_scene_and_of_a_frame_are_named() {
         object_count: 3,
         ..Versioned::INIT
     };
-    let mut broken = vertices.clone();
-    broken[0].position[1] = f32::NAN;
-    for (mesh, result, words) in [
-        (mesh_desc(&vertices, &[0, 1, 36]), BadArgument, "desc.meshes[0]"),
-        (mesh_desc(&vertices, &[0, 1]), BadArgument, "no multiple of 3"),
-        (mesh_desc(&broken, &[0, 1, 2]), BadArgument, "not a finite number"),
-        (
-            AntumbraMeshDesc { vertices: null(), ..desc },
-            BadPointer,
-            "desc.meshes[0].vertices is null",
-        ),
-        (AntumbraMeshDesc { struct_size: 20, ..desc }, BadStructSize, "AntumbraMeshDesc"),
-    ] {
-        let meshes = [&raw const mesh];
-        let (refused, _) = c.create(&AntumbraRendererDesc { meshes: meshes.as_ptr(), ..good });
-        expect(refused, result, words, &c.error);
-    }
+    refuse_meshes(&mut c, &good, &vertices, &desc);
     let foreign = AntumbraMeshObject { mesh: 1, ..objects[0] };
     let dark = AntumbraSunlight { towards_sun: [f32::NAN; 3], ..Versioned::INIT };
     for (desc, result, words) in [
