@@ -101,7 +101,7 @@ fn a_material_that_cannot_be_drawn_is_refused_by_name_and_changes_nothing() {
             (Material { alpha: Alpha::Blend, ..good.clone() }, MaterialError::Transparent),
             (
                 Material { base_colour_texture: used(2, 1.0), ..good.clone() },
-                MaterialError::UnknownTexture,
+                MaterialError::Broken { fault: "the scene does not have one of its textures" },
             ),
             (
                 Material { base_colour_texture: used(1, 1.0), ..good.clone() },
