@@ -98,10 +98,11 @@ impl Aabb {
     /// Returns true if an object may have this box: it is finite and not [empty](Aabb::is_empty),
     /// and no coordinate is beyond [`MAX_COORDINATE`].
     #[must_use]
+    #[inline]
     pub fn is_usable(&self) -> bool {
-        self.is_finite()
-            && self.largest_coordinate() <= MAX_COORDINATE
-            && self.min.cmple(self.max).all()
+        let limit = Vec3::splat(MAX_COORDINATE);
+        // Refits check every box, so in few instructions: a NaN fails each comparison.
+        (self.min.cmpge(-limit) & self.max.cmple(limit) & self.min.cmple(self.max)).all()
     }
 
     /// Returns the largest absolute coordinate, to which single-precision rounding is relative.

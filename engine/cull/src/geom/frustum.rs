@@ -73,9 +73,9 @@ impl FourPlanes {
         Self { x: x_axis, y: y_axis, z: z_axis, offset: w_axis }
     }
 
-    /// Returns the distances of a point from the planes (metres).
-    fn distances(&self, point: Vec3) -> Vec4 {
-        self.x * point.x + self.y * point.y + self.z * point.z - self.offset
+    /// Returns the coordinates of a point along the normals (metres).
+    fn along(&self, point: Vec3) -> Vec4 {
+        self.x * point.x + self.y * point.y + self.z * point.z
     }
 
     /// Returns the distances by which a box of this half extent reaches along the normals (metres).
@@ -122,7 +122,8 @@ impl Frustum {
             let FourPlanes { x, y, z, .. } = planes;
             let most =
                 Vec4::from_array(std::array::from_fn(|at| most(Vec3::new(x[at], y[at], z[at]))));
-            (most + planes.distances(-self.origin)).cmplt(Vec4::ZERO).any()
+            // The difference of two coordinates of the world first, so that little is lost.
+            (most - planes.along(self.origin)).cmplt(planes.offset).any()
         })
     }
 
@@ -145,7 +146,7 @@ impl Frustum {
             if mask.0 >> first & 0b1111 == 0 {
                 continue;
             }
-            let distances = planes.distances(centre);
+            let distances = planes.along(centre) - planes.offset;
             let reaches = planes.reaches(half) + slack;
             outside |= distances.cmplt(-reaches).bitmask() << first;
             // A NaN keeps the plane.

@@ -140,6 +140,7 @@ impl<'a> MultiView<'a> {
         if let Some(volumes) = self.volumes {
             return volumes.proxy(bounds, self.first());
         }
+        // The usual case, in one pass: a node of a plan for one view is seen by this view.
         if let [view] = self.views {
             return view.margin.proxy(bounds);
         }

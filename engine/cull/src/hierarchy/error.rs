@@ -1,9 +1,8 @@
 //! The errors of a hierarchy, and its limits.
 
-use glam::Vec3;
 use thiserror::Error;
 
-use crate::geom::bounds::{Aabb, MAX_COORDINATE};
+use crate::geom::bounds::Aabb;
 use crate::ids::ObjectId;
 
 /// The most objects of one hierarchy: node ids stay below 2^31.
@@ -64,11 +63,7 @@ pub enum HierarchyError {
 /// Checks that a box can be part of a hierarchy.
 #[inline]
 pub(super) fn check(object: usize, bounds: &Aabb) -> Result<(), HierarchyError> {
-    let Aabb { min, max } = bounds;
-    let limit = Vec3::splat(MAX_COORDINATE);
-    // Equal to `Aabb::is_usable` in fewer instructions, because refits check every box: a NaN fails
-    // each comparison.
-    if (min.cmpge(-limit) & max.cmple(limit) & min.cmple(*max)).all() {
+    if bounds.is_usable() {
         return Ok(());
     }
     Err(HierarchyError::BadBox {

@@ -43,8 +43,8 @@ impl<T: Ord> DirtyList<T> {
 
     /// Sorts the items, so that their data are read in the order of the memory.
     pub(super) fn sort(&mut self) {
-        // Items that change in every frame are sorted already: a stable sort only inserts the new.
-        self.items.sort();
+        // Items that change in every frame are sorted already. A stable sort would allocate.
+        self.items.sort_unstable();
     }
 
     /// Notes that an item changed. Ignores an item that the list has no room for.

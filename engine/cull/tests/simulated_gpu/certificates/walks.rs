@@ -333,7 +333,7 @@ fn measure(course: Course, seeds: std::ops::Range<u64>, radii_m: &[f32]) {
 // that can use it.
 
 #[test]
-#[ignore = "long walk"]
+#[ignore = "a measurement: docs/lab/performance.md"]
 fn frames_without_a_break_in_streets() {
     let course = |motion| Course { place: Place::Districts, motion, size: SIZE };
     measure(course(Motion::Straight(1.4)), 0..4, &[0.071, 0.2]);
@@ -342,7 +342,7 @@ fn frames_without_a_break_in_streets() {
 }
 
 #[test]
-#[ignore = "long walk"]
+#[ignore = "a measurement: docs/lab/performance.md"]
 fn frames_without_a_break_in_turns_and_flights() {
     let course = |motion| Course { place: Place::Districts, motion, size: SIZE };
     measure(course(Motion::Turn(0.5)), 0..4, &[0.01]);
@@ -350,7 +350,7 @@ fn frames_without_a_break_in_turns_and_flights() {
 }
 
 #[test]
-#[ignore = "long walk"]
+#[ignore = "a measurement: docs/lab/performance.md"]
 fn frames_without_a_break_between_blocks() {
     let course = |motion| Course { place: Place::Blocks, motion, size: SIZE };
     measure(course(Motion::Straight(1.4)), 0..4, &[0.071, 0.2]);
@@ -361,7 +361,7 @@ fn frames_without_a_break_between_blocks() {
 
 /// Measures walks with larger frames, which look through narrower gaps.
 #[test]
-#[ignore = "long walk"]
+#[ignore = "a measurement: docs/lab/performance.md"]
 fn frames_without_a_break_in_larger_images() {
     for motion in [Motion::Straight(1.4), Motion::Walk(1.4)] {
         let course = Course { place: Place::Districts, motion, size: [640, 360] };
@@ -371,7 +371,7 @@ fn frames_without_a_break_in_larger_images() {
 
 /// Prints the reasons for which tests have no certificate.
 #[test]
-#[ignore = "long walk"]
+#[ignore = "a measurement: docs/lab/performance.md"]
 fn tests_without_a_certificate() {
     let kind = Kind::Solids { guard: 0.0 };
     for motion in [Motion::Straight(1.4), Motion::Walk(1.4)] {
@@ -389,7 +389,7 @@ fn tests_without_a_certificate() {
 /// Measures larger images than an asynchronous pass would have, and bounds that look through gaps
 /// narrower than a pixel of the frame.
 #[test]
-#[ignore = "long walk"]
+#[ignore = "a measurement: docs/lab/performance.md"]
 fn frames_without_a_break_with_huge_certificates() {
     let solids = Kind::Solids { guard: 0.0 };
     for motion in [Motion::Straight(1.4), Motion::Walk(1.4)] {
