@@ -10,6 +10,7 @@
 
 pub mod animated_png;
 pub mod args;
+pub mod budget;
 pub mod camera_path;
 pub mod choices;
 pub mod colour_palette;

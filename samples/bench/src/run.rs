@@ -221,7 +221,7 @@ pub fn walk_on(
 
 /// Returns the options of the renderer. Refuses what the device cannot do with any scene, before
 /// one is made.
-fn checked_options(
+pub(crate) fn checked_options(
     device: &Device,
     options: &Options,
     signals: &Signals,
@@ -237,7 +237,7 @@ fn checked_options(
 }
 
 /// Returns a renderer of the scene.
-fn upload(
+pub(crate) fn upload(
     device: &Device,
     scene: &Scene,
     hierarchy: Hierarchy,

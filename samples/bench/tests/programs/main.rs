@@ -1,4 +1,4 @@
-//! Runs `walkthrough`, `compare` and `gpu_page` as users do.
+//! Runs `walkthrough`, `budget`, `compare` and `gpu_page` as users do.
 
 #![allow(
     clippy::expect_used,
@@ -8,6 +8,7 @@
 )]
 
 mod bad_input;
+mod budget;
 #[cfg(feature = "charts")]
 mod compare;
 #[cfg(feature = "charts")]

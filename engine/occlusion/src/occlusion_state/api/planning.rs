@@ -61,6 +61,20 @@ impl OcclusionState {
         });
     }
 
+    /// Plans a frame of a view as `write` fills an empty plan: a frame that was recorded before, or
+    /// a part of it. The caller answers for what is drawn.
+    pub fn plan_given(
+        &mut self,
+        scene: &CulledScene,
+        view: &CullView,
+        write: impl FnOnce(&mut FramePlan),
+    ) {
+        self.plan_by(scene, std::slice::from_ref(view), |culler, plan| {
+            culler.plan_known(&scene.hierarchy, &[], plan);
+            write(plan);
+        });
+    }
+
     fn plan_by(
         &mut self,
         scene: &CulledScene,
