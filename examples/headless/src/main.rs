@@ -34,7 +34,6 @@ fn scene() -> Scene {
 }
 
 fn main() -> antumbra::Result<()> {
-    // Everything hidden is tested: times that a busy machine measures decide nothing here.
     let options = RendererOptions { size: SIZE, ..Default::default() };
     let mut renderer = Renderer::headless(&scene()).options(options).build()?;
     let mut view = renderer.new_view()?;

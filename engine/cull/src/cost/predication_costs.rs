@@ -32,7 +32,8 @@ pub struct SkipTimes {
     pub few_ns: f64,
     /// A frame with twice the ranges of `few_ns`.
     pub many_ns: f64,
-    /// A frame with the ranges of `few_ns`, of [`SkipTimes::WIDE_DRAWS`] draws each.
+    /// A frame with [`SkipTimes::RANGES`] ranges of [`SkipTimes::WIDE_DRAWS`] draws each, in one
+    /// round.
     pub wide_ns: f64,
 }
 

@@ -28,7 +28,7 @@ impl Camera {
 
     /// Returns a camera at `eye` that looks at `target` (metres), in a perspective of
     /// [`Camera::USUAL_FOV_Y`] with the near plane at 0.1 m. Up is +y, or +z if the camera looks
-    /// along y. If `eye` and `target` are equal, it looks along -z.
+    /// along y. If `eye` and `target` are equal, or if `target` is not finite, it looks along -z.
     #[must_use]
     pub fn look_at(eye: impl Into<Vec3>, target: impl Into<Vec3>) -> Self {
         let eye = eye.into();

@@ -44,9 +44,9 @@ pub struct DeviceCosts {
 /// The costs of the reset of a query (nanoseconds).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct QueryResetCosts {
-    /// By a command: GPU time.
+    /// The GPU time of a reset by a command.
     pub command_ns: f32,
-    /// By the CPU: CPU time.
+    /// The CPU time of a reset by the CPU.
     pub cpu_ns: f32,
 }
 

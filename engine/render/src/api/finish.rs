@@ -10,8 +10,10 @@ use crate::rgba_image::RgbaImage;
 use crate::views::finish_image;
 
 impl Renderer {
-    /// Waits until every frame is over. Returns the newest frame with its statistics and its image.
-    /// Do not use it in a frame loop: it counts as a blocking wait.
+    /// Waits until every frame is over. Returns the statistics of the newest frame of a view, and
+    /// the image of the renderer's newest frame. With several views, finish a view before another
+    /// one is rendered: the image is the image of the view that was rendered last. Do not use it in
+    /// a frame loop: it counts as a blocking wait.
     ///
     /// # Errors
     /// [`gpu::Error::NoImage`] before the first frame and after a frame that failed; a view of
