@@ -255,7 +255,7 @@ impl<'a> ComparedScene<'a> {
             culled.draw_lists(scope.commands(), &revealed, &view, Rendering::Next);
             culled.target.restore(scope.commands());
         }
-        Ok(scope.into_frame())
+        scope.into_frame()
     }
 
     /// Records the same views again, by brute force, and the copies of all images. The frame runs

@@ -12,7 +12,7 @@ pub enum TrackError {
     #[error("there are no keys")]
     Empty,
     /// A time that is not finite.
-    #[error("key {key} is at {time_s} s, which is no time")]
+    #[error("key {key} is at {time_s} s, which is not a time")]
     NoTime {
         /// The index of the key.
         key: usize,

@@ -39,6 +39,7 @@
 #![deny(clippy::print_stderr, clippy::print_stdout, reason = "the host has the log")]
 #![forbid(unsafe_code)]
 
+mod error;
 #[cfg(doctest)]
 mod pages;
 
@@ -69,8 +70,10 @@ pub use gpu::{Device, Readback};
 pub use render::{FrameRequest, RenderView, Renderer, RendererOptions};
 pub use scene::{Scene, SceneUpdate};
 
+pub use error::Error;
+
 /// The result of a program's `main`, with any error.
-pub type Result<T> = std::result::Result<T, Box<dyn std::error::Error + Send + Sync>>;
+pub type Result<T> = std::result::Result<T, Error>;
 
 /// Loads a .gltf, .glb, .stl or .obj file as a scene at rest. Deviations of the file are logged as
 /// warnings. [`import::load`] returns these deviations, and also the animations.

@@ -108,7 +108,9 @@ macro_rules! pointers {
         }
     )+};
 }
-pub(crate) use {numbers, pointers};
+#[cfg(feature = "vulkan")]
+pub(crate) use numbers;
+pub(crate) use pointers;
 
 // SAFETY: a pointer, which is not followed.
 unsafe impl<T> CValue for *const T {

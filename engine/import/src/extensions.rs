@@ -94,7 +94,7 @@ pub(crate) fn webp_source(texture: &Texture) -> Result<Option<usize>, Reason> {
     };
     index(source)
         .map(Some)
-        .ok_or_else(|| Reason::malformed(format!("the source of its {WEBP} is no index")))
+        .ok_or_else(|| Reason::malformed(format!("the source of its {WEBP} is not an index")))
 }
 
 /// Returns the image that is shown for a texture.

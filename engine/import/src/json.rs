@@ -71,7 +71,7 @@ fn syntax(error: &serde_json::Error) -> Reason {
     }
     let text = error.to_string();
     let what = text.split(" at line ").next().unwrap_or_default();
-    Reason::malformed(format!("it is no JSON in line {line}, column {column}: {what}"))
+    Reason::malformed(format!("it is not JSON in line {line}, column {column}: {what}"))
 }
 
 /// Reads JSON again that `gltf` refused or may have read incompletely.

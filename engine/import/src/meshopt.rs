@@ -114,11 +114,11 @@ fn of_view(
     extension: &'static str,
     said: &Value,
 ) -> Result<Compressed, Reason> {
-    let json = said.as_object().ok_or_else(|| Reason::malformed("it is no object"))?;
+    let json = said.as_object().ok_or_else(|| Reason::malformed("it is not an object"))?;
     let number = |key: &str| -> Result<usize, Reason> {
         let value = json.get(key).ok_or_else(|| Reason::malformed(format!("it has no {key}")))?;
         extensions::index(value)
-            .ok_or_else(|| Reason::malformed(format!("its {key} is no whole number")))
+            .ok_or_else(|| Reason::malformed(format!("its {key} is not a whole number")))
     };
     let from_byte = if json.contains_key("byteOffset") { number("byteOffset")? } else { 0 };
     let found = Compressed {

@@ -35,6 +35,16 @@ pub enum Error {
         "draws were listed in this frame and their tests were not recorded: call `ListedView::record` for each `FrameScope::list`"
     )]
     TestsMissing,
+    /// A view could not be recorded, so that the frame has its commands in part.
+    #[error(
+        "a view of this frame was refused while it was recorded: give the frame up, and draw all views in the next one"
+    )]
+    Incomplete,
+    /// A strategy that the culler does not plan.
+    #[error(
+        "the strategy `{0}` is not planned by the culler: use `frustum` or one of the `antumbra` strategies, or draw it by its `Method`"
+    )]
+    NotPlanned(cull::Strategy),
     /// A frame of a ring with more slots than the scene has.
     #[error(
         "the frames come from a ring of {ring}, and the scene was created for {scene} in flight: set `CulledSceneOptions::frames_in_flight`"

@@ -106,6 +106,8 @@ pub struct FrameScope<'a, 'ring> {
     drawn: PerView<&'a mut OcclusionState>,
     /// The number of views whose draws are listed and whose tests are not recorded yet.
     listed: usize,
+    /// True after a view that could not be recorded: its commands may be in the frame in part.
+    is_incomplete: bool,
 }
 
 /// A view whose frame is planned, to be [recorded](FrameScope::record) or
@@ -132,7 +134,7 @@ pub struct ListedView<'a> {
 
 impl<'a, 'ring> FrameScope<'a, 'ring> {
     pub(crate) fn new(scene: &'a mut CulledScene, frame: Frame<'ring>) -> Self {
-        Self { scene, frame, drawn: PerView::new(), listed: 0 }
+        Self { scene, frame, drawn: PerView::new(), listed: 0, is_incomplete: false }
     }
 
     /// Returns the command buffer, for commands of the owner between those of the engine.
@@ -156,7 +158,7 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
     ///
     /// # Errors
     /// [`Error::ForeignView`]; [`Error::InvalidView`] for a view with numbers that are not finite
-    /// or without pixels; the errors of [`FrameScope::record`].
+    /// or without pixels; [`Error::NotPlanned`]; the errors of [`FrameScope::record`].
     pub fn draw<'v>(
         &mut self,
         state: &'a mut OcclusionState,
@@ -170,14 +172,15 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
     /// Reads the results of earlier frames that are over, and plans a view by them.
     ///
     /// # Errors
-    /// [`Error::ForeignView`], [`Error::InvalidView`], a lost device.
+    /// [`Error::ForeignView`], [`Error::InvalidView`], [`Error::NotPlanned`], a lost device.
     pub fn plan<'v>(
         &mut self,
         state: &'a mut OcclusionState,
         request: impl Into<DrawRequest<'v>>,
     ) -> Result<PlannedView<'a>, Error> {
-        let DrawRequest { views, strategy, query_budget } = request.into();
-        check_views(views)?;
+        let request = request.into();
+        check_request(&request)?;
+        let DrawRequest { views, strategy, query_budget } = request;
         let completed = self.scene.device.completed()?;
         state.follow_frames_in_flight(self.scene)?;
         state.collect(completed, self.scene);
@@ -189,7 +192,8 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
     /// their requests. Give the views in the same order in each frame.
     ///
     /// # Errors
-    /// [`Error::ForeignView`], [`Error::InvalidView`], a lost device. No view is planned then.
+    /// [`Error::ForeignView`], [`Error::InvalidView`], [`Error::NotPlanned`], a lost device. No view
+    /// is planned then.
     pub fn plan_all<'v>(
         &mut self,
         views: impl IntoIterator<Item = (&'a mut OcclusionState, DrawRequest<'v>)>,
@@ -198,7 +202,7 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
         let mut views: PerView<_> = views.into_iter().collect();
         let completed = self.scene.device.completed()?;
         for (_, request) in &views {
-            check_views(request.views)?;
+            check_request(request)?;
         }
         for (state, _) in &mut views {
             state.follow_frames_in_flight(self.scene)?;
@@ -242,7 +246,9 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
         objects: &mut dyn ShadedObjects,
     ) -> Result<(), Error> {
         let state = planned.state;
-        execute(&mut self.frame, self.scene, state, objects)?;
+        let executed = execute(&mut self.frame, self.scene, state, objects);
+        self.is_incomplete |= executed.is_err();
+        executed?;
         objects.target().restore(self.frame.commands());
         self.drawn.push(state);
         Ok(())
@@ -269,31 +275,41 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
     /// [`Error::DrawsAmongTests`] for a scene that was created without
     /// [`DrawPhases::Two`](cull::DrawPhases::Two); no memory, a failed call.
     pub fn list(&mut self, planned: PlannedView<'a>) -> Result<ListedView<'a>, Error> {
-        let tests = list_draws(&mut self.frame, self.scene, planned.state)?;
+        let listed = list_draws(&mut self.frame, self.scene, planned.state);
+        self.is_incomplete |= listed.is_err();
+        let tests = listed?;
         self.listed += 1;
         Ok(ListedView { state: planned.state, tests })
     }
 
-    /// Refuses a frame whose lists of revealed draws are never filled.
-    fn check_listed(&self) -> Result<(), Error> {
+    /// Refuses a frame that lacks a view, and a frame whose lists of revealed draws are never
+    /// filled.
+    fn check_complete(&self) -> Result<(), Error> {
+        if self.is_incomplete {
+            return Err(Error::Incomplete);
+        }
         if self.listed == 0 { Ok(()) } else { Err(Error::TestsMissing) }
     }
 
     /// Gives the frame back, for a host that records other scenes into it. Once the frame has
     /// ended, its tick goes to [`OcclusionState::submitted`] of each view that was drawn, and then
     /// to [`CulledScene::submitted`].
-    pub fn into_frame(self) -> Frame<'ring> {
-        self.frame
+    ///
+    /// # Errors
+    /// [`Error::TestsMissing`], [`Error::Incomplete`]. The frame is given up then.
+    pub fn into_frame(self) -> Result<Frame<'ring>, Error> {
+        self.check_complete()?;
+        Ok(self.frame)
     }
 
     /// Ends a frame in the command buffer of a host. Returns its number.
     ///
     /// # Errors
-    /// [`Error::TestsMissing`]; [`gpu::Error::HasQueue`] on a device with a queue, whose frames are
-    /// [submitted](FrameScope::submit); no memory, a failed call. The frame is given up then: its
+    /// [`Error::TestsMissing`], [`Error::Incomplete`]; [`gpu::Error::HasQueue`] on a device with a
+    /// queue, whose frames are [submitted](FrameScope::submit); no memory, a failed call. The frame is given up then: its
     /// command buffer must not be submitted.
     pub fn end(self) -> Result<Tick, Error> {
-        self.check_listed()?;
+        self.check_complete()?;
         let Self { scene, frame, drawn, .. } = self;
         let tick = frame.end()?;
         submitted(scene, drawn, tick);
@@ -304,9 +320,9 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
     /// Returns its tick.
     ///
     /// # Errors
-    /// [`Error::TestsMissing`], a failed call. The frame is given up then.
+    /// [`Error::TestsMissing`], [`Error::Incomplete`], a failed call. The frame is given up then.
     pub fn submit(self, after: Option<TimelineWait<'_>>) -> Result<Tick, Error> {
-        self.check_listed()?;
+        self.check_complete()?;
         let Self { scene, frame, drawn, .. } = self;
         let tick = frame.submit(after)?;
         submitted(scene, drawn, tick);
@@ -314,9 +330,13 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
     }
 }
 
-/// Refuses views that nothing can be drawn by. The cost is per view and not per object.
-fn check_views(views: MultiView<'_>) -> Result<(), Error> {
-    Ok(views.as_slice().iter().try_for_each(cull::check_view)?)
+/// Refuses views that nothing can be drawn by, and strategies that no plan carries out. The cost is per
+/// view and not per object.
+fn check_request(request: &DrawRequest<'_>) -> Result<(), Error> {
+    if !Strategy::PLANNED.contains(&request.strategy) {
+        return Err(Error::NotPlanned(request.strategy));
+    }
+    Ok(request.views.as_slice().iter().try_for_each(cull::check_view)?)
 }
 
 fn submitted(scene: &mut CulledScene, drawn: PerView<&mut OcclusionState>, tick: Tick) {
@@ -350,7 +370,9 @@ impl<'a> ListedView<'a> {
     /// A target with other attachments than the passes were compiled for, or with another number of
     /// views; a depth that the tests cannot read; a failed call.
     pub fn record(self, scope: &mut FrameScope<'a, '_>, target: &mut Target) -> Result<(), Error> {
-        self.tests.record(&mut scope.frame, scope.scene, self.state, target)?;
+        let recorded = self.tests.record(&mut scope.frame, scope.scene, self.state, target);
+        scope.is_incomplete |= recorded.is_err();
+        recorded?;
         target.restore(scope.frame.commands());
         scope.listed = scope.listed.saturating_sub(1);
         scope.drawn.push(self.state);

@@ -54,6 +54,11 @@ pub enum Error {
         /// The size of the request in bytes.
         size_bytes: usize,
     },
+    /// A view is finished that the newest frame does not show.
+    #[error(
+        "the newest image of the renderer does not show this view: finish a view right after its frame, before another one is rendered"
+    )]
+    NotNewest,
     /// The strategy draws objects found in advance, and no visible set is given.
     #[error(
         "the strategy `{0}` draws what is known to be visible: find it with `Renderer::visible_set` first"
@@ -294,7 +299,9 @@ impl From<occlusion::Error> for Error {
             // A renderer begins no scope.
             occlusion::Error::NoPlan
             | occlusion::Error::OtherRing
-            | occlusion::Error::TestsMissing => Self::NoPlan,
+            | occlusion::Error::TestsMissing
+            | occlusion::Error::Incomplete
+            | occlusion::Error::NotPlanned(_) => Self::NoPlan,
             occlusion::Error::FramesInFlight { ring: wanted, scene: most } => {
                 Self::FramesInFlight { wanted, most }
             }

@@ -29,6 +29,8 @@ pub struct RenderView {
     pub(crate) visibility: OcclusionState,
     /// The viewpoint of the newest frame.
     pub(crate) seen_from: Option<CullView>,
+    /// The tick of the newest frame that shows the view.
+    pub(crate) shown_tick: Option<Tick>,
     pub(crate) counts: SampleCounts,
     pub(crate) pointer: Pointer,
     pub(crate) flares: FlareCounts,
@@ -39,7 +41,7 @@ impl RenderView {
         let counts = SampleCounts::default();
         let flares = FlareCounts::default();
         let pointer = Pointer::default();
-        Self { renderer, visibility, seen_from: None, counts, pointer, flares }
+        Self { renderer, visibility, seen_from: None, shown_tick: None, counts, pointer, flares }
     }
 
     /// Returns the plan of the newest frame.
@@ -151,6 +153,7 @@ impl RenderView {
         scene: &CulledScene,
         timed_views: Option<usize>,
     ) {
+        self.shown_tick = Some(tick);
         self.visibility.submitted(tick, scene, timed_views);
         let now = self.visibility.plan().frame;
         let slots = self.visibility.frames_in_flight();

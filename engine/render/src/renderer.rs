@@ -189,6 +189,8 @@ pub struct Renderer {
     pub(crate) update_scratch: UpdateScratch,
     /// The views of the newest frame, kept to allocate nothing in the steady state.
     pub(crate) views: Vec<CullView>,
+    /// The tick of the frame whose image the target holds.
+    pub(crate) shown_tick: Option<Tick>,
     pub(crate) pass_times: Vec<PassTime>,
     pub(crate) frame_times: FrameTimes,
     cull_config: CullConfig,
@@ -289,6 +291,7 @@ impl Renderer {
             revision: SceneRevision::first(id),
             update_scratch: UpdateScratch::default(),
             views: Vec::new(),
+            shown_tick: None,
             pass_times: Vec::new(),
             frame_times,
             cull_config: options.cull_config,

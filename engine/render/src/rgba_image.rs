@@ -25,6 +25,12 @@ impl RgbaImage {
         let mut writer = encoder.write_header()?;
         writer.write_image_data(&self.pixels)?;
         writer.finish()?;
-        std::fs::write(file, bytes)
+        let file = file.as_ref();
+        std::fs::write(file, bytes).map_err(|error| {
+            std::io::Error::new(
+                error.kind(),
+                format!("{} cannot be written: {error}", file.display()),
+            )
+        })
     }
 }

@@ -134,7 +134,7 @@ fn check_levels(scene: &Scene, surfaces: &Surfaces) -> Result<(), SceneError> {
         let mut before_m = 0.0;
         for level in levels {
             if !level.indices.len().is_multiple_of(3) || !level.indices.iter().all(is_in_mesh) {
-                return broken(part, "its indices are no triangles of the mesh's vertices");
+                return broken(part, "its indices are not triangles of the mesh's vertices");
             }
             if !(level.error_m.is_finite() && level.error_m >= before_m) {
                 return broken(part, "errors are finite and ascend");

@@ -208,7 +208,7 @@ impl Scene {
         for mesh in &self.meshes {
             let broken = |fault| Err(SceneError::BrokenMesh { mesh: mesh.name.clone(), fault });
             if !mesh.indices.len().is_multiple_of(3) {
-                return broken("its number of indices is no multiple of 3");
+                return broken("its number of indices is not a multiple of 3");
             }
             if mesh.indices.iter().any(|&index| index as usize >= mesh.vertices.len()) {
                 return broken("an index names a vertex that it does not have");

@@ -95,7 +95,7 @@ impl Sprites {
         } else if !self.normals.as_flattened().iter().all(|part| part.is_finite()) {
             Some("a normal is not a finite number")
         } else if !(self.radius_m.is_finite() && self.radius_m >= 0.0) {
-            Some("its radius is no finite length")
+            Some("its radius is not a finite length")
         } else {
             None
         }

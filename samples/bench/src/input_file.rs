@@ -18,7 +18,7 @@ pub fn open(path: &Path, bytes_max: u64) -> io::Result<io::Take<File>> {
         return refuse("it is a folder".to_owned());
     }
     if !found.is_file() {
-        return refuse("it is no regular file but a pipe or a device".to_owned());
+        return refuse("it is not a regular file but a pipe or a device".to_owned());
     }
     if found.len() > bytes_max {
         return refuse(format!("it has {} bytes; at most {bytes_max} are read", found.len()));
@@ -42,7 +42,7 @@ pub fn read(path: &Path, bytes_max: u64) -> io::Result<Vec<u8>> {
 /// As [`open`]; bytes that are not UTF-8.
 pub fn read_text(path: &Path, bytes_max: u64) -> io::Result<String> {
     let text = String::from_utf8(read(path, bytes_max)?);
-    text.map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is no text"))
+    text.map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "it is not text"))
 }
 
 /// Opens without waiting for the other end of a pipe.
@@ -93,6 +93,6 @@ mod tests {
         assert_eq!(read_text(&file, 4).unwrap(), "1234");
         assert!(read_text(&file, 3).is_err());
         std::fs::write(&file, b"\xff").unwrap();
-        assert_eq!(read_text(&file, 4).unwrap_err().to_string(), "it is no text");
+        assert_eq!(read_text(&file, 4).unwrap_err().to_string(), "it is not text");
     }
 }

@@ -121,7 +121,7 @@ impl RecordedPath {
             if read.map_err(|error| (number, error.to_string()))? == 0 {
                 break;
             }
-            let line = str::from_utf8(&line).map_err(|_| wrong("this is no text"))?.trim();
+            let line = str::from_utf8(&line).map_err(|_| wrong("this is not text"))?.trim();
             if !has_header {
                 has_header = check_header(line).map_err(|reason| (number, reason))?;
             } else if !line.is_empty() && !line.starts_with('#') {
@@ -166,7 +166,7 @@ fn parse_frame(line: &str) -> Result<PathFrame, String> {
     for (number, word) in numbers.iter_mut().zip(words) {
         // Parsed as `f32` at once, since rounding twice could change a bit.
         let read = word.parse::<f32>().ok().filter(|number| number.is_finite());
-        *number = read.ok_or_else(|| format!("'{word}' is no number"))?.into();
+        *number = read.ok_or_else(|| format!("'{word}' is not a number"))?.into();
     }
     let seconds = line.split_ascii_whitespace().next().and_then(|word| word.parse().ok());
     let vector = |at: usize| Vec3::from_array([0, 1, 2].map(|side| numbers[at + side] as f32));
@@ -267,8 +267,12 @@ mod tests {
             ("antumbra path 2\n".to_owned(), 1, "version '2'"),
             (format!("{HEADER}\n"), 1, "no frame"),
             (format!("{HEADER}\n{frame}\n1 2 3\n"), 3, "12 or 13 numbers, not 3"),
-            (format!("{HEADER}\n\n{}\n", frame.replace("0.2", "near")), 3, "'near' is no number"),
-            (format!("{HEADER}\n{}\n", frame.replace("0.2", "NaN")), 2, "'NaN' is no number"),
+            (
+                format!("{HEADER}\n\n{}\n", frame.replace("0.2", "near")),
+                3,
+                "'near' is not a number",
+            ),
+            (format!("{HEADER}\n{}\n", frame.replace("0.2", "NaN")), 2, "'NaN' is not a number"),
             (format!("{HEADER}\n{}\n", frame.replace("0.2", "-1")), 2, "near plane"),
             (format!("{HEADER}\n0 1 2 3 0 1 0 0 1 0 1 0.2\n"), 2, "are parallel"),
             (format!("{HEADER}\n0 1 2 3 0 0 1 0 1 0 4 0.2\n"), 2, "between 0 and pi"),

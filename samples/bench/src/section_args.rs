@@ -49,11 +49,11 @@ pub fn parse_planes(text: &str) -> Result<PlaneList, String> {
 fn parse_plane(text: &str) -> Result<SectionPlane, String> {
     let number = |part: &str| {
         let part = part.trim();
-        part.parse::<f64>().map_err(|_| format!("'{part}' in '{text}' is no number"))
+        part.parse::<f64>().map_err(|_| format!("'{part}' in '{text}' is not a number"))
     };
     let numbers = text.split(',').map(number).collect::<Result<Vec<f64>, String>>()?;
     let [x, y, z, offset_m] = numbers[..] else {
-        return Err(format!("'{text}' is no plane: that is four numbers, X,Y,Z,D"));
+        return Err(format!("'{text}' is not a plane: that is four numbers, X,Y,Z,D"));
     };
     SectionPlane::new(DVec3::new(x, y, z), offset_m).map_err(|error| format!("'{text}': {error}"))
 }
@@ -103,7 +103,7 @@ mod tests {
             ("NaN,0,0,1", "needs a normal"),
             ("1,0,0,inf", "finite number"),
             ("1,0,0", "four numbers"),
-            ("1,0,0,x", "'x' in '1,0,0,x' is no number"),
+            ("1,0,0,x", "'x' in '1,0,0,x' is not a number"),
             (&seven, "7 section planes: there may be up to 6"),
         ] {
             let error = planes(&["--section", text]).unwrap_err();

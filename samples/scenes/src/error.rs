@@ -36,7 +36,7 @@ pub enum GeneratorError {
     #[error("the scene has no streets to walk along: choose the path fly")]
     NoStreets,
     /// A text that is not an hour of the day.
-    #[error("'{text}' is no hour of the day: it takes 0 to 24, as in 17.5 or 17:30")]
+    #[error("'{text}' is not an hour of the day: it takes 0 to 24, as in 17.5 or 17:30")]
     Hour {
         /// The requested hour.
         text: String,

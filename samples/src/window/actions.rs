@@ -355,7 +355,7 @@ mod tests {
             ("camera walk", "takes its number"),
             ("identify 160", "takes a pixel"),
             ("identify -1,2", "takes a pixel"),
-            ("hour 25", "'25' is no hour"),
+            ("hour 25", "'25' is not an hour"),
             ("shadows volume", "did you mean 'volumes'?"),
             ("filter soft", "unknown filter 'soft'"),
             ("jump", "unknown action 'jump'"),

@@ -71,7 +71,7 @@ mod tests {
         let (_, options) = parse(&["--shadows", "off"]).unwrap();
         assert_eq!(options.shadows.way, ShadowWay::Off);
         for (line, reason) in [
-            (["--time-of-day", "30"], "'30' is no hour"),
+            (["--time-of-day", "30"], "'30' is not an hour"),
             (["--flares", "bright"], "[possible values: off, on]"),
             (["--shadows", "stencil"], "unknown way to make shadows 'stencil'"),
         ] {

@@ -129,10 +129,10 @@ fn lamps_flare_and_a_spot_projects_a_picture_until_keys_end_it() {
 fn lights_that_cannot_be_are_refused() {
     let scratch = Scratch::new("bad-lights");
     for (program_file, arguments, sentence) in [
-        (SHADOWS, ["--time-of-day", "30"], "'30' is no hour of the day"),
+        (SHADOWS, ["--time-of-day", "30"], "'30' is not an hour of the day"),
         (SHADOWS, ["--shadows", "stencil"], "unknown way to make shadows 'stencil'"),
         (SHADOWS, ["--flares", "bright"], "[possible values: off, on]"),
-        (crate::CITY, ["--time-of-day", "NaN"], "'NaN' is no hour of the day"),
+        (crate::CITY, ["--time-of-day", "NaN"], "'NaN' is not an hour of the day"),
         (crate::CITY, ["--filter", "soft"], "unknown filter 'soft'"),
     ] {
         let output = program(program_file, &scratch.0, &arguments).output().unwrap();

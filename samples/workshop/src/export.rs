@@ -117,8 +117,8 @@ fn placed(mesh: &Mesh, transform: &Affine3A) -> Mesh {
 pub fn left_out(document: &Document) -> Option<String> {
     let objects = match document.transparent().len() {
         0 => None,
-        1 => Some("a transparent object is left out: it is no part".to_owned()),
-        count => Some(format!("{count} transparent objects are left out: they are no parts")),
+        1 => Some("a transparent object is left out: it is not a part".to_owned()),
+        count => Some(format!("{count} transparent objects are left out: they are not parts")),
     };
     let is_textured = |object: ObjectId| {
         let surfaces = document.scene.surfaces.as_ref()?;

@@ -173,7 +173,7 @@ impl Command {
             "whole" => Ok(Self::Member { member: SectionMember::Whole, name: name() }),
             "cut" => Ok(Self::Member { member: SectionMember::Cut, name: name() }),
             "view" => CubeView::named(rest).map(Self::View).ok_or_else(|| {
-                format!("'{rest}' is no view: front, top-left, back-bottom-right, ..., or iso")
+                format!("'{rest}' is not a view: front, top-left, back-bottom-right, ..., or iso")
             }),
             "projection" => match rest {
                 "perspective" => Ok(Self::Flatness(0.0)),
@@ -417,7 +417,7 @@ mod tests {
             ("explode 1e38", "0 to 1000000 mm"),
             ("explode", "a gap in millimetres is a number"),
             ("isolate all", "takes nothing"),
-            ("view up", "is no view"),
+            ("view up", "is not a view"),
             ("projection flat", "perspective or orthographic"),
             ("section 0,0,0,1", "normal"),
             ("section 1,0", "four numbers"),

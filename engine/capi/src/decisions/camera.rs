@@ -65,7 +65,7 @@ impl AntumbraCamera {
             ANTUMBRA_DEPTH_STANDARD => DepthConvention::Standard,
             other => {
                 let message =
-                    format_args!("camera.depth is {other}, which is no ANTUMBRA_DEPTH_..");
+                    format_args!("camera.depth is {other}, which is not an ANTUMBRA_DEPTH_..");
                 return Err(Failure::argument(message));
             }
         };
@@ -74,7 +74,7 @@ impl AntumbraCamera {
             ANTUMBRA_CLIP_Y_UP => ClipY::Up,
             other => {
                 let message =
-                    format_args!("camera.clip_y is {other}, which is no ANTUMBRA_CLIP_Y_..");
+                    format_args!("camera.clip_y is {other}, which is not an ANTUMBRA_CLIP_Y_..");
                 return Err(Failure::argument(message));
             }
         };

@@ -28,11 +28,15 @@ impl Camera {
 
     /// Returns a camera at `eye` that looks at `target` (metres), in a perspective of
     /// [`Camera::USUAL_FOV_Y`] with the near plane at 0.1 m. Up is +y, or +z if the camera looks
-    /// along y. If `eye` and `target` are equal, or if `target` is not finite, it looks along -z.
+    /// along y. If `eye` and `target` are equal, it looks along -z. Numbers that are not finite stay in
+    /// the camera, and [`check_camera`](crate::check_camera) refuses it.
     #[must_use]
     pub fn look_at(eye: impl Into<Vec3>, target: impl Into<Vec3>) -> Self {
         let eye = eye.into();
-        let forward = (target.into() - eye).normalize_or(Vec3::NEG_Z);
+        let towards = target.into() - eye;
+        // Divided first: the square of a large number is infinite.
+        let forward = (towards / towards.abs().max_element()).normalize();
+        let forward = if towards == Vec3::ZERO { Vec3::NEG_Z } else { forward };
         let is_vertical = forward.y.abs() > STEEPEST;
         let up = if is_vertical { Vec3::Z } else { Vec3::Y };
         let projection = Projection::perspective(Self::USUAL_FOV_Y);
@@ -89,6 +93,15 @@ mod tests {
             assert!(clip.w > 0.0 && camera.up.cross(camera.forward).length() > 0.01);
         }
         assert_eq!(Camera::look_at(eye, eye).forward, Vec3::NEG_Z);
+        assert_eq!(Camera::look_at([0.0; 3], [3e38, 0.0, 0.0]).forward, Vec3::X);
         assert_eq!(Camera::look_at([1.0, 2.0, 3.0], [0.0; 3]).eye, eye);
+    }
+
+    #[test]
+    fn a_target_that_is_not_finite_is_refused() {
+        for impossible in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            let camera = Camera::look_at([0.0, 1.7, 0.0], [1.0, impossible, 2.0]);
+            assert!(crate::check_camera(&camera, [640, 480]).is_err(), "{camera:?}");
+        }
     }
 }

@@ -9,7 +9,6 @@
 
 mod blocking;
 mod casters;
-mod certificates;
 mod device;
 mod device_costs;
 mod exactness;

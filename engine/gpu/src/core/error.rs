@@ -18,7 +18,7 @@ pub enum Error {
     /// The process has too little address space for a driver, found before or after a failure of
     /// the loader.
     #[error(
-        "this process may take {} MiB of address space and has {} MiB of it, which is no room for a Vulkan driver: raise the limit, as by `ulimit -v unlimited` ({failure})",
+        "this process may take {} MiB of address space and has {} MiB of it, which is too little for a Vulkan driver: raise the limit, as by `ulimit -v unlimited` ({failure})",
         limit_bytes >> 20, used_bytes >> 20
     )]
     AddressSpace {

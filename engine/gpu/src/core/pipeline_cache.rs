@@ -152,7 +152,7 @@ fn read_file(path: &Path, most_bytes: u64) -> std::io::Result<Vec<u8>> {
     let about = std::fs::metadata(path)?;
     let refuse = |reason| Err(std::io::Error::new(ErrorKind::InvalidData, reason));
     if !about.is_file() {
-        return refuse("it is no regular file");
+        return refuse("it is not a regular file");
     }
     if about.len() > most_bytes {
         return refuse("it is too large");
@@ -171,7 +171,7 @@ fn replace_file(path: &Path, data: &[u8]) -> std::io::Result<()> {
     static WRITTEN: AtomicU64 = AtomicU64::new(0);
     // A pipe or a device file must not be replaced.
     if std::fs::metadata(path).is_ok_and(|about| !about.is_file()) {
-        return Err(std::io::Error::new(ErrorKind::InvalidInput, "it is no regular file"));
+        return Err(std::io::Error::new(ErrorKind::InvalidInput, "it is not a regular file"));
     }
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder)?;

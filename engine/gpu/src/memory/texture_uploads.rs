@@ -75,7 +75,7 @@ impl TextureUploads {
             || !rgba8.len().is_multiple_of(row_bytes)
             || rgba8.len() / row_bytes > left
         {
-            return Err(Error::WrongCommands("what is written to a layer is no rows of it"));
+            return Err(Error::WrongCommands("what is written to a layer is not rows of it"));
         }
         self.device.check(array, "texture uploads (`TextureUploads`)")?;
         let piece_rows = (STAGING_BYTES as usize / row_bytes).max(1);

@@ -14,6 +14,7 @@ use crate::core::device::{Device, OpenRecording, WaitFor};
 use crate::core::error::Error;
 use crate::core::frames_in_flight::check_frames_in_flight;
 use crate::core::order::Order;
+use crate::core::ownership::{OfDevice, OwnerId};
 use crate::core::pending_uploads::PendingUpload;
 use crate::core::tick::Tick;
 use crate::core::timeline::TimelineWait;
@@ -263,6 +264,14 @@ impl FrameRing {
         self.slots[index].restart(recording.number, timing, resubmission, hosts)?;
         let slot = SlotIndex(index);
         Ok(Frame { ring: self, slot, current: None, waited, waits: 0, _recording: recording })
+    }
+}
+
+impl OfDevice for Frame<'_> {
+    const KIND: &'static str = "a frame (`Frame`)";
+
+    fn device_id(&self) -> OwnerId {
+        self.ring.device.id()
     }
 }
 

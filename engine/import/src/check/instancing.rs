@@ -100,6 +100,6 @@ fn accessor<'a>(
     let found = index.and_then(|index| Some((index, root.accessors.get(index)?)));
     found.ok_or_else(|| {
         let name = crate::error::quoted(name);
-        Reason::malformed(format!("its attribute {name} is no accessor of the file"))
+        Reason::malformed(format!("its attribute {name} is not an accessor of the file"))
     })
 }

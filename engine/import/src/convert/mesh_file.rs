@@ -166,7 +166,8 @@ fn geometry(
         own = smooth;
     }
     if !is_closed {
-        notes.count("it is no closed solid, and is shown from both sides", 1, || name.to_owned());
+        notes
+            .count("it is not a closed solid, and is shown from both sides", 1, || name.to_owned());
         with_backs(&mut own, Backs::Last);
     }
     Ok(own)

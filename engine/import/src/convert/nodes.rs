@@ -178,7 +178,7 @@ fn rest(index: usize, given: &json::Node, is_moved: bool, notes: &mut Notes) -> 
         let columns = Mat4::from_cols_array(matrix);
         let is_affine = columns.row(3).abs_diff_eq(Vec4::W, 1e-5);
         notes.count(
-            "its matrix is no transform: the last row is taken as 0, 0, 0, 1",
+            "its matrix is not a transform: the last row is taken as 0, 0, 0, 1",
             usize::from(!is_affine),
             place,
         );

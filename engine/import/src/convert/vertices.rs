@@ -126,7 +126,7 @@ impl<'a> Vertices<'a> {
             self.primitive.place()
         });
         notes.count(
-            "a vertex has a colour that is no number, and is white instead",
+            "a vertex has a colour that is not a number, and is white instead",
             broken,
             || self.primitive.place(),
         );

@@ -20,7 +20,7 @@ impl EncodedPixels {
     pub(super) fn read(encoded: &[u8], limits: &Limits) -> Result<(ImageHead, Self), Reason> {
         let format = match image::guess_format(encoded) {
             Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP)) => format,
-            _ => return Err(Reason::unsupported("it is no PNG, JPEG, WebP or KTX2 image")),
+            _ => return Err(Reason::unsupported("it is not a PNG, JPEG, WebP or KTX2 image")),
         };
         let (size, raw_bytes) = {
             let decoder = decoder(encoded, format, limits)?;

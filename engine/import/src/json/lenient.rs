@@ -191,7 +191,8 @@ fn take_lights(
         return Ok(Vec::new());
     };
     let Value::Object(mut extension) = extension else {
-        notes.add(|| Note::new(format!("extensions, {LIGHTS}"), "it is no object, and ignored"));
+        notes
+            .add(|| Note::new(format!("extensions, {LIGHTS}"), "it is not an object, and ignored"));
         return Ok(Vec::new());
     };
     let mut lists = Lists { object: &mut extension, faults };

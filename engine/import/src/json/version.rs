@@ -62,7 +62,7 @@ pub(super) fn refuse_older(text: &str) -> Result<(), Fault> {
 
 fn read(key: &str, text: &str, notes: &mut Notes) -> Result<Version, Fault> {
     let Some(version) = Version::of(text) else {
-        let reason = format!("its {key} {} is no version like 2.0", quoted(text));
+        let reason = format!("its {key} {} is not a version like 2.0", quoted(text));
         return Err(Reason::malformed(reason).of("asset"));
     };
     let mut parts = text.split('.');

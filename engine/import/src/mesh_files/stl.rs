@@ -172,8 +172,10 @@ impl Welder {
     ) -> Result<(), Fault> {
         let corners = triangle.vertices.map(|corner| Vec3::from_array(corner.0));
         if !corners.iter().all(|corner| corner.is_finite()) {
-            return reading
-                .leave_out("a triangle has a position that is no number, and is left out", object);
+            return reading.leave_out(
+                "a triangle has a position that is not a number, and is left out",
+                object,
+            );
         }
         part.triangles.push(corners.map(|corner| self.corner(corner)));
         reading.check_positions(self.positions.len())

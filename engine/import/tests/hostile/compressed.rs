@@ -209,7 +209,7 @@ fn descriptions_that_do_not_fit_are_refused() {
         ("byteOffset", json!(u64::MAX), "ends beyond"),
         ("byteLength", json!(1 << 30), "ends beyond"),
         ("count", json!(21), "its view has 160 bytes, and not 21 elements of 8 bytes"),
-        ("count", json!(-1), "its count is no whole number"),
+        ("count", json!(-1), "its count is not a whole number"),
         ("count", json!(u64::MAX / 8 + 1), "its view has 160 bytes"),
         ("byteStride", json!(0), "does not allow 20 elements of 0 bytes"),
         ("byteStride", json!(10), "does not allow 20 elements of 10 bytes"),

@@ -55,12 +55,12 @@ pub const SPELLINGS: &[Row] = &[
     (
         "no version",
         |s| s.set("/asset/version", json!("two.zero")),
-        Refused(&["asset: its version \"two.zero\" is no version like 2.0"]),
+        Refused(&["asset: its version \"two.zero\" is not a version like 2.0"]),
     ),
     (
         "half a version",
         |s| s.set("/asset/version", json!("2.x")),
-        Refused(&["asset: its version \"2.x\" is no version like 2.0"]),
+        Refused(&["asset: its version \"2.x\" is not a version like 2.0"]),
     ),
     (
         "a major version",
@@ -169,7 +169,7 @@ pub const SHOWN: &[Row] = &[
     (
         "a matrix that projects",
         |s| matrix(s, 3, 0.5),
-        Noted(&["node 0: its matrix is no transform"]),
+        Noted(&["node 0: its matrix is not a transform"]),
     ),
     (
         "a matrix and a place",
@@ -328,7 +328,7 @@ pub const LEFT_OUT: &[Row] = &[
     (
         "an image of another kind",
         |s| s.set("/images/0", json!({ "uri": "data:;base64,R0lGODlh" })),
-        Broken(&["image 0: it is no PNG, JPEG, WebP or KTX2"]),
+        Broken(&["image 0: it is not a PNG, JPEG, WebP or KTX2"]),
     ),
     (
         "an image in no buffer",

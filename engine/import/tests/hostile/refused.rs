@@ -57,13 +57,13 @@ const INDICES_OUT_OF_RANGE: &[Case] = &[
     ),
     (
         |s| s.set("/textures/2/extensions/EXT_texture_webp/source", json!(-1)),
-        &["texture 2", "EXT_texture_webp is no index"],
+        &["texture 2", "EXT_texture_webp is not an index"],
     ),
     (|s| s.set("/materials/0/emissiveTexture/index", json!(9)), &["material 0", "texture 9"]),
     (|s| s.set("/materials/0/normalTexture/index", json!(9)), &["material 0", "texture 9"]),
     (
         |s| s.set("/nodes/0/extensions/EXT_mesh_gpu_instancing/attributes/TRANSLATION", json!(99)),
-        &["node 0, EXT_mesh_gpu_instancing", "\"TRANSLATION\" is no accessor"],
+        &["node 0, EXT_mesh_gpu_instancing", "\"TRANSLATION\" is not an accessor"],
     ),
     (|s| s.set("/nodes/0/mesh", json!(-1)), &["node 0, mesh", "-1"]),
     (

@@ -238,7 +238,7 @@ pub const ASIDE: &[Row] = &[
             s.remove("/nodes/3/extensions");
             s.set("/extensions/KHR_lights_punctual", json!(5))
         },
-        Noted(&["KHR_lights_punctual: it is no object"]),
+        Noted(&["KHR_lights_punctual: it is not an object"]),
     ),
     (
         "an extension of others",

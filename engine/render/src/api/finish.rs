@@ -10,17 +10,20 @@ use crate::rgba_image::RgbaImage;
 use crate::views::finish_image;
 
 impl Renderer {
-    /// Waits until every frame is over. Returns the statistics of the newest frame of a view, and
-    /// the image of the renderer's newest frame. With several views, finish a view before another
-    /// one is rendered: the image is the image of the view that was rendered last. Do not use it in
-    /// a frame loop: it counts as a blocking wait.
+    /// Waits until every frame is over. Returns the statistics and the image of the newest frame,
+    /// which must show the view. With several views, finish a view before another one is rendered.
+    /// Do not use it in a frame loop: it counts as a blocking wait.
     ///
     /// # Errors
-    /// [`gpu::Error::NoImage`] before the first frame and after a frame that failed; a view of
+    /// [`gpu::Error::NoImage`] before the first frame and after a frame that failed;
+    /// [`Error::NotNewest`] if the newest frame shows other views or a snapshot; a view of
     /// another renderer, no memory, a lost device, or a frame that takes too long.
     pub fn finish(&mut self, state: &mut RenderView) -> Result<LastFrame, Error> {
         self.check_view(state)?;
         self.passes.target.finished()?;
+        if self.shown_tick != state.shown_tick {
+            return Err(Error::NotNewest);
+        }
         let size = self.size();
         let image = Readback::new(&self.device, size)?;
         let mut frame = self.frames.begin()?;

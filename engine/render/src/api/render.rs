@@ -131,6 +131,7 @@ impl Renderer {
         request.overlay.inspect(|overlay| overlay.submitted());
         self.views = views;
         self.submitted(report.tick);
+        self.shown_tick = Some(report.tick);
         self.note_submitted(targets, is_timed, &mut report);
         report.cpu = began.elapsed().saturating_sub(waited + report.overlay_cpu);
         Ok(report)

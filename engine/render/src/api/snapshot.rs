@@ -181,6 +181,7 @@ impl Renderer {
         let tick = frame.submit(None)?;
         overlay.inspect(|overlay| overlay.submitted());
         self.submitted(tick);
+        self.shown_tick = Some(tick);
         Ok(tick)
     }
 

@@ -67,7 +67,7 @@ fn read_report(file: PathBuf) -> Result<Report, RunError> {
     let mut report = text.and_then(|text| Report::parse(&text)).map_err(|reason| {
         let file = shown(&file);
         RunError::user(format!(
-            "'{file}' is no report of walkthrough: {reason}; remove it or measure it again"
+            "'{file}' is not a report of walkthrough: {reason}; remove it or measure it again"
         ))
     })?;
     report.file = file.file_name().unwrap_or_default().to_string_lossy().into_owned();

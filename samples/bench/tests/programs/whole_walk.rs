@@ -48,7 +48,7 @@ fn walk_by(scratch: &Scratch, device: &str, more: &[&str]) -> Value {
 }
 
 fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
 }
 
 /// Checks that every key of the contract has a plausible value.

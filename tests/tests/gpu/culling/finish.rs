@@ -50,6 +50,15 @@ fn the_last_frame_is_the_one_that_was_drawn_and_counted() {
             renderer.render(&mut view, path.camera(8)).unwrap();
             assert!(renderer.finish(&mut view).unwrap().image != last.image);
 
+            // A second view has another image, and another one has none.
+            let mut second = renderer.new_view().unwrap();
+            renderer.render(&mut second, path.camera(3)).unwrap();
+            for absent in [&mut view, &mut renderer.new_view().unwrap()] {
+                let refused = renderer.finish(absent);
+                assert!(matches!(refused, Err(Error::NotNewest)), "{refused:?}");
+            }
+            assert!(renderer.finish(&mut second).unwrap().drawn > 0);
+
             let mut other = Renderer::new(device, &city.scene, &options).unwrap();
             other.render(&mut other.new_view().unwrap(), path.camera(0)).unwrap();
             assert!(other.finish(&mut view).is_err(), "a view of another renderer");

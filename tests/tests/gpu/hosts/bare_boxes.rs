@@ -177,7 +177,7 @@ fn a_method_out_of_order_is_refused() {
         let of_broken = MethodRequest { view: &broken, ..request };
         AntumbraMethod.plan(state, scene, &of_broken, 4096);
         let refused = record(&mut frame, state, scene, objects).unwrap_err();
-        assert!(matches!(refused, Error::NoPlan), "the view is no number: {refused}");
+        assert!(matches!(refused, Error::NoPlan), "the view is not a number: {refused}");
         AntumbraMethod.plan(state, scene, &request, 4096);
         scene.parts_mut().leaves.mark_dirty(LeafIndex(0), MeshDrawId(0));
         let refused = record(&mut frame, state, scene, objects).unwrap_err();

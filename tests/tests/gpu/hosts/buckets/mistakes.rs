@@ -3,10 +3,10 @@
 use cull::{Aabb, CullView, DrawPhases, HierarchyError, Strategy};
 use gpu::{Attachments, FrameRing, PredicationMode, Target, vk};
 use occlusion::{
-    BucketError, CulledScene, CulledSceneOptions, Error, HostObject, OcclusionPasses, ShaderSet,
-    TargetError,
+    BucketError, CulledScene, CulledSceneOptions, DrawRequest, Error, HostObject, OcclusionPasses,
+    ShaderSet, TargetError,
 };
-use tests::run_on_all;
+use tests::{Driver, open, run, run_on_all};
 
 use super::boxes::SIZE;
 use super::growth::{assert_all_equal, grid};
@@ -131,5 +131,41 @@ fn sizes_that_cannot_be_are_refused_before_they_take_memory() {
             let error = OcclusionPasses::new(device, &shaders, attachments).err().unwrap();
             assert!(error.to_string().contains(words), "{error}");
         }
+    });
+}
+
+#[test]
+fn a_scope_refuses_what_it_cannot_plan_and_the_end_of_a_frame_in_parts() {
+    run_on_all(|device| {
+        let target = Target::new(device, SIZE, "parts").unwrap();
+        let mut scene = scene(device, options()).unwrap();
+        let mut state = scene.new_view(&target).unwrap();
+        let bits = device.adapter().limits.sub_pixel_precision_bits;
+        let view = CullView::new(&camera(0.0, 0.0), SIZE, bits);
+        let mut frames = FrameRing::new(device, 2).unwrap();
+        let mut scope = scene.begin(frames.begin().unwrap()).unwrap();
+        let strategy = Strategy::new("chc", "a method that decides while it records");
+        let request = DrawRequest { strategy, ..DrawRequest::from(&view) };
+        let refused = scope.plan(&mut state, request).err().unwrap();
+        assert!(matches!(refused, Error::NotPlanned(named) if named == strategy), "{refused}");
+        drop(scope);
+
+        // Draws among tests cannot be listed.
+        let mut scope = scene.begin(frames.begin().unwrap()).unwrap();
+        let planned = scope.plan(&mut state, &view).unwrap();
+        assert!(matches!(scope.list(planned).err(), Some(Error::DrawsAmongTests(_))));
+        let refused = scope.submit(None).unwrap_err();
+        assert!(matches!(refused, Error::Incomplete), "{refused}");
+    });
+}
+
+#[test]
+fn a_frame_of_another_device_is_refused() {
+    run(Driver::Lavapipe, |device| {
+        let (_instance, other) = open(Driver::Lavapipe);
+        let mut frames = FrameRing::new(&other, 2).unwrap();
+        let mut scene = scene(device, options()).unwrap();
+        let refused = scene.begin(frames.begin().unwrap()).err().unwrap();
+        assert!(matches!(refused, Error::Gpu(gpu::Error::Foreign { .. })), "{refused}");
     });
 }
