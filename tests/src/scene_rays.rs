@@ -20,6 +20,10 @@ struct Placed {
 /// The intersection of a ray and a triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct Met {
+    /// The index of the object.
+    pub object: usize,
+    /// The distance in lengths of the ray.
+    pub distance: f64,
     /// The place in the world.
     pub place: DVec3,
     /// The unit normal of the triangle, towards the origin of the ray.
@@ -28,8 +32,10 @@ pub struct Met {
 
 /// The triangles that a ray can meet.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Sides {
+pub enum Sides {
+    /// Triangles that face the origin of the ray.
     Fronts,
+    /// All triangles.
     Both,
 }
 
@@ -82,10 +88,11 @@ impl SceneRays {
         met.is_some_and(|met| (met.place - from).length() < end * along.length())
     }
 
-    fn first(&self, from: DVec3, along: DVec3, sides: Sides) -> Option<Met> {
-        let mut nearest: Option<(f64, Met)> = None;
-        for placed in &self.objects {
-            let before = nearest.map_or(f64::INFINITY, |(at, _)| at);
+    /// Returns the first triangle that a ray meets.
+    pub fn first(&self, from: DVec3, along: DVec3, sides: Sides) -> Option<Met> {
+        let mut nearest: Option<Met> = None;
+        for (object, placed) in self.objects.iter().enumerate() {
+            let before = nearest.map_or(f64::INFINITY, |met| met.distance);
             if !enters(&placed.bounds, from, along).is_some_and(|at| at < before) {
                 continue;
             }
@@ -96,15 +103,15 @@ impl SceneRays {
             for corners in &self.meshes[placed.mesh] {
                 let Some((at, is_front)) = hit(corners, start, way) else { continue };
                 let is_met = sides == Sides::Both || is_front != is_mirrored;
-                if is_met && nearest.is_none_or(|(before, _)| at < before) {
+                if is_met && nearest.is_none_or(|met| at < met.distance) {
                     let [a, b, c] = corners.map(|corner| placed.to_world.transform_point3(corner));
                     let normal = (b - a).cross(c - a).normalize();
                     let normal = normal * -normal.dot(along).signum();
-                    nearest = Some((at, Met { place: from + along * at, normal }));
+                    nearest = Some(Met { object, distance: at, place: from + along * at, normal });
                 }
             }
         }
-        nearest.map(|(_, met)| met)
+        nearest
     }
 }
 

@@ -174,3 +174,21 @@ pub fn cube(colour: u32, quads: u32) -> Mesh {
     let bounds = bounds_of_vertices(&vertices);
     Mesh { name: "cube".to_owned(), vertices, indices, bounds, has_backs: false }
 }
+
+/// Returns screens at many distances for an image of `side` pixels. Behind each is a small box, or
+/// a box that reaches past the screen by less than a pixel, or by less than the distance from the
+/// middle of a pixel to a sample.
+pub fn slivers(side: u32) -> Scene {
+    let pixel = 2.0 / side as f32;
+    let boxes = (0..14 * 14).flat_map(|cell: u32| {
+        let place = |number: u32| (number as f32 - 6.5) * 0.14;
+        let centre = Vec3::new(place(cell % 14), place(cell / 14), -1.0);
+        let half = 0.02 + 0.002 * (cell % 11) as f32;
+        let past = [-4.0, -0.05, 0.05, 0.2, 0.5][cell as usize % 5] * pixel;
+        let near = 4.0 + 0.3 * (cell % 13) as f32;
+        let far = 10.0 + (cell % 17) as f32;
+        let flat = |half: f32| Vec3::new(half, half, 0.001);
+        [box_at(centre * near, flat(half * near)), box_at(centre * far, flat((half + past) * far))]
+    });
+    box_scene(&boxes.collect::<Vec<_>>())
+}

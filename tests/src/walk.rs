@@ -1,6 +1,7 @@
 //! Walks through scenes with two strategies and compares every image bit for bit.
 
-use cull::{Camera, Strategy};
+use cull::{Aabb, Camera, Projection, Strategy};
+use glam::Vec3;
 use gpu::{Device, Pixels, Readback};
 use render::{
     Error, FrameReport, FrameRequest, FrameStats, RenderView, Renderer, RendererOptions,
@@ -47,6 +48,34 @@ pub fn show_motion(
     Ok(report)
 }
 
+/// Returns cameras in the middle and at two corners of every `step`th object, that look in all
+/// directions.
+pub fn eyes_in_boxes(scene: &Scene, step: usize) -> Vec<Camera> {
+    let boxes = render::object_bounds(scene).expect("bounds");
+    let eyes = boxes.iter().step_by(step).flat_map(|bounds| {
+        let Aabb { min, max } = *bounds;
+        [bounds.centre(), min, max]
+    });
+    let camera = |(number, eye): (usize, Vec3)| {
+        let angle = number as f32 * 2.4;
+        let forward = Vec3::new(angle.cos(), (number % 5) as f32 * 0.3 - 0.6, angle.sin());
+        Camera { eye, forward, up: Vec3::Y, projection: Projection::perspective(1.2), near: 0.05 }
+    };
+    eyes.enumerate().map(camera).collect()
+}
+
+/// Returns cameras over a city of one object, in whose view is the object or nothing.
+pub fn up_and_down() -> [Camera; 5] {
+    let down = Vec3::new(0.1, -1.0, 0.2);
+    [Vec3::NEG_Y, Vec3::Y, down, down, Vec3::Y].map(|forward| Camera {
+        eye: Vec3::new(1.0, 30.0, 2.0),
+        forward,
+        up: Vec3::X,
+        projection: Projection::perspective(1.0),
+        near: 0.1,
+    })
+}
+
 /// The results of a walk.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Found {
@@ -62,30 +91,23 @@ pub struct Found {
     pub draws: [u64; 2],
 }
 
-/// Walks `frames` frames of `path` with `antumbra` without a wait in between, as in a user's loop,
-/// and compares each image with plain frustum culling.
-pub fn walk(
+/// Walks `frames` frames of `path` without a wait in between, as in a user's loop, and compares
+/// each image with plain frustum culling.
+pub fn walk_with(
     device: &Device,
     scene: &GeneratedScene,
     path: PathKind,
     frames: u32,
     options: &RendererOptions,
-) -> Found {
-    walk_with(device, scene, path, frames, options, Strategy::ANTUMBRA)
-}
-
-/// Walks with any strategy, and compares each image with plain frustum culling.
-pub fn walk_with(
-    device: &Device,
-    GeneratedScene { scene, routes }: &GeneratedScene,
-    path: PathKind,
-    frames: u32,
-    options: &RendererOptions,
     strategy: Strategy,
 ) -> Found {
-    let path = CameraPath::new(path, routes).expect("a path");
-    let cameras: Vec<Camera> = (0..frames).map(|frame| path.camera(frame)).collect();
-    walk_cameras_with(device, scene, &cameras, options, strategy)
+    walk_cameras_with(device, &scene.scene, &cameras_along(scene, path, frames), options, strategy)
+}
+
+/// Returns the cameras of the first frames of a path.
+pub fn cameras_along(scene: &GeneratedScene, path: PathKind, frames: u32) -> Vec<Camera> {
+    let path = CameraPath::new(path, &scene.routes).expect("a path");
+    (0..frames).map(|frame| path.camera(frame)).collect()
 }
 
 /// Walks along any cameras or matrices with `antumbra`.
@@ -106,23 +128,50 @@ pub fn walk_cameras_with(
     options: &RendererOptions,
     strategy: Strategy,
 ) -> Found {
-    let mut renderer = Renderer::new(device, scene, options).expect("a renderer");
-    let mut found = Found { frames: cameras.len() as u32, ..Found::default() };
-    let mut images = Vec::new();
-    for (which, strategy) in [Strategy::FRUSTUM, strategy].into_iter().enumerate() {
+    ComparedWalk::new(device, scene, cameras, options).with(strategy)
+}
+
+/// A renderer and the frames of plain frustum culling, with which walks of several strategies are
+/// compared.
+pub struct ComparedWalk<'a, T> {
+    renderer: Renderer,
+    cameras: &'a [T],
+    expected: Loop,
+}
+
+impl<'a, T: Copy + Into<Viewpoint>> ComparedWalk<'a, T> {
+    /// Walks with plain frustum culling.
+    pub fn new(
+        device: &Device,
+        scene: &Scene,
+        cameras: &'a [T],
+        options: &RendererOptions,
+    ) -> Self {
+        let mut renderer = Renderer::new(device, scene, options).expect("a renderer");
+        let expected = Self::frames(&mut renderer, cameras, Strategy::FRUSTUM);
+        Self { renderer, cameras, expected }
+    }
+
+    /// Walks with a strategy from an empty history, and compares each image.
+    pub fn with(&mut self, strategy: Strategy) -> Found {
+        let found = Self::frames(&mut self.renderer, self.cameras, strategy);
+        let pairs = self.expected.images.iter().zip(&found.images);
+        let ages = found.reports.iter().filter_map(|report| report.oldest_answer_frames);
+        Found {
+            frames: self.cameras.len() as u32,
+            pixels_wrong: pairs.map(|(expected, found)| images_that_differ(expected, found)).sum(),
+            blocking_waits: self.expected.blocking_waits + found.blocking_waits,
+            oldest_answer_frames: ages.max().unwrap_or(0),
+            draws: [&self.expected, &found].map(Loop::draws),
+        }
+    }
+
+    fn frames(renderer: &mut Renderer, cameras: &[T], strategy: Strategy) -> Loop {
         let mut view = renderer.new_view().expect("a view");
-        let loops = frame_loop(&mut renderer, &mut view, strategy, cameras);
-        found.blocking_waits += loops.blocking_waits;
-        found.draws[which] = loops.outcomes.iter().map(|outcome| outcome.draws).sum();
-        assert_eq!(loops.outcomes.len(), cameras.len(), "every frame has an outcome");
-        let ages = loops.reports.iter().filter_map(|report| report.oldest_answer_frames);
-        found.oldest_answer_frames = ages.max().unwrap_or(0);
-        images.push(loops.images);
+        let walked = frame_loop(renderer, &mut view, strategy, cameras);
+        assert_eq!(walked.outcomes.len(), cameras.len(), "every frame has an outcome");
+        walked
     }
-    for (reference, image) in images[0].iter().zip(&images[1]) {
-        found.pixels_wrong += pixels_that_differ(&pixels(reference), &pixels(image));
-    }
-    found
 }
 
 /// The results of a frame loop.
@@ -135,6 +184,13 @@ pub struct Loop {
     pub outcomes: Vec<FrameStats>,
     /// Waits, except waits for slots.
     pub blocking_waits: u64,
+}
+
+impl Loop {
+    /// Returns the number of drawn objects, over all frames.
+    pub fn draws(&self) -> u64 {
+        self.outcomes.iter().map(|outcome| outcome.draws).sum()
+    }
 }
 
 /// Renders `cameras` one after the other without reading results, then drains.
@@ -161,6 +217,11 @@ pub fn frame_loop(
 
 fn pixels(image: &Readback) -> Pixels<'_> {
     image.rgba8().expect("a frame that is over")
+}
+
+/// Returns the number of pixels whose bits differ in the images of two frames that are over.
+pub fn images_that_differ(a: &Readback, b: &Readback) -> usize {
+    pixels_that_differ(&pixels(a), &pixels(b))
 }
 
 /// Returns the number of pixels whose bits differ.

@@ -153,4 +153,14 @@ impl Random {
         let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         ((mixed ^ (mixed >> 31)) % u64::from(end)) as u32
     }
+
+    /// Returns the next number from 0 to 1.
+    pub fn part(&mut self) -> f32 {
+        self.below(1 << 24) as f32 / (1 << 24) as f32
+    }
+
+    /// Returns the next number between two others.
+    pub fn between(&mut self, low: f32, high: f32) -> f32 {
+        low + (high - low) * self.part()
+    }
 }

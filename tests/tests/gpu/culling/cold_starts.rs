@@ -5,7 +5,7 @@ use cull::{Camera, Strategy};
 use gpu::Device;
 use render::{Renderer, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind};
-use tests::walk::{frame_loop, pixels_that_differ};
+use tests::walk::{frame_loop, images_that_differ};
 use tests::{Driver, run};
 
 /// The number of frames for which a camera stands. The results of the first frame are read back
@@ -30,8 +30,7 @@ fn check_standing(renderer: &mut Renderer, camera: Camera, what: &str) {
         let mut view = renderer.new_view().unwrap();
         let found = frame_loop(renderer, &mut view, strategy, &cameras);
         for (frame, image) in found.images.iter().enumerate() {
-            let wrong =
-                pixels_that_differ(&expected.images[0].rgba8().unwrap(), &image.rgba8().unwrap());
+            let wrong = images_that_differ(&expected.images[0], image);
             assert_eq!(wrong, 0, "{strategy}, {what}, frame {frame}");
         }
     }

@@ -9,31 +9,16 @@ use gpu::{
 };
 use occlusion::{ComputeTest, ComputeTestIo, ProxyBox, ProxyIo, ProxyPass, Rect, ShaderSet};
 use tests::shapes::{DepthBoxes, box_at};
+use tests::window_fixture::Random;
 use tests::{Driver, run};
 
-/// A seeded source of numbers from 0 to 1 (splitmix64).
-struct Numbers(u64);
+/// Returns a number spread evenly over orders of magnitude.
+fn scale(random: &mut Random, low: f32, high: f32) -> f32 {
+    low * (high / low).powf(random.part())
+}
 
-impl Numbers {
-    fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 40) as f32 / (1u64 << 24) as f32
-    }
-
-    fn between(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * self.next()
-    }
-
-    /// Returns a number spread evenly over orders of magnitude.
-    fn scale(&mut self, low: f32, high: f32) -> f32 {
-        low * (high / low).powf(self.next())
-    }
-
-    fn vector(&mut self, low: f32, high: f32) -> Vec3 {
-        Vec3::new(self.between(low, high), self.between(low, high), self.between(low, high))
-    }
+fn vector(random: &mut Random, low: f32, high: f32) -> Vec3 {
+    Vec3::from([(); 3].map(|()| random.between(low, high)))
 }
 
 /// Occluders, boxes to test, and the eye.
@@ -47,36 +32,36 @@ const TESTS: usize = 150;
 
 impl World {
     /// Creates a world around `origin`, since small numbers round differently from large ones.
-    fn new(numbers: &mut Numbers, origin: Vec3) -> Self {
-        let eye = origin + numbers.vector(-1.0, 1.0);
-        let projection = if numbers.next() < 0.5 {
-            Projection::perspective(numbers.between(0.3, 2.0))
+    fn new(random: &mut Random, origin: Vec3) -> Self {
+        let eye = origin + vector(random, -1.0, 1.0);
+        let projection = if random.part() < 0.5 {
+            Projection::perspective(random.between(0.3, 2.0))
         } else {
-            Projection::Orthographic { height: numbers.scale(4.0, 60.0), far: 300.0 }
+            Projection::Orthographic { height: scale(random, 4.0, 60.0), far: 300.0 }
         };
         let camera = Camera {
             eye,
-            forward: numbers.vector(-1.0, 1.0) + Vec3::new(0.0, 0.0, 0.01),
-            up: numbers.vector(-1.0, 1.0),
+            forward: vector(random, -1.0, 1.0) + Vec3::new(0.0, 0.0, 0.01),
+            up: vector(random, -1.0, 1.0),
             projection,
-            near: numbers.scale(0.01, 0.3),
+            near: scale(random, 0.01, 0.3),
         };
         let seen = CullView::new(&camera, [64, 64], 8).rays;
-        let place = |numbers: &mut Numbers, nearest: f32, farthest: f32| {
-            let distance = numbers.scale(nearest, farthest);
-            let ndc = Vec2::new(numbers.between(-0.9, 0.9), numbers.between(-0.9, 0.9));
+        let place = |random: &mut Random, nearest: f32, farthest: f32| {
+            let distance = scale(random, nearest, farthest);
+            let ndc = Vec2::new(random.between(-0.9, 0.9), random.between(-0.9, 0.9));
             let size = Vec3::splat(seen.down.length() * seen.kind.w(distance));
             (seen.point(ndc, distance), size)
         };
         let occluders = (0..30).map(|_| {
-            let (centre, size) = place(numbers, 3.0, 30.0);
-            box_at(centre, size * numbers.vector(0.05, 0.5))
+            let (centre, size) = place(random, 3.0, 30.0);
+            box_at(centre, size * vector(random, 0.05, 0.5))
         });
         let occluders = occluders.collect();
         let tested = (0..TESTS).map(|number| {
-            let (centre, size) = place(numbers, 5.0, 200.0);
+            let (centre, size) = place(random, 5.0, 200.0);
             let largest = [0.02, 0.2, 1.5][number % 3];
-            let half = size * numbers.vector(0.0, largest);
+            let half = size * vector(random, 0.0, largest);
             // Some are flat.
             box_at(
                 centre,
@@ -88,8 +73,8 @@ impl World {
 
     /// Returns the same boxes, each behind a smaller copy of its proxy as seen from the eye. The
     /// copy covers the proxy except for less than a pixel, so rounding decides.
-    fn close_calls(numbers: &mut Numbers, size: [u32; 2], bits: u32) -> Self {
-        let world = Self::new(numbers, Vec3::ZERO);
+    fn close_calls(random: &mut Random, size: [u32; 2], bits: u32) -> Self {
+        let world = Self::new(random, Vec3::ZERO);
         let view = CullView::new(&world.camera, size, bits);
         let tested = world.tested.into_iter().step_by(10);
         let mut occluders = Vec::new();
@@ -110,7 +95,7 @@ impl World {
             };
             let distance = view.rays.depth_m(copy.centre());
             let pixel = 2.0 * down.length() / size[1] as f32 * kind.w(distance);
-            occluders.push(copy.enlarged(numbers.between(-0.15, 0.15) * pixel));
+            occluders.push(copy.enlarged(random.between(-0.15, 0.15) * pixel));
             kept.push(bounds);
         }
         Self { camera: world.camera, occluders, tested: kept }
@@ -199,7 +184,7 @@ fn judge(said: &[(u32, u32)], what: &str) -> (usize, usize) {
 }
 
 fn worlds(count: u64, origin: Vec3) -> Vec<World> {
-    (0..count).map(|seed| World::new(&mut Numbers(seed), origin)).collect()
+    (0..count).map(|seed| World::new(&mut Random::new(seed), origin)).collect()
 }
 
 #[test]
@@ -222,7 +207,7 @@ fn close_calls_lose_nothing() {
         run(driver, |device| {
             let size = [320, 180];
             let bits = device.adapter().limits.sub_pixel_precision_bits;
-            let world = |seed: u64| World::close_calls(&mut Numbers(1000 + seed), size, bits);
+            let world = |seed: u64| World::close_calls(&mut Random::new(1000 + seed), size, bits);
             let said = compare(device, size, &(0..count).map(world).collect::<Vec<_>>());
             let (hidden, shown) = judge(&said, &format!("{driver:?}"));
             println!("{driver:?}: {} boxes, {hidden} hidden, {shown} of them shown", said.len());
@@ -255,7 +240,7 @@ fn close_calls_lose_nothing_with_four_samples() {
     run(Driver::Lavapipe, |device| {
         let size = [320, 180];
         let bits = device.adapter().limits.sub_pixel_precision_bits;
-        let world = |seed: u64| World::close_calls(&mut Numbers(1000 + seed), size, bits);
+        let world = |seed: u64| World::close_calls(&mut Random::new(1000 + seed), size, bits);
         let worlds: Vec<World> = (0..120).map(world).collect();
         let target = Target::multisampled(device, size, SampleCount::Four, "samples").unwrap();
         let said = compare_in(device, target, &worlds);

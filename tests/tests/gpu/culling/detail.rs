@@ -8,7 +8,7 @@ use gpu::{Device, Readback};
 use render::{CostModel, FrameRequest, Rect, RenderView, Renderer, RendererOptions};
 use scene::{LodLevel, MeshId, Object, Scene};
 use tests::shapes::{coloured_cubes, square_camera};
-use tests::walk::pixels_that_differ;
+use tests::walk::images_that_differ;
 use tests::{Driver, run, run_on_all};
 
 const SIZE: [u32; 2] = [160, 160];
@@ -94,8 +94,7 @@ fn every_strategy_draws_the_same_forms() {
         assert!(changes > 100, "far ones become coarse, those that come near fine: {changes}");
         for (frame, images) in images.iter().enumerate() {
             for (image, strategy) in images.iter().zip(strategies) {
-                let wrong =
-                    pixels_that_differ(&images[0].rgba8().unwrap(), &image.rgba8().unwrap());
+                let wrong = images_that_differ(&images[0], image);
                 assert_eq!(wrong, 0, "frame {frame}, {strategy}");
             }
         }
@@ -119,13 +118,10 @@ fn coarse_forms_have_fewer_triangles_and_go_again() {
         assert_eq!(renderer.choose_detail(&[camera(0)], &policy(1.0e6)), 0);
         let (coarse, half) = look(&mut renderer);
         assert_eq!(half * 2, all);
-        assert!(pixels_that_differ(&fine.rgba8().unwrap(), &coarse.rgba8().unwrap()) > 0);
+        assert!(images_that_differ(&fine, &coarse) > 0);
         assert_eq!(renderer.choose_detail(&[camera(0)], &policy(0.0)), count);
         let (again, found) = look(&mut renderer);
-        assert_eq!(
-            (pixels_that_differ(&fine.rgba8().unwrap(), &again.rgba8().unwrap()), found),
-            (0, all)
-        );
+        assert_eq!((images_that_differ(&fine, &again), found), (0, all));
     });
 }
 

@@ -105,10 +105,15 @@ fn lamps_maps_and_volumes_and_sprites_are_the_same_to_the_bit() {
         let of_sun = (shadow_scene::scene(&boxes(), &[sun]), vec![volumes()]);
         for (scene, all) in [of_lamps, of_sun] {
             let expected = images(device, &scene, Vec3::ZERO, &all);
-            for away in AWAY {
-                let found = images(device, &scene, away, &all);
+            for (place, away) in AWAY.into_iter().enumerate() {
+                // Each filter of maps is at one place. An option has an image of each strategy.
+                let is_there = |number: &usize| *number < 2 || number % AWAY.len() == place;
+                let there: Vec<usize> = (0..all.len()).filter(is_there).collect();
+                let options: Vec<ShadowOptions> = there.iter().map(|number| all[*number]).collect();
+                let found = images(device, &scene, away, &options);
+                let expected = there.iter().flat_map(|number| &expected[2 * number..][..2]);
                 let differ = |(a, b): (&Vec<u8>, &Vec<u8>)| pixels_that_differ(a, b);
-                let wrong: Vec<usize> = expected.iter().zip(&found).map(differ).collect();
+                let wrong: Vec<usize> = expected.zip(&found).map(differ).collect();
                 // The volumes of a sun end elsewhere, so their sides are rounded differently.
                 let allowed = if all.len() == 1 { 2 } else { 0 };
                 assert!(wrong.iter().all(|wrong| *wrong <= allowed), "{away}: {wrong:?}");
@@ -216,7 +221,8 @@ fn picked(device: &Device, scene: &Scene, away: Vec3) -> (Vec<Option<(u32, f32)>
         image(&mut renderer, &mut view, Strategy::ANTUMBRA, camera(away));
     }
     let shares = view.flares().iter().map(|state| state.fraction()).collect();
-    let pixels = (0..SIZE[1]).step_by(7).flat_map(|y| (0..SIZE[0]).step_by(7).map(move |x| [x, y]));
+    let pixels =
+        (0..SIZE[1]).step_by(11).flat_map(|y| (0..SIZE[0]).step_by(13).map(move |x| [x, y]));
     let objects = pixels.map(|pixel| {
         view.point_at(Some(pixel)).unwrap();
         image(&mut renderer, &mut view, Strategy::ANTUMBRA, camera(away));
@@ -238,7 +244,7 @@ fn picks_and_flares_are_the_same() {
         let (objects, shares) = picked(device, &scene, Vec3::ZERO);
         let kinds: std::collections::BTreeSet<u32> =
             objects.iter().flatten().map(|(object, _)| *object).collect();
-        assert!(kinds.len() > 15, "{kinds:?}");
+        assert!(kinds.len() > 10, "{kinds:?}");
         assert!(shares.iter().any(|share| *share > 0.0 && *share < 1.0), "{shares:?}");
         for away in AWAY {
             let (objects_there, shares_there) = picked(device, &scene, away);

@@ -1,116 +1,19 @@
 //! The depth pyramid strategy is exact on every device, culls, and never waits. The pyramid holds
 //! the farthest depths.
 
-use cull::{Camera, Projection, Strategy};
+use cull::{Camera, Strategy};
 use glam::Vec3;
-use gpu::{Access, Buffer, Device, FrameRing, MemoryBarrier, MemoryKind, Target, vk};
+use gpu::{Access, Buffer, FrameRing, MemoryBarrier, MemoryKind, Target, vk};
 use methods::{HzbLevel, HzbPass, hzb_levels};
 use occlusion::{ProxyBox, Rect, ShaderSet};
 use render::{Renderer, RendererOptions};
-use scene::Scene;
 use scenes::{CameraPath, GeneratedScene, PathKind};
-use tests::shapes::{DepthBoxes, box_at, box_scene, square_camera, square_view};
-use tests::walk::{Found, SceneKind, frame_loop, pixels_that_differ, walk_cameras_with, walk_with};
-use tests::{Driver, run, run_on_all};
+use tests::run_on_all;
+use tests::shapes::{DepthBoxes, box_at, slivers, square_camera, square_view};
+use tests::walk::{SceneKind, frame_loop, images_that_differ, walk_cameras_with};
 
 fn options(size: [u32; 2], frames_in_flight: usize) -> RendererOptions {
     RendererOptions { methods: methods::all(), size, frames_in_flight, ..Default::default() }
-}
-
-fn check(found: &Found, what: &str) {
-    assert_eq!(found.pixels_wrong, 0, "{what}: wrong pixels: {found:?}");
-    assert_eq!(found.blocking_waits, 0, "{what}: {found:?}");
-}
-
-fn walk_everything(device: &Device, objects: u32, size: [u32; 2], frames: u32) {
-    for scene_kind in SceneKind::ALL {
-        let scene = scene_kind.build(objects);
-        for path in PathKind::ALL {
-            for in_flight in 1..=3 {
-                let what =
-                    format!("{scene_kind:?} {path} {objects} objects, {in_flight} in flight");
-                let options = options(size, in_flight);
-                let found = walk_with(device, &scene, path, frames, &options, methods::HZB);
-                check(&found, &what);
-                assert!(found.draws[1] <= found.draws[0], "{what}: {found:?}");
-            }
-        }
-    }
-}
-
-#[test]
-#[ignore = "long walk"]
-fn lavapipe_500_objects() {
-    run(Driver::Lavapipe, |device| walk_everything(device, 500, [320, 180], 24));
-}
-
-#[test]
-fn swiftshader_500_objects() {
-    run(Driver::SwiftShader, |device| walk_everything(device, 500, [320, 180], 12));
-}
-
-#[test]
-#[ignore = "long walk"]
-fn lavapipe_10_000_objects() {
-    run(Driver::Lavapipe, |device| walk_everything(device, 10_000, [256, 144], 6));
-}
-
-#[test]
-#[ignore = "long walk"]
-fn odd_sizes_are_exact() {
-    run_on_all(|device| {
-        let scene = SceneKind::City.build(400);
-        for size in [[1, 1], [3, 200], [333, 7], [641, 363]] {
-            for path in [PathKind::Cut, PathKind::Street] {
-                let options = options(size, 2);
-                let found = walk_with(device, &scene, path, 12, &options, methods::HZB);
-                check(&found, &format!("{size:?} {path}"));
-            }
-        }
-    });
-}
-
-#[test]
-#[ignore = "long walk"]
-fn eyes_in_walls_and_on_the_ground_are_exact() {
-    run_on_all(|device| {
-        let scene = SceneKind::City.build(600).scene;
-        let boxes = render::object_bounds(&scene).unwrap();
-        let eyes = boxes.iter().step_by(11).flat_map(|b| [b.centre(), b.min, b.max]);
-        let cameras: Vec<Camera> = eyes
-            .enumerate()
-            .map(|(number, eye)| {
-                let angle = number as f32 * 2.4;
-                let forward = Vec3::new(angle.cos(), (number % 5) as f32 * 0.3 - 0.6, angle.sin());
-                Camera {
-                    eye,
-                    forward,
-                    up: Vec3::Y,
-                    projection: Projection::perspective(1.2),
-                    near: 0.05,
-                }
-            })
-            .collect();
-        let options = options([160, 90], 2);
-        let found = walk_cameras_with(device, &scene, &cameras, &options, methods::HZB);
-        check(&found, "eyes in boxes");
-    });
-}
-
-/// Returns screens at many distances. Behind each is a small box, or a box that reaches past the
-/// screen by less than a pixel.
-fn slivers(side: u32) -> Scene {
-    let pixel = 2.0 / side as f32;
-    let boxes = (0..20 * 20).flat_map(|cell: u32| {
-        let centre = Vec3::new((cell % 20) as f32 - 9.5, (cell / 20) as f32 - 9.5, -10.0) * 0.1;
-        let half = 0.02 + 0.002 * (cell % 11) as f32;
-        let past = [-4.0, -0.05, 0.05, 0.2, 0.5][cell as usize % 5] * pixel;
-        let near = 4.0 + 0.3 * (cell % 13) as f32;
-        let far = 10.0 + (cell % 17) as f32;
-        let flat = |half: f32| Vec3::new(half, half, 0.001);
-        [box_at(centre * near, flat(half * near)), box_at(centre * far, flat((half + past) * far))]
-    });
-    box_scene(&boxes.collect::<Vec<_>>())
 }
 
 #[test]
@@ -118,7 +21,7 @@ fn slivers_of_less_than_a_pixel_are_not_lost() {
     run_on_all(|device| {
         let scene = slivers(256);
         // Slightly rolled and moved, so that edges meet samples in many ways.
-        let cameras: Vec<Camera> = (0..24)
+        let cameras: Vec<Camera> = (0..12)
             .map(|number| Camera {
                 eye: Vec3::new(0.001 * number as f32, 0.0007 * number as f32, 0.0),
                 up: Vec3::new(0.02 * number as f32, 1.0, 0.0),
@@ -127,38 +30,8 @@ fn slivers_of_less_than_a_pixel_are_not_lost() {
             .collect();
         let options = options([256, 256], 2);
         let found = walk_cameras_with(device, &scene, &cameras, &options, methods::HZB);
-        check(&found, "slivers");
+        assert_eq!((found.pixels_wrong, found.blocking_waits), (0, 0), "{found:?}");
         assert!(found.draws[1] < found.draws[0], "{found:?}");
-    });
-}
-
-#[test]
-fn culling_culls() {
-    // To draw everything would be exact and useless.
-    run_on_all(|device| {
-        let scene = SceneKind::City.build(2000);
-        let options = options([320, 180], 2);
-        let found = walk_with(device, &scene, PathKind::Street, 30, &options, methods::HZB);
-        check(&found, "city");
-        assert!(found.draws[1] * 3 < found.draws[0], "{found:?}");
-    });
-}
-
-#[test]
-fn scenes_of_one_object_and_of_none_in_sight_are_exact() {
-    run_on_all(|device| {
-        let scene = SceneKind::City.build(1).scene;
-        let down = Vec3::new(0.1, -1.0, 0.2);
-        let cameras = [Vec3::NEG_Y, Vec3::Y, down, down, Vec3::Y].map(|forward| Camera {
-            eye: Vec3::new(1.0, 30.0, 2.0),
-            forward,
-            up: Vec3::X,
-            projection: Projection::perspective(1.0),
-            near: 0.1,
-        });
-        let options = options([64, 64], 2);
-        let found = walk_cameras_with(device, &scene, &cameras, &options, methods::HZB);
-        check(&found, "one object");
     });
 }
 
@@ -191,7 +64,7 @@ fn a_frame_tells_what_it_drew() {
         );
         let plain = &other.images[1];
         let ours = &again.images[1];
-        assert_eq!(pixels_that_differ(&plain.rgba8().unwrap(), &ours.rgba8().unwrap()), 0);
+        assert_eq!(images_that_differ(plain, ours), 0);
         // A new view knows nothing.
         let mut fresh = renderer.new_view().unwrap();
         let seen = frame_loop(&mut renderer, &mut fresh, methods::HZB, &still[..1]);
@@ -207,7 +80,7 @@ fn strategies_and_views_change_from_frame_to_frame() {
         let mut renderer = Renderer::new(device, &scene, &options([160, 90], 3)).unwrap();
         let mut views = [renderer.new_view().unwrap(), renderer.new_view().unwrap()];
         let mut plain = renderer.new_view().unwrap();
-        for turn in 0..16 {
+        for turn in 0..9 {
             let cameras: Vec<Camera> =
                 (0..3).map(|frame| path.camera(turn as u32 * 7 + frame)).collect();
             let strategy = [methods::HZB, methods::HZB, Strategy::ANTUMBRA][turn % 3];
@@ -216,11 +89,7 @@ fn strategies_and_views_change_from_frame_to_frame() {
             let got = frame_loop(&mut renderer, view, strategy, &cameras);
             assert_eq!(got.outcomes.len(), cameras.len());
             for (expected, got) in expected.images.iter().zip(&got.images) {
-                assert_eq!(
-                    pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()),
-                    0,
-                    "turn {turn}"
-                );
+                assert_eq!(images_that_differ(expected, got), 0, "turn {turn}");
             }
         }
     });

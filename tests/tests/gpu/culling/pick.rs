@@ -9,6 +9,7 @@ use render::{
 };
 use scene::{Mesh, MeshId, Object, ObjectChange, Scene};
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
+use tests::scene_rays::{SceneRays, Sides};
 use tests::shapes::square_camera;
 use tests::{Driver, run, run_on_all};
 
@@ -16,13 +17,6 @@ const SIZE: [u32; 2] = [320, 180];
 
 fn options() -> RendererOptions {
     RendererOptions { size: SIZE, cost_model: CostModel::Off, ..RendererOptions::default() }
-}
-
-/// The first triangle along a ray.
-#[derive(Clone, Copy)]
-struct Hit {
-    object: u32,
-    depth_m: f32,
 }
 
 /// Draws a frame and waits for it. Returns the surface at a pixel.
@@ -40,38 +34,6 @@ fn pointed(
     found.surface
 }
 
-/// Returns the object of the triangle that a ray meets first (Möller and Trumbore 1997): backs are
-/// not drawn.
-fn hit(scene: &Scene, origin: Vec3, direction: Vec3) -> Option<Hit> {
-    let mut nearest: Option<Hit> = None;
-    for (number, object) in (0..).zip(&scene.objects) {
-        let mesh = &scene.meshes[object.mesh.0 as usize];
-        let point = |index: u32| {
-            let position = mesh.vertices[index as usize].position;
-            object.transform.transform_point3(Vec3::from_array(position))
-        };
-        for triangle in mesh.indices.as_chunks::<3>().0 {
-            let [a, b, c] = triangle.map(point);
-            let ab = b - a;
-            let ac = c - a;
-            let across = direction.cross(ac);
-            let determinant = ab.dot(across);
-            if determinant <= 0.0 {
-                continue;
-            }
-            let from = origin - a;
-            let u = from.dot(across) / determinant;
-            let v = direction.dot(from.cross(ab)) / determinant;
-            let depth_m = ac.dot(from.cross(ab)) / determinant;
-            let is_in = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && depth_m > 0.0;
-            if is_in && nearest.is_none_or(|before| depth_m < before.depth_m) {
-                nearest = Some(Hit { object: number, depth_m });
-            }
-        }
-    }
-    nearest
-}
-
 #[test]
 fn the_object_of_a_pixel_is_that_of_the_nearest_triangle() {
     run_on_all(|device| {
@@ -82,27 +44,26 @@ fn the_object_of_a_pixel_is_that_of_the_nearest_triangle() {
         let mut renderer = Renderer::new(device, &scene, &options()).unwrap();
         let mut view = renderer.new_view().unwrap();
         let rays = renderer.view_of(&camera).rays;
+        let triangles = SceneRays::new(&scene);
         let mut right = 0;
         let mut objects = std::collections::BTreeSet::new();
         let mut empty = 0;
         let pixels =
-            (0..SIZE[1]).step_by(15).flat_map(|y| (0..SIZE[0]).step_by(16).map(move |x| [x, y]));
+            (0..SIZE[1]).step_by(18).flat_map(|y| (0..SIZE[0]).step_by(32).map(move |x| [x, y]));
         let pixels: Vec<[u32; 2]> = pixels.collect();
         for pixel in &pixels {
             let found = pointed(&mut renderer, &mut view, camera, *pixel);
             let [x, y] = [0, 1].map(|side| (pixel[side] as f32 + 0.5) / SIZE[side] as f32);
             let ndc = Vec2::new(x, y) * 2.0 - 1.0;
             let eye = rays.point(ndc, 0.0);
-            let expected = hit(&scene, eye, rays.point(ndc, 1.0) - eye);
+            let along = (rays.point(ndc, 1.0) - eye).as_dvec3();
+            let expected = triangles.first(eye.as_dvec3(), along, Sides::Fronts);
             let object = found.map(|surface| surface.object);
-            let is_right = object.map(|object| object.0) == expected.map(|hit| hit.object);
+            let is_right = object.map(|object| object.0) == expected.map(|met| met.object as u32);
             right += usize::from(is_right);
             if let (Some(found), Some(expected), true) = (found, expected, is_right) {
-                let point = rays.point(ndc, expected.depth_m).as_dvec3();
-                assert!(
-                    found.point.distance(point) < 1e-3 * f64::from(expected.depth_m),
-                    "{found:?} {point}"
-                );
+                let apart_m = found.point.distance(expected.place);
+                assert!(apart_m < 1e-3 * expected.distance, "{found:?}, {expected:?}");
             }
             empty += usize::from(found.is_none());
             objects.extend(object);

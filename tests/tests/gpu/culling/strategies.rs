@@ -1,12 +1,11 @@
 //! The literature's methods on real drivers: exact if they promise exactness, otherwise with
 //! counted errors, and each with its known waits.
 
-use cull::{Camera, ChcOptions, FirstPass, LeafTest, Projection, Strategy};
-use glam::Vec3;
+use cull::{Camera, ChcOptions, FirstPass, LeafTest, Strategy};
 use gpu::{Device, FrameRing, Readback, Tick, Timeline};
 use render::{CostModel, FrameRequest, Renderer, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind};
-use tests::walk::{Found, SceneKind, frame_loop, pixels_that_differ, walk_cameras_with, walk_with};
+use tests::walk::{Found, SceneKind, frame_loop, images_that_differ, walk_with};
 use tests::{Driver, run, run_on_all};
 
 const DIALOGUES: [Strategy; 4] =
@@ -37,7 +36,7 @@ fn walk_everything(device: &Device, strategy: Strategy, objects: u32, frames: u3
         let scene = scene_kind.build(objects);
         for path in PathKind::ALL {
             let what = format!("{strategy} {scene_kind:?} {path}, {objects} objects");
-            let options = options([320, 180], 2);
+            let options = options([160, 90], 2);
             check(&walk_with(device, &scene, path, frames, &options, strategy), &what);
         }
     }
@@ -50,7 +49,7 @@ fn lavapipe_every_blocking_method_is_exact() {
             (methods::NAIVE, 300, 3),
             (methods::BATCHED, 500, 12),
             (methods::STOP_AND_WAIT, 500, 4),
-            (methods::CHC, 500, 24),
+            (methods::CHC, 500, 16),
         ] {
             walk_everything(device, strategy, objects, frames);
         }
@@ -62,9 +61,9 @@ fn swiftshader_every_blocking_method_is_exact() {
     run(Driver::SwiftShader, |device| {
         for (strategy, objects, frames) in [
             (methods::NAIVE, 200, 2),
-            (methods::BATCHED, 400, 8),
-            (methods::STOP_AND_WAIT, 400, 3),
-            (methods::CHC, 500, 12),
+            (methods::BATCHED, 300, 6),
+            (methods::STOP_AND_WAIT, 300, 3),
+            (methods::CHC, 400, 8),
         ] {
             walk_everything(device, strategy, objects, frames);
         }
@@ -96,11 +95,9 @@ fn coherent_is_exact_with_all_options() {
             ChcOptions { tests_per_submit: 1, draws_per_submit: 1, ..plain },
             ChcOptions { tests_per_submit: 10_000, draws_per_submit: 10_000, ..plain },
         ] {
-            for path in [PathKind::Street, PathKind::Cut] {
-                let renderer = coherent(options);
-                let found = walk_with(device, &scene, path, 12, &renderer, methods::CHC);
-                check(&found, &format!("{options:?} {path}"));
-            }
+            let renderer = coherent(options);
+            let found = walk_with(device, &scene, PathKind::Cut, 12, &renderer, methods::CHC);
+            check(&found, &format!("{options:?}"));
         }
     });
 }
@@ -124,44 +121,18 @@ fn a_depth_only_first_pass_gives_the_same_image() {
 #[test]
 fn a_visibility_threshold_leaves_out_what_hardly_shows() {
     run_on_all(|device| {
-        let scene = SceneKind::City.build(1000);
+        let scene = SceneKind::City.build(600);
         let walk = |visibility_threshold_samples| {
             let plain = ChcOptions { assumed_visible_frames: 0, ..Default::default() };
             let options = coherent(ChcOptions { visibility_threshold_samples, ..plain });
-            walk_with(device, &scene, PathKind::Street, 16, &options, methods::CHC)
+            walk_with(device, &scene, PathKind::Street, 10, &options, methods::CHC)
         };
         let exact = walk(0);
         let loose = walk(20);
         check(&exact, "no threshold");
         assert!(loose.draws[1] < exact.draws[1], "{loose:?} {exact:?}");
         // Objects of up to 20 pixels may be missing, so the image is only slightly wrong.
-        assert!(loose.pixels_wrong > 0 && loose.pixels_wrong < 16 * 160 * 90 / 20, "{loose:?}");
-    });
-}
-
-#[test]
-fn eyes_in_walls_and_on_the_ground_are_exact() {
-    run_on_all(|device| {
-        let scene = SceneKind::City.build(300).scene;
-        let boxes = render::object_bounds(&scene).unwrap();
-        let eyes = boxes.iter().step_by(29).flat_map(|b| [b.centre(), b.min, b.max]);
-        let camera = |(number, eye): (usize, Vec3)| {
-            let angle = number as f32 * 2.4;
-            let forward = Vec3::new(angle.cos(), (number % 5) as f32 * 0.3 - 0.6, angle.sin());
-            Camera {
-                eye,
-                forward,
-                up: Vec3::Y,
-                projection: Projection::perspective(1.2),
-                near: 0.05,
-            }
-        };
-        let cameras: Vec<Camera> = eyes.enumerate().map(camera).collect();
-        for strategy in [methods::BATCHED, methods::CHC] {
-            let options = options([160, 90], 2);
-            let found = walk_cameras_with(device, &scene, &cameras, &options, strategy);
-            check(&found, &format!("{strategy}, eyes in boxes"));
-        }
+        assert!(loose.pixels_wrong > 0 && loose.pixels_wrong < 10 * 160 * 90 / 20, "{loose:?}");
     });
 }
 
@@ -170,7 +141,7 @@ fn a_blocking_method_waits_and_says_how_often() {
     run_on_all(|device| {
         let GeneratedScene { scene, routes } = SceneKind::City.build(500);
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
-        let cameras: Vec<Camera> = (0..10).map(|frame| path.camera(frame)).collect();
+        let cameras: Vec<Camera> = (0..6).map(|frame| path.camera(frame)).collect();
         let mut renderer = Renderer::new(device, &scene, &options([160, 90], 2)).unwrap();
         let mut waits = Vec::new();
         for strategy in DIALOGUES {
@@ -197,7 +168,7 @@ fn a_blocking_method_waits_and_says_how_often() {
 #[test]
 fn next_frame_is_right_at_rest_and_counted_wrong_on_the_way() {
     run_on_all(|device| {
-        let GeneratedScene { scene, routes } = SceneKind::City.build(1000);
+        let GeneratedScene { scene, routes } = SceneKind::City.build(500);
         let path = CameraPath::new(PathKind::Street, &routes).unwrap();
         let mut renderer = Renderer::new(device, &scene, &options([160, 90], 2)).unwrap();
         let mut plain = renderer.new_view().unwrap();
@@ -205,22 +176,20 @@ fn next_frame_is_right_at_rest_and_counted_wrong_on_the_way() {
         let mut wrong = |cameras: &[Camera], renderer: &mut Renderer| -> Vec<usize> {
             let expected = frame_loop(renderer, &mut plain, Strategy::FRUSTUM, cameras).images;
             let got = frame_loop(renderer, &mut view, methods::NEXT_FRAME, cameras);
-            let draws: u64 = got.outcomes.iter().map(|outcome| outcome.draws).sum();
+            let draws = got.draws();
             assert!(draws > 0 && draws < (scene.objects.len() * cameras.len()) as u64);
             let pairs = expected.iter().zip(&got.images);
-            pairs
-                .map(|(a, b)| pixels_that_differ(&a.rgba8().unwrap(), &b.rgba8().unwrap()))
-                .collect()
+            pairs.map(|(a, b)| images_that_differ(a, b)).collect()
         };
-        let still = vec![path.camera(0); 30];
+        let still = vec![path.camera(0); 16];
         let at_rest = wrong(&still, &mut renderer);
         assert_eq!(at_rest[0], 0, "of what nothing is known is drawn");
-        assert!(at_rest[20..].iter().all(|pixels| *pixels == 0), "{at_rest:?}");
+        assert!(at_rest[10..].iter().all(|pixels| *pixels == 0), "{at_rest:?}");
         // Five times as fast as a walk.
-        let moving: Vec<Camera> = (0..60).map(|frame| path.camera(5 * frame)).collect();
+        let moving: Vec<Camera> = (0..24).map(|frame| path.camera(5 * frame)).collect();
         let total: usize = wrong(&moving, &mut renderer).iter().sum();
         assert!(total > 0, "then it would be exact");
-        assert!(total < 60 * 160 * 90 / 20, "{total} pixels");
+        assert!(total < 24 * 160 * 90 / 20, "{total} pixels");
     });
 }
 
@@ -248,28 +217,9 @@ fn strategies_change_from_frame_to_frame() {
             let got = frame_loop(&mut renderer, &mut views[turn % 2], strategy, &cameras);
             assert_eq!(got.outcomes.len(), cameras.len());
             for (expected, got) in expected.images.iter().zip(&got.images) {
-                let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap());
+                let wrong = images_that_differ(expected, got);
                 assert!(wrong == 0 || !strategy.is_exact(), "turn {turn}, {strategy}: {wrong}");
             }
-        }
-    });
-}
-
-#[test]
-fn nothing_in_sight_is_an_empty_image() {
-    run_on_all(|device| {
-        let scene = SceneKind::City.build(1).scene;
-        let cameras = [Vec3::Y, Vec3::NEG_Y, Vec3::Y].map(|forward| Camera {
-            eye: Vec3::new(1.0, 30.0, 2.0),
-            forward,
-            up: Vec3::X,
-            projection: Projection::perspective(1.0),
-            near: 0.1,
-        });
-        for strategy in DIALOGUES.into_iter().chain([methods::NEXT_FRAME]) {
-            let options = options([64, 64], 2);
-            let found = walk_cameras_with(device, &scene, &cameras, &options, strategy);
-            check(&found, strategy.name());
         }
     });
 }
@@ -345,6 +295,6 @@ fn a_host_holds_a_blocking_method_back_only_up_to_its_gate() {
             renderer.render(&mut view, request).unwrap();
         }
         renderer.wait_idle(&mut view).unwrap();
-        assert_eq!(pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()), 0);
+        assert_eq!(images_that_differ(&expected, &got), 0);
     });
 }

@@ -11,30 +11,15 @@ use occlusion::{ProxyBox, ProxyIo, ShaderSet};
 use render::passes::{OpaqueIo, OpaquePass};
 use scene::{Mesh, Object, Scene};
 use tests::shapes::{box_at, box_scene, proxy_pass, square_camera};
+use tests::window_fixture::Random;
 use tests::{Driver, run};
 
 const SIDE: u32 = 512;
 /// The number of pairs in a row and in a column. Each pair has its own part of the image.
 const CELLS: u32 = 24;
 
-/// A seeded source of numbers from 0 to 1 (splitmix64).
-struct Numbers(u64);
-
-impl Numbers {
-    fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 40) as f32 / (1u64 << 24) as f32
-    }
-
-    fn between(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * self.next()
-    }
-}
-
 /// Returns screens, then the boxes behind them, which reach past the screens by -0.1 to 0.4 pixels.
-fn pairs(numbers: &mut Numbers) -> Vec<Aabb> {
+fn pairs(numbers: &mut Random) -> Vec<Aabb> {
     let pixel = 2.0 / SIDE as f32;
     let cell = 2.0 / CELLS as f32;
     let mut screens = Vec::new();
@@ -109,7 +94,7 @@ fn lost(
     let mut shown = 0;
     let mut without = 0;
     for seed in 0..seeds {
-        let boxes = pairs(&mut Numbers(seed));
+        let boxes = pairs(&mut Random::new(seed));
         let objects = box_scene(&boxes).objects;
         let screens = boxes.len() / 2;
         let behind = &boxes[screens..];
@@ -161,7 +146,7 @@ fn with_margin(view: &CullView, bounds: &Aabb) -> Aabb {
 fn no_sliver_is_lost() {
     for driver in Driver::ALL {
         run(driver, |device| {
-            let (shown, lost) = lost(device, 20, with_margin);
+            let (shown, lost) = lost(device, 8, with_margin);
             assert!(shown > 1000, "the search looks at slivers: {shown}");
             assert_eq!(lost, 0, "of {shown} slivers on {driver:?}");
         });
@@ -172,7 +157,7 @@ fn no_sliver_is_lost() {
 fn without_the_margin_slivers_are_lost() {
     // Checks that the search above can fail: without a margin, boxes lose slivers on a coarse grid.
     run(Driver::SwiftShader, |device| {
-        let (shown, lost) = lost(device, 20, |_, bounds| *bounds);
+        let (shown, lost) = lost(device, 4, |_, bounds| *bounds);
         assert!(lost > 0, "none of {shown} slivers");
     });
 }

@@ -1,42 +1,56 @@
 //! The image is the same with every tester of the proxies: queries, fragments, a compute shader.
 
+use std::ops::Range;
+
 use cull::Strategy;
 use gpu::{Device, PredicationMode, Readback};
 use render::{CostModel, FrameRequest, Renderer, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind};
-use tests::walk::{SceneKind, pixels_that_differ, walk_with};
+use tests::walk::{ComparedWalk, SceneKind, cameras_along, pixels_that_differ, walk_with};
 use tests::{Driver, run, run_on_all};
 
 const TESTERS: [Strategy; 3] =
     [Strategy::ANTUMBRA_QUERIES, Strategy::ANTUMBRA_FLAGS, Strategy::ANTUMBRA_COMPUTE];
 
-fn walk_testers(device: &Device, objects: u32, options: &RendererOptions, frames: u32) {
+/// Returns options of a walk: with an odd number, everything is tested.
+fn options(walk: usize) -> RendererOptions {
+    let (frames_in_flight, cost_model) =
+        if walk.is_multiple_of(2) { (3, CostModel::Measured) } else { (1, CostModel::Off) };
+    RendererOptions { size: [160, 90], frames_in_flight, cost_model, ..Default::default() }
+}
+
+/// Walks all scenes and paths with every tester. `walks` returns the numbers of the options on a
+/// path.
+fn walk_testers(device: &Device, frames: u32, walks: impl Fn(usize) -> Range<usize>) {
+    let mut number = 0;
     for scene_kind in SceneKind::ALL {
-        let scene = scene_kind.build(objects);
+        let scene = scene_kind.build(400);
         for path in PathKind::ALL {
-            for strategy in TESTERS {
-                let found = walk_with(device, &scene, path, frames, options, strategy);
-                let what = format!("{strategy}, {scene_kind:?} {path}: {found:?}");
-                assert_eq!(found.pixels_wrong, 0, "{what}");
-                assert_eq!(found.blocking_waits, 0, "{what}");
+            let cameras = cameras_along(&scene, path, frames);
+            for number in walks(number) {
+                let mut walk = ComparedWalk::new(device, &scene.scene, &cameras, &options(number));
+                for strategy in TESTERS {
+                    let found = walk.with(strategy);
+                    let what = format!("{strategy}, {scene_kind:?} {path}: {found:?}");
+                    assert_eq!(found.pixels_wrong, 0, "{what}");
+                    assert_eq!(found.blocking_waits, 0, "{what}");
+                }
             }
+            number += 1;
         }
     }
 }
 
 #[test]
 fn every_tester_is_exact() {
-    run_on_all(|device| {
-        for (frames_in_flight, cost_model) in [(1, CostModel::Off), (3, CostModel::Measured)] {
-            let options = RendererOptions {
-                size: [160, 90],
-                frames_in_flight,
-                cost_model,
-                ..Default::default()
-            };
-            walk_testers(device, 400, &options, 22);
-        }
-    });
+    // The second scene has the other options on each path.
+    run_on_all(|device| walk_testers(device, 14, |number| number..number + 1));
+}
+
+#[test]
+#[ignore = "long walk"]
+fn every_tester_is_exact_with_and_without_costs() {
+    run_on_all(|device| walk_testers(device, 22, |_| 0..2));
 }
 
 #[test]

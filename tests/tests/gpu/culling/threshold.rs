@@ -8,7 +8,7 @@ use render::{CostModel, FrameRequest, Rect, Renderer, RendererOptions};
 use scene::Scene;
 use scenes::{CameraPath, Cast, GeneratedScene, Motion, PathKind, Routes};
 use tests::shapes::{box_at, box_scene, square_camera};
-use tests::walk::{SceneKind, frame_loop, pixels_that_differ, show_motion};
+use tests::walk::{SceneKind, frame_loop, images_that_differ, pixels_that_differ, show_motion};
 use tests::{Driver, run, run_on_all};
 
 const SIZE: [u32; 2] = [240, 135];
@@ -51,7 +51,7 @@ fn walk(
     let mut found = Found::default();
     let images = expected.images.iter().zip(&got.images);
     for (number, ((expected, got), outcome)) in images.zip(&got.outcomes).enumerate() {
-        let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &got.rgba8().unwrap()) as u64;
+        let wrong = images_that_differ(expected, got) as u64;
         let what = format!("{strategy}, threshold {}", options.threshold_samples);
         assert!(
             wrong <= outcome.samples_below_threshold,
@@ -95,7 +95,7 @@ fn no_frame_is_more_wrong_than_what_was_counted() {
 fn every_executor_that_can_compare_leaves_out_the_same() {
     run_on_all(|device| {
         let GeneratedScene { scene, routes } = SceneKind::City.build(700);
-        let cameras = cameras(&routes, PathKind::Cut, 24);
+        let cameras = cameras(&routes, PathKind::Cut, 14);
         let mut found = Vec::new();
         for predication in
             [PredicationMode::Counts, PredicationMode::Instances, PredicationMode::Compacted]
@@ -132,9 +132,9 @@ fn what_shows_as_much_as_the_threshold_is_hidden_and_a_sample_more_is_not() {
         });
         let boxes: Vec<Aabb> = std::iter::once(wall).chain(peeping).collect();
         let scene = box_scene(&boxes);
-        let cameras = vec![square_camera(); 30];
+        let cameras = vec![square_camera(); 16];
         let mut last = None;
-        for threshold in [0, 1, 3, 10, 30, 60, 100, 1_000, u32::MAX] {
+        for threshold in [0, 1, 10, 60, 1_000, u32::MAX] {
             // Everything is tested, regardless of its cost.
             let options = RendererOptions { size, ..options(threshold) };
             let found = walk(device, &scene, &cameras, &options, Strategy::ANTUMBRA);

@@ -77,13 +77,13 @@ fn walk(
 /// Returns cameras of a walk and of a cut.
 fn cameras(scene: &scenes::GeneratedScene) -> Vec<cull::Camera> {
     let path = CameraPath::new(PathKind::Cut, &scene.routes).unwrap();
-    (0..14).map(|frame| path.camera(frame)).collect()
+    (0..12).map(|frame| path.camera(frame)).collect()
 }
 
 #[test]
 fn depth_is_stored_for_later_rounds_alone() {
     with_recorder(|device| {
-        let generated = SceneKind::City.build(800);
+        let generated = SceneKind::City.build(400);
         // The first rendering, one per round, and one for leaves below nodes that showed in the
         // last round.
         let most = CullConfig::default().tuning.rounds_cut as usize + 2;
@@ -123,7 +123,7 @@ fn surfaces_load_no_colour_and_store_it_once() {
                 continue;
             };
             for strategy in supported(&renderer) {
-                let cameras = [shadow_scene::camera(); 4];
+                let cameras = [shadow_scene::camera(); 3];
                 walk(&mut renderer, strategy, &cameras, |frame, traffic| {
                     let what = format!("{strategy}, {method:?}, frame {frame}: {traffic:?}");
                     assert_eq!((traffic.loads(Colour), traffic.stores(Colour)), (0, 1), "{what}");
@@ -198,7 +198,7 @@ fn several_samples_are_averaged_once_by_every_strategy() {
         let samples = RendererOptions { samples: SampleCount::Four, ..options() };
         let mut renderer = Renderer::new(device, &generated.scene, &samples).unwrap();
         for strategy in supported(&renderer) {
-            walk(&mut renderer, strategy, &cameras(&generated)[..6], |frame, traffic| {
+            walk(&mut renderer, strategy, &cameras(&generated)[..4], |frame, traffic| {
                 let what = format!("{strategy}, frame {frame}: {traffic:?}");
                 assert_eq!(traffic.stores(Average), 1, "{what}");
                 let of_blocking = usize::from(strategy.is_blocking());

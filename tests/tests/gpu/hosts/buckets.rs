@@ -14,27 +14,8 @@ use gpu::{Device, OptionalFeature, Predicates, PredicationMode};
 use host::{Host, Recorder};
 use occlusion::{DriverAssumption, DriverQuirks};
 use tests::run_on_all;
-use tests::walk::pixels_that_differ;
-
-/// SplitMix64 (Steele, Lea and Flood 2014).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        mixed ^ (mixed >> 31)
-    }
-
-    fn below(&mut self, end: u32) -> u32 {
-        (self.next() % u64::from(end.max(1))) as u32
-    }
-
-    fn between(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * (self.below(1 << 20) as f32 / (1 << 20) as f32)
-    }
-}
+use tests::walk::images_that_differ;
+use tests::window_fixture::Random;
 
 /// Returns the parts of an object: boxes around `middle`, some of which share a bucket.
 fn parts(random: &mut Random, middle: Vec3, buckets: u32) -> Vec<Part> {
@@ -149,8 +130,8 @@ fn compare(
     recorder: Recorder,
     strategy: Strategy,
 ) {
-    const FRAMES: u32 = 24;
-    let mut random = Random(u64::from(buckets) + 7);
+    const FRAMES: u32 = 15;
+    let mut random = Random::new(u64::from(buckets) + 7);
     let mut host = furnished(device, buckets, predication, recorder, &mut random);
     for frame in 0..FRAMES {
         change(&mut host, &mut random, frame, buckets);
@@ -160,8 +141,7 @@ fn compare(
     device.wait_idle().unwrap();
     let what = format!("{strategy}, {buckets} buckets, {}, {recorder:?}", predication.name());
     for (frame, [culled, all]) in host.images.iter().enumerate() {
-        let [culled, all] = [culled, all].map(|image| image.rgba8().unwrap());
-        assert_eq!(pixels_that_differ(&culled, &all), 0, "frame {frame} of {what}");
+        assert_eq!(images_that_differ(culled, all), 0, "frame {frame} of {what}");
     }
     let listed = host.listed();
     let (drawn, there) = host.fewest_and_all();
@@ -200,7 +180,7 @@ fn objects_of_any_draws_in_any_buckets_look_like_all_draws_while_they_change() {
 #[test]
 fn transparent_objects_are_drawn_untested_where_flags_are_distrusted() {
     run_on_all(|device| {
-        let mut random = Random(7);
+        let mut random = Random::new(7);
         let buckets = 3;
 
         let quirks = DriverQuirks::new(&[DriverAssumption::FlagWrites]);
@@ -220,8 +200,7 @@ fn transparent_objects_are_drawn_untested_where_flags_are_distrusted() {
         }
         device.wait_idle().unwrap();
         for (frame, [culled, all]) in host.images.iter().enumerate() {
-            let [culled, all] = [culled, all].map(|image| image.rgba8().unwrap());
-            assert_eq!(pixels_that_differ(&culled, &all), 0, "frame {frame}");
+            assert_eq!(images_that_differ(culled, all), 0, "frame {frame}");
         }
     });
 }
@@ -262,7 +241,7 @@ fn a_host_that_draws_depth_first_shades_what_shows_and_nothing_else() {
 #[test]
 fn a_host_that_draws_visible_objects_alone_is_right_again_when_all_stands_still() {
     run_on_all(|device| {
-        let mut random = Random(11);
+        let mut random = Random::new(11);
         let predication = executors(device)[0];
         let mut host = furnished(device, 16, predication, Recorder::HostLate, &mut random);
         for frame in 0..24 {
@@ -270,10 +249,7 @@ fn a_host_that_draws_visible_objects_alone_is_right_again_when_all_stands_still(
             host.draw(Strategy::ANTUMBRA, &camera(side, 0.0));
         }
         device.wait_idle().unwrap();
-        let wrong = host.images.iter().map(|[culled, all]| {
-            let [culled, all] = [culled, all].map(|image| image.rgba8().unwrap());
-            pixels_that_differ(&culled, &all)
-        });
+        let wrong = host.images.iter().map(|[culled, all]| images_that_differ(culled, all));
         let wrong: Vec<_> = wrong.collect();
         assert!(wrong[12] > 0, "nothing came into view: {wrong:?}");
         assert_eq!([wrong[11], wrong[23]], [0, 0], "{wrong:?}");

@@ -44,7 +44,7 @@ fn walk(host: &Host, options: &BoxOptions<'_>, strategy: Strategy) -> Walked {
         has_costs: scene.states().all(|state| state.has_cost_model()),
         has_leaf_boxes: scene.scene.passes().leaf_boxes.is_some(),
     };
-    for frame in 0..12 {
+    for frame in 0..8 {
         let (buffer, numbers) = commands.begin();
         let cameras = [camera(frame)];
         let (tick, slot) = record_frame(&mut ring, buffer, numbers, |recorded| {

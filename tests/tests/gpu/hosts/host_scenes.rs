@@ -13,7 +13,7 @@ use tests::host_scene::{BoxOptions, ComparedScene, IN_FLIGHT, RenderingOwner};
 use tests::host_walk::{boxes, camera};
 use tests::window_fixture::Random;
 
-const FRAMES: u64 = 24;
+const FRAMES: u64 = 18;
 
 /// Returns the cameras of a frame. The second view is elsewhere on the walk.
 fn cameras(frame: u64) -> [Camera; 2] {

@@ -149,7 +149,18 @@ fn clean_calls(
 }
 
 #[test]
+fn out_of_memory_is_an_error_with_advice() {
+    exhaust(8);
+}
+
+#[test]
+#[ignore = "long walk"]
 fn out_of_memory_is_an_error_wherever_it_happens() {
+    exhaust(usize::MAX);
+}
+
+/// Takes the memory away from up to `most` calls of each kind on.
+fn exhaust(most: usize) {
     let stage = Stage::new();
     let options = options(PredicationMode::Conditional);
     let code = vk::Result::ERROR_OUT_OF_DEVICE_MEMORY;
@@ -158,7 +169,7 @@ fn out_of_memory_is_an_error_wherever_it_happens() {
     // The allocator takes large blocks, so it calls the driver less often than memory is needed.
     assert!(counts[0] > 0 && counts[1] > 12 && counts[2] == 2, "{counts:?}");
     for (call, count) in memory.into_iter().zip(counts) {
-        for first in 0..=count.max(12) {
+        for first in (0..count).step_by(count.div_ceil(most)).chain([count, count + 9]) {
             // From this call on no memory is left, of any kind.
             let fault = Fault { call, fails: first..usize::MAX, code };
             let sentence = stage.walk_with(fault, &options, Goes::Home);
@@ -202,7 +213,7 @@ fn a_full_descriptor_pool_is_followed_by_another() {
     let count = clean_calls(&stage, &options, &[call])[0];
     let code = vk::Result::ERROR_OUT_OF_POOL_MEMORY;
     let mut followed = 0;
-    for number in count - 24..count {
+    for number in count - 12..count {
         let fault = Fault { call, fails: number..number + 1, code };
         match stage.walk_with(fault, &options, Goes::Home) {
             None => followed += 1,
@@ -210,7 +221,7 @@ fn a_full_descriptor_pool_is_followed_by_another() {
             Some(sentence) => assert!(sentence.contains("vkAllocateDescriptorSets"), "{sentence}"),
         }
     }
-    assert!(followed > 12, "{followed} of 24");
+    assert!(followed > 6, "{followed} of 12");
     let fault = Fault { call, fails: count - 2..count, code };
     let sentence = stage.walk_with(fault, &options, Goes::Home);
     assert!(sentence.is_some(), "a new pool without room is an error");
@@ -219,6 +230,17 @@ fn a_full_descriptor_pool_is_followed_by_another() {
 
 #[test]
 fn a_lost_device_is_an_error_with_the_call_and_the_code() {
+    lose_device(6);
+}
+
+#[test]
+#[ignore = "long walk"]
+fn a_lost_device_is_an_error_at_every_call() {
+    lose_device(usize::MAX);
+}
+
+/// Loses the device at up to `most` calls of each kind, and at the last one.
+fn lose_device(most: usize) {
     let stage = Stage::new();
     let options = options(PredicationMode::Conditional);
     let counts = clean_calls(&stage, &options, CALLS_THAT_RUN);
@@ -226,7 +248,7 @@ fn a_lost_device_is_an_error_with_the_call_and_the_code() {
     for (&call, &count) in CALLS_THAT_RUN.iter().zip(&counts) {
         assert!(count > 0, "{call:?} is never called");
         let at_close = call == c"vkDeviceWaitIdle";
-        for number in 0..count {
+        for number in (0..count - 1).step_by(count.div_ceil(most)).chain([count - 1]) {
             let fault = Fault { call, fails: number..usize::MAX, code };
             let sentence = stage.walk_with(fault, &options, Goes::Home);
             // Closing a device cannot report an error.

@@ -11,7 +11,7 @@ use scene::{
 };
 use shadows::{ShadowMethod, ShadowOptions};
 use tests::shapes::{box_scene, surface_of};
-use tests::walk::pixels_that_differ;
+use tests::walk::images_that_differ;
 use tests::{Driver, run};
 
 use crate::shading::skinning;
@@ -161,7 +161,7 @@ fn check(device: &Device, lights: &[PunctualLight], method: ShadowMethod) {
         for strategy in strategies.iter().filter(|strategy| **strategy != Strategy::FRUSTUM) {
             let images = film(&mut renderer, *strategy, view_count);
             for (frame, (expected, image)) in expected.iter().zip(&images).enumerate() {
-                let wrong = pixels_that_differ(&expected.rgba8().unwrap(), &image.rgba8().unwrap());
+                let wrong = images_that_differ(expected, image);
                 assert!(
                     wrong == 0 || !strategy.is_exact(),
                     "{strategy}, {view_count} views, frame {frame}: {wrong} pixels"

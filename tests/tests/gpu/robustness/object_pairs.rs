@@ -8,7 +8,7 @@ mod side;
 
 use std::collections::BTreeSet;
 
-use gpu::{QueryRing, Tick, Timeline};
+use gpu::{Commands, QueryRing, Tick, Timeline};
 use side::Side;
 use tests::xvfb::Xvfb;
 use tests::{Driver, open, run};
@@ -21,8 +21,30 @@ pub struct Row {
     pub given: &'static str,
     /// The object that both must belong to.
     pub owner: &'static str,
-    /// The mistake: makes the call, with objects of ours and one of theirs, and returns the error.
-    pub mistake: fn(&mut Side, &mut Side) -> String,
+    pub mistake: Mistake,
+}
+
+/// A call with objects of ours and one of theirs.
+pub enum Mistake {
+    /// A call that returns its error.
+    Returned(fn(&mut Side, &mut Side) -> String),
+    /// A call that records commands: the recording fails, and therefore the submit.
+    Recorded(fn(&Commands, &mut Side, &mut Side)),
+}
+
+impl Mistake {
+    /// Makes the call, and returns the error.
+    fn make(self, ours: &mut Side, theirs: &mut Side) -> String {
+        match self {
+            Mistake::Returned(call) => call(ours, theirs),
+            Mistake::Recorded(record) => {
+                let device = ours.device();
+                let submitted =
+                    device.run_once("mistake", |commands| record(commands, ours, theirs));
+                submitted.expect_err("an error").to_string()
+            }
+        }
+    }
 }
 
 fn rows() -> impl Iterator<Item = Row> {
@@ -37,7 +59,7 @@ fn no_mistaken_pair_reaches_vulkan() {
     let submitted = |side: &Side| side.device().submitted();
     for Row { call, given, owner, mistake } in rows() {
         let before = (submitted(&ours), submitted(&theirs));
-        let error = mistake(&mut ours, &mut theirs);
+        let error = mistake.make(&mut ours, &mut theirs);
         let place = format!("`{call}` with {given}: {error}");
         assert!(error.contains(given), "{place}");
         match owner {

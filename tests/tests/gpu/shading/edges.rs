@@ -17,7 +17,7 @@ use scene::{Mesh, Scene};
 use scenes::{CameraPath, PathKind};
 use tests::fault_injection::FaultInjection;
 use tests::shapes::{box_at, box_scene};
-use tests::walk::{SceneKind, frame_loop, pixels_that_differ};
+use tests::walk::{SceneKind, frame_loop, images_that_differ, pixels_that_differ};
 use tests::{Driver, instance_with, run, run_on_all};
 
 const SIZE: [u32; 2] = [160, 120];
@@ -237,7 +237,7 @@ fn a_cylinder_has_a_closed_outline_from_everywhere() {
 fn walk(device: &Device, scene: &Scene, cameras: &[Camera], samples: SampleCount) {
     let mut renderer = renderer_of(device, scene, samples);
     let modes = [EdgeMode::Visible, EdgeMode::HiddenDashed, EdgeMode::ShadedWithHiddenDashed];
-    for mode in modes {
+    for (number, mode) in modes.into_iter().enumerate() {
         // Wide, so that lines reach far beyond what hides their objects.
         renderer.set_edges(EdgeOptions { width_pixels: 5.0, ..options(mode) }).unwrap();
         let mut images = |strategy| {
@@ -245,9 +245,11 @@ fn walk(device: &Device, scene: &Scene, cameras: &[Camera], samples: SampleCount
             frame_loop(&mut renderer, &mut view, strategy, cameras).images
         };
         let expected = images(Strategy::FRUSTUM);
-        for strategy in exact().filter(|strategy| *strategy != Strategy::FRUSTUM) {
+        // The modes share the strategies.
+        let strategies = exact().filter(|strategy| *strategy != Strategy::FRUSTUM);
+        for strategy in strategies.skip(number).step_by(modes.len()) {
             for (frame, (a, b)) in expected.iter().zip(images(strategy)).enumerate() {
-                let wrong = pixels_that_differ(&a.rgba8().unwrap(), &b.rgba8().unwrap());
+                let wrong = images_that_differ(a, &b);
                 assert_eq!(wrong, 0, "{strategy}, {mode:?}, frame {frame}");
             }
         }
@@ -257,7 +259,7 @@ fn walk(device: &Device, scene: &Scene, cameras: &[Camera], samples: SampleCount
 fn city() -> (Scene, Vec<Camera>) {
     let city = SceneKind::City.build(300);
     let path = CameraPath::new(PathKind::Street, &city.routes).unwrap();
-    (city.scene, (0..6).map(|frame| path.camera(7 * frame)).collect())
+    (city.scene, (0..4).map(|frame| path.camera(7 * frame)).collect())
 }
 
 #[test]

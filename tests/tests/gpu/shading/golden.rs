@@ -13,7 +13,7 @@ use cull::{Camera, Strategy};
 use gpu::{Device, Readback};
 use import::{GltfScene, LoadOptions, SceneAnimator};
 use render::{CostModel, FrameRequest, RenderView, Renderer, RendererOptions};
-use tests::walk::pixels_that_differ;
+use tests::walk::{images_that_differ, pixels_that_differ};
 use tests::{Driver, run};
 
 /// The size of a golden image in pixels.
@@ -111,7 +111,7 @@ fn every_frame_is_exact_while_the_scene_lives() {
             .collect();
         views.iter_mut().for_each(|view| stage.renderer.wait_idle(view).unwrap());
         for (frame, [all, ours]) in frames.iter().enumerate() {
-            let wrong = pixels_that_differ(&all.rgba8().unwrap(), &ours.rgba8().unwrap());
+            let wrong = images_that_differ(all, ours);
             assert_eq!(wrong, 0, "{} {camera:?}, frame {frame}", file.display());
         }
         let first = frames[0][1].rgba8().unwrap();

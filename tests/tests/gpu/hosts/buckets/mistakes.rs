@@ -28,7 +28,7 @@ fn scene(device: &gpu::Device, options: CulledSceneOptions<'_>) -> Result<Culled
 
 #[test]
 fn views_of_other_scenes_and_sizes_are_refused() {
-    run_on_all(|device| {
+    run(Driver::Lavapipe, |device| {
         let mut host = Host::new(device, 3, PredicationMode::Instances, Recorder::Engine);
         host.wall = host.add(vec![wall(3)])[0];
         host.add(grid(100));
@@ -50,7 +50,7 @@ fn views_of_other_scenes_and_sizes_are_refused() {
 
 #[test]
 fn frames_of_other_rings_are_refused() {
-    run_on_all(|device| {
+    run(Driver::Lavapipe, |device| {
         let mut scene = scene(device, options()).unwrap();
         let mut large = FrameRing::new(device, 3).unwrap();
         let refused = scene.begin(large.begin().unwrap()).err().unwrap();
@@ -68,7 +68,7 @@ fn frames_of_other_rings_are_refused() {
 
 #[test]
 fn lists_without_their_tests_are_refused() {
-    run_on_all(|device| {
+    run(Driver::Lavapipe, |device| {
         let target = Target::new(device, SIZE, "lists").unwrap();
         let options = CulledSceneOptions { draw_phases: DrawPhases::Two, ..options() };
         let mut scene = CulledScene::new(device, target.attachments(), &options).unwrap();
@@ -86,7 +86,7 @@ fn lists_without_their_tests_are_refused() {
 
 #[test]
 fn a_bad_box_adds_nothing() {
-    run_on_all(|device| {
+    run(Driver::Lavapipe, |device| {
         let mut scene =
             scene(device, CulledSceneOptions { object_capacity: 8, ..options() }).unwrap();
         let good = HostObject { bounds: Aabb::new([0.0; 3].into(), [1.0; 3].into()), draws: &[] };

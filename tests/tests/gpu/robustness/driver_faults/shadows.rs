@@ -91,15 +91,22 @@ fn walk(
 
 #[test]
 fn lost_frames_and_missing_memory_leave_maps_right() {
-    lose(ShadowBias::Plane);
+    lose(ShadowBias::Plane, 2);
 }
 
 #[test]
 fn lost_frames_and_missing_memory_leave_midpoints_right() {
-    lose(ShadowBias::Midpoint);
+    lose(ShadowBias::Midpoint, 2);
 }
 
-fn lose(bias: ShadowBias) {
+#[test]
+#[ignore = "long walk"]
+fn more_lost_frames_and_missing_memory_leave_maps_right() {
+    [ShadowBias::Plane, ShadowBias::Midpoint].into_iter().for_each(|bias| lose(bias, 1));
+}
+
+/// Walks with a fault at up to ten calls of each kind, or at every `stride`th of these.
+fn lose(bias: ShadowBias, stride: usize) {
     let instance = instance_with(FaultInjection::default().entry());
     let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
     let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
@@ -116,7 +123,7 @@ fn lose(bias: ShadowBias) {
     let mut lost = 0;
     let mut smaller = 0;
     for (&call, count) in loses.iter().chain(&grows).zip(counts) {
-        for number in (0..count).step_by(count.div_ceil(10)) {
+        for number in (0..count).step_by(stride * count.div_ceil(10)) {
             let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
             let fault = Fault { call, fails: number..number + 1, code };
             let (images, stats) = walk(&device, bias, Some(fault.clone()));
@@ -131,7 +138,7 @@ fn lose(bias: ShadowBias) {
             assert!(images.last().is_some_and(Option::is_some), "{fault:?}");
         }
     }
-    assert!(lost > 20 && smaller > 0, "{lost} frames lost, {smaller} walks with smaller maps");
+    assert!(lost > 8 && smaller > 0, "{lost} frames lost, {smaller} walks with smaller maps");
     drop(device);
     let log = instance.validation_log().clone();
     drop(instance);

@@ -10,8 +10,8 @@ use raw_window_handle::{
     RawWindowHandle, WaylandDisplayHandle, WaylandWindowHandle, WindowHandle,
 };
 
-use super::Row;
 use super::side::{EmptyDraws, SIZE, SOURCE, Side, framed};
+use super::{Mistake, Row};
 
 /// A window with dangling handles, which is refused before the handles are used.
 struct NowhereOnWayland;
@@ -37,7 +37,12 @@ fn text<T>(result: Result<T, gpu::Error>) -> String {
 }
 
 pub fn rows() -> Vec<Row> {
-    let row = |call, given, owner, mistake| Row { call, given, owner, mistake };
+    let row = |call, given, owner, mistake| Row {
+        call,
+        given,
+        owner,
+        mistake: Mistake::Returned(mistake),
+    };
     const SURFACE: &str = "a surface (`Surface`)";
     let mut rows = vec![
         row("Device::new", "an adapter", "Instance", |ours, theirs| {
@@ -93,7 +98,12 @@ pub fn rows() -> Vec<Row> {
 
 /// Returns the calls that take a frame.
 fn frames() -> Vec<Row> {
-    let row = |call, given, mistake| Row { call, given, owner: "Device", mistake };
+    let row = |call, given, mistake| Row {
+        call,
+        given,
+        owner: "Device",
+        mistake: Mistake::Returned(mistake),
+    };
     const TIMELINE: &str = "a timeline (`Timeline`)";
     const PREDICATES: &str = "predicates (`Predicates`)";
     vec![

@@ -4,8 +4,8 @@ use cull::Strategy;
 use gpu::Tick;
 use render::{Error, FrameRequest, Rect, ViewRequest, ViewsRequest};
 
-use super::Row;
 use super::side::{SIZE, Side};
+use super::{Mistake, Row};
 
 const IMAGE: &str = "an image (`Readback`)";
 const TIMELINE: &str = "a timeline (`Timeline`)";
@@ -13,7 +13,7 @@ const VIEW: &str = "a view (`RenderView`)";
 const MOMENT: &str = "a snapshot (`VisibilitySnapshot`)";
 const VISIBLE_SET: &str = "a visible set (`VisibleSet`)";
 
-type Mistake = fn(&mut Side, &mut Side) -> String;
+type Call = fn(&mut Side, &mut Side) -> String;
 
 fn text<T>(result: Result<T, Error>) -> String {
     result.err().expect("an error").to_string()
@@ -47,7 +47,8 @@ fn views_rendered(ours: &mut Side, theirs: &mut Side, what: &'static str) -> Str
 }
 
 pub fn rows() -> Vec<Row> {
-    let row = |call, given, owner, mistake: Mistake| Row { call, given, owner, mistake };
+    let row: MakeRow =
+        |call, given, owner, made| Row { call, given, owner, mistake: Mistake::Returned(made) };
     let mut rows = vec![
         row("Renderer::render", IMAGE, "Device", |ours, theirs| {
             rendered(ours, |request| request.image = Some(&theirs.image))
@@ -86,7 +87,7 @@ pub fn rows() -> Vec<Row> {
     rows
 }
 
-type MakeRow = fn(&'static str, &'static str, &'static str, Mistake) -> Row;
+type MakeRow = fn(&'static str, &'static str, &'static str, Call) -> Row;
 
 fn histories(row: MakeRow) -> Vec<Row> {
     vec![

@@ -3,12 +3,11 @@
 
 use cull::Camera;
 use gpu::{
-    BlockingQueryPool, Buffer, BufferSlice, CapturePipeline, CapturePipelineInfo, Commands,
-    ComputePipeline, Counting, Device, DrawRange, DynamicTexture, FlagRing, Frame, FrameRing,
-    GraphicsPipeline, GraphicsPipelineInfo, IndirectDraw, LeafDrawRing, LeafDraws, MemoryKind,
-    MipGeneration, PredicatedRange, Predicates, QueryIndex, QueryRing, Readback, ResultSource,
-    Reveal, Spirv, StorageLayout, Swapchain, Target, TextureArray, TextureArrayInfo,
-    TextureUploads, Timeline, vk,
+    BlockingQueryPool, Buffer, BufferSlice, CapturePipeline, CapturePipelineInfo, ComputePipeline,
+    Counting, Device, DrawRange, DynamicTexture, FlagRing, Frame, FrameRing, GraphicsPipeline,
+    GraphicsPipelineInfo, IndirectDraw, LeafDrawRing, LeafDraws, MemoryKind, MipGeneration,
+    PredicatedRange, Predicates, QueryIndex, QueryRing, Readback, ResultSource, Reveal, Spirv,
+    StorageLayout, Swapchain, Target, TextureArray, TextureArrayInfo, TextureUploads, Timeline, vk,
 };
 use render::{
     FrameRequest, Rect, RenderView, Renderer, RendererOptions, VisibilitySnapshot, VisibleSet,
@@ -217,12 +216,7 @@ impl Side {
     }
 }
 
-/// Returns the error of a recording.
-pub fn recorded(device: &Device, record: impl FnOnce(&Commands)) -> String {
-    device.run_once("mistake", record).expect_err("an error").to_string()
-}
-
-/// Returns the error of a frame with such a recording.
+/// Returns the error of a frame with a mistake.
 pub fn framed(
     device: &Device,
     record: impl FnOnce(&mut Frame<'_>) -> Result<(), gpu::Error>,

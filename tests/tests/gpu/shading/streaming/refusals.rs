@@ -8,8 +8,8 @@ use scene::{
     Alpha, Encoding, Image, Material, MaterialId, MeshId, Object, ObjectChange, PreparedMesh,
     PreparedTexture, Sampler, TextureId, TextureUse,
 };
-use tests::run_on_all;
 use tests::window_fixture::Random;
+use tests::{Driver, run};
 
 use super::scenes::{
     Kind, SPARE, first_scene, object, options, rooms, some_mesh, spare, surface_of,
@@ -33,7 +33,7 @@ fn of_material(error: Error) -> (usize, MaterialError) {
 
 #[test]
 fn a_mesh_that_does_not_fit_is_refused_by_name_and_changes_nothing() {
-    run_on_all(|device| {
+    run(Driver::Lavapipe, |device| {
         let mut random = Random::new(5);
         let spare = SpareCapacity { meshes: 1, ..SPARE };
         let [plain, surfaces] = [Kind::Plain, Kind::Surfaces].map(first_scene);
@@ -87,7 +87,7 @@ fn a_mesh_that_does_not_fit_is_refused_by_name_and_changes_nothing() {
 
 #[test]
 fn a_material_that_cannot_be_drawn_is_refused_by_name_and_changes_nothing() {
-    run_on_all(|device| {
+    run(Driver::Lavapipe, |device| {
         let scene = first_scene(Kind::Surfaces);
         let mut renderer = Renderer::new(device, &scene, &options(SPARE)).unwrap();
         let plain = first_scene(Kind::Plain);
@@ -142,7 +142,7 @@ fn a_material_that_cannot_be_drawn_is_refused_by_name_and_changes_nothing() {
 
 #[test]
 fn a_texture_that_there_is_no_room_for_is_refused_by_name_and_changes_nothing() {
-    run_on_all(|device| {
+    run(Driver::Lavapipe, |device| {
         let scene = first_scene(Kind::Surfaces);
         let mut renderer = Renderer::new(device, &scene, &options(spare(Kind::Surfaces))).unwrap();
         let plain = first_scene(Kind::Plain);

@@ -5,13 +5,13 @@ use glam::Vec3;
 use render::{Error, LightShadow, Renderer, RendererOptions};
 use scene::{LightId, LightKind, PunctualLight, Scene};
 use shadows::{ShadowFilter, ShadowOptions};
-use tests::{run_on_all, shadow_scene, shapes};
+use tests::{Driver, run, run_on_all, shadow_scene, shapes};
 
 use super::{image, renderer, shadows};
 
 #[test]
 fn impossible_options_are_refused_and_change_nothing() {
-    run_on_all(|device| {
+    run(Driver::Lavapipe, |device| {
         let scene = shadow_scene::scene(&shadow_scene::boxes(), &shadow_scene::lights());
         let mut renderer = renderer(device, &scene, shadows());
         let mut view = renderer.new_view().unwrap();
