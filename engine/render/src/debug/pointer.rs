@@ -133,12 +133,8 @@ pub(crate) fn middle_of(pixel: [u32; 2], size: [u32; 2]) -> Vec2 {
 
 /// Checks that a device supports finding the object under a pointer.
 pub(crate) fn check_pointer(device: &Device) -> Result<(), Error> {
-    if device.capabilities().has(OptionalFeature::FragmentStores) {
-        return Ok(());
-    }
-    let missing = OptionalFeature::FragmentStores.name();
     let wanted = "finding the object under the pointer";
-    Err(gpu::Error::Unsupported { device: device.adapter().name.clone(), missing, wanted }.into())
+    Ok(device.require(OptionalFeature::FragmentStores, wanted)?)
 }
 
 /// Records the search for the object under the pointer of a view, after everything of its frame is

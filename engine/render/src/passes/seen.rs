@@ -57,14 +57,7 @@ impl SeenPass {
         shaders: &ShaderSet,
         attachments: Attachments,
     ) -> Result<Self, Error> {
-        if !device.capabilities().has(OptionalFeature::FragmentStores) {
-            return Err(gpu::Error::Unsupported {
-                device: device.adapter().name.clone(),
-                missing: OptionalFeature::FragmentStores.name(),
-                wanted: "finding out which objects are seen",
-            }
-            .into());
-        }
+        device.require(OptionalFeature::FragmentStores, "finding out which objects are seen")?;
         let vertex = shaders.find_of_objects("seen", "vert")?;
         let section = shaders.section();
         let pipeline = GraphicsPipeline::new(
