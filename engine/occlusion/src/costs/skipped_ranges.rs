@@ -39,7 +39,7 @@ impl Lists {
         Ok(Self {
             pass: ListDrawsPass::new(device, shaders)?,
             sizes: buffer("measured list sizes", most * RANGE_SIZE_BYTES)?,
-            commands: buffer("measured list", most * size_of::<IndirectDraw>() as u64)?,
+            commands: buffer("measured list", most * IndirectDraw::BYTES)?,
             counts: buffer("measured list count", 4)?,
             shown: device.upload("measured result", &[1_u32], usage)?,
             io: None,

@@ -33,8 +33,6 @@ const LATE_QUERIES: u32 = 32;
 const HIDES_ALL: f32 = 1.0;
 const HIDES_NOTHING: f32 = 0.0;
 
-const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
-
 /// The boxes on a device, with the passes that draw and test them.
 pub(super) struct Probe {
     renderer: Renderer,
@@ -123,8 +121,8 @@ impl Probe {
             rendering(passes, commands, HIDES_NOTHING, |passes, commands| {
                 bind(passes, commands, view);
                 for call in calls {
-                    let bytes = call.len() as u64 * DRAW_BYTES;
-                    commands.draw_indirect(all.part(call.start as u64 * DRAW_BYTES, bytes));
+                    let draws = call.start as u32..call.end as u32;
+                    commands.draw_indirect(all.elements::<IndirectDraw>(draws));
                 }
             });
         });
@@ -161,9 +159,9 @@ impl Probe {
         frame.commands().pass("self-test queries", |commands| {
             rendering(passes, commands, HIDES_NOTHING, |passes, commands| {
                 bind(passes, commands, view);
-                for number in 0..count as u64 {
-                    let draw = draws.part(number * DRAW_BYTES, DRAW_BYTES);
-                    queries.scope(commands, QueryIndex(number as u32), |commands| {
+                for number in 0..count as u32 {
+                    let draw = draws.elements::<IndirectDraw>(number..number + 1);
+                    queries.scope(commands, QueryIndex(number), |commands| {
                         commands.draw_indirect(draw);
                     });
                 }
@@ -425,5 +423,5 @@ fn tested(
 /// Draws all objects without their twins.
 fn draw_objects(passes: &SceneRenderer, commands: &Commands, view: &CullView, draws: BufferSlice) {
     bind(passes, commands, view);
-    commands.draw_indirect(draws.part(0, PROBES as u64 * DRAW_BYTES));
+    commands.draw_indirect(draws.elements::<IndirectDraw>(0..PROBES as u32));
 }

@@ -18,8 +18,6 @@ use crate::rect::Rect;
 /// The distance of all boxes from the eye (metres).
 const DISTANCE_M: f32 = 10.0;
 
-const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
-
 /// The objects and passes that items are recorded with.
 pub(in crate::costs) struct BoxRecorder<'a> {
     pub(super) passes: &'a OcclusionPasses,
@@ -181,13 +179,13 @@ impl<'a> BoxRecorder<'a> {
             TestLoad::Nothing => 1,
             TestLoad::Once => 2,
         };
-        let bytes = io.draws.size_bytes / parts / DRAW_BYTES * DRAW_BYTES;
+        let count = (io.draws.size_bytes / IndirectDraw::BYTES) as u32 / parts;
         for part in 0..parts {
             self.objects.target().prepare(commands);
             let clear = (part == 0).then_some([0.0; 4]);
             commands.rendering(self.objects.target().render_target(clear), |commands| {
                 self.bind_opaque(commands);
-                let draws = io.draws.part(part * bytes, bytes);
+                let draws = io.draws.elements::<IndirectDraw>(part * count..(part + 1) * count);
                 let draw = |commands: &Commands| commands.draw_indirect(draws);
                 match part {
                     0 => draw(commands),
@@ -208,8 +206,7 @@ impl<'a> BoxRecorder<'a> {
 
     fn record_inside(&self, commands: &Commands, item: BenchItem, count: u32, io: &Io) {
         let draw = |first: u32, count: u32| {
-            let bytes = u64::from(count) * DRAW_BYTES;
-            commands.draw_indirect(io.draws.part(u64::from(first) * DRAW_BYTES, bytes));
+            commands.draw_indirect(io.draws.elements::<IndirectDraw>(first..first + count));
         };
         let proxies = &self.passes.proxies;
         match item {
@@ -265,7 +262,7 @@ impl<'a> BoxRecorder<'a> {
             self.objects.target().prepare(commands);
             commands.rendering(self.objects.target().render_target(None), |commands| {
                 self.bind_opaque(commands);
-                commands.draw_indirect(io.draws.part(0, DRAW_BYTES));
+                commands.draw_indirect(io.draws.elements::<IndirectDraw>(0..1));
             });
         }
     }
