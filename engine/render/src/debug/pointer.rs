@@ -16,7 +16,7 @@ use occlusion::OcclusionState;
 
 use crate::attachment_schedule::AttachmentSchedule;
 use crate::error::Error;
-use crate::passes::PointerIo;
+use crate::passes::SeenIo;
 
 /// The words of an answer: the leaf and the depth.
 const WORDS: usize = 2;
@@ -171,7 +171,7 @@ pub(crate) fn record_pointer(
         if has_draws {
             commands.rendering(target.within(pixel, [1, 1]), |commands| {
                 let Some(pass) = passes.pipelines.pointer.get() else { return };
-                pass.bind(commands, &PointerIo { opaque: passes.opaque_io(), pointed }, view);
+                pass.bind(commands, &SeenIo { opaque: passes.opaque_io(), seen: pointed }, view);
                 commands.set_viewport(&Viewport::covering(view.origin, view.size));
                 commands.clip(origin, [1, 1]);
                 commands.draw_indirect(draws);
