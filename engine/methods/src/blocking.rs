@@ -44,7 +44,6 @@ struct BlockingMethod {
     kind: BlockingKind,
 }
 
-/// Returns the constructor of a method of `kind`.
 pub(crate) fn blocking(strategy: Strategy, kind: BlockingKind) -> MethodConstructor {
     let method = BlockingMethod { strategy: [strategy], kind };
     MethodConstructor::new(move || Box::new(method))
@@ -319,7 +318,6 @@ fn draw(
     }
 }
 
-/// Returns the culler of a kind.
 fn culler_of(
     kind: BlockingKind,
     cullers: &mut Vec<(BlockingKind, BlockingCuller)>,

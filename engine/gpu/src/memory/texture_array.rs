@@ -218,7 +218,6 @@ impl TextureArray {
         self.blocks.rows(self.level_size(level)[1])
     }
 
-    /// Returns the size in bytes of a row of blocks in a level.
     pub(crate) fn row_bytes(&self, level: u32) -> u64 {
         self.blocks.row_bytes(self.level_size(level)[0])
     }

@@ -163,7 +163,6 @@ impl FrameRing {
         self.slots.len()
     }
 
-    /// Returns the slot of the next frame.
     pub(crate) fn next_slot(&self) -> SlotIndex {
         SlotIndex(self.next)
     }

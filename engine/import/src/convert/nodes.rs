@@ -113,12 +113,10 @@ impl Tree {
         self.moves.get(node.0 as usize) == Some(&true)
     }
 
-    /// Returns a node.
     pub(super) fn node(&self, node: RigNodeId) -> Option<&RigNode> {
         self.rig.nodes().get(node.0 as usize)
     }
 
-    /// Returns the name of a node.
     pub(super) fn name(&self, node: RigNodeId) -> String {
         let name = self.node(node).map(|node| node.name.as_str()).unwrap_or_default();
         let in_file = self.in_file.get(node.0 as usize).copied().unwrap_or_default();

@@ -33,9 +33,6 @@ fn number(text: &str) -> Option<u32> {
 }
 
 /// Checks the version of a file, and its `minVersion`. Spellings other than MAJOR.MINOR are noted.
-///
-/// # Errors
-/// A version that is not supported, or not a version.
 pub(super) fn check(asset: &Asset, notes: &mut Notes) -> Result<(), Fault> {
     refuse_older(&asset.version)?;
     let version = read("version", &asset.version, notes)?;

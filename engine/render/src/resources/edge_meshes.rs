@@ -126,7 +126,6 @@ impl EdgeMeshes {
         self.segments.whole()
     }
 
-    /// Returns the draws of a range of leaves.
     pub(crate) fn leaf_draws(&self, leaves: LeafRange) -> BufferSlice {
         let first = leaves.first.0;
         self.leaf_draws.whole().elements::<UnindexedDraw>(first..first + leaves.count)

@@ -125,7 +125,6 @@ impl CasterCulling {
         self.predicates.set_frames_in_flight(frames_in_flight);
     }
 
-    /// Returns the groups to draw.
     pub(super) fn groups(&self) -> &[CulledGroup] {
         &self.draws.groups
     }
@@ -281,7 +280,6 @@ impl CasterCulling {
         }
     }
 
-    /// Draws the casters of a group.
     pub(super) fn draw(&self, commands: &Commands, group: &CulledGroup) {
         if !group.always.is_empty() {
             let draws = self.predicates.draws().elements::<IndirectDraw>(group.always.clone());

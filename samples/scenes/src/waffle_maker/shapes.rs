@@ -203,7 +203,6 @@ pub(super) fn knob() -> Option<PatchSurface> {
     ellipsoid(vec3(0.011, 0.008, 0.011)).ok()
 }
 
-/// Returns the mesh of the knob.
 pub(super) fn tessellated_knob(surface: &PatchSurface) -> Mesh {
     let levels = TessellationLevels::uniform(surface, 4);
     tessellated(surface, &levels, "lid knob", Paint::srgb(STEEL).packed())

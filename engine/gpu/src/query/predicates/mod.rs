@@ -467,7 +467,6 @@ impl Predicates {
     }
 }
 
-/// Returns the buffers for `count` linked draws.
 fn linked_buffers(device: &Device, count: u32) -> Result<[Buffer; 2], Error> {
     let links = u64::from(count) * size_of::<DrawLink>() as u64;
     let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
@@ -477,7 +476,6 @@ fn linked_buffers(device: &Device, count: u32) -> Result<[Buffer; 2], Error> {
     ])
 }
 
-/// Returns the buffer for `count` draws.
 fn draw_buffer(device: &Device, count: u32) -> Result<Buffer, Error> {
     let wanted = u64::from(count) * IndirectDraw::BYTES;
     let limit = device.adapter().limits;

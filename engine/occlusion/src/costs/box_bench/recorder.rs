@@ -141,7 +141,6 @@ impl<'a> BoxRecorder<'a> {
         Ok(())
     }
 
-    /// Records `count` of an item.
     pub(super) fn record(&mut self, commands: &Commands, item: BenchItem, count: u32) {
         let Some(io) = self.io else { return };
         wait_for_reset(commands);
@@ -198,7 +197,6 @@ impl<'a> BoxRecorder<'a> {
         }
     }
 
-    /// Returns the ranges of an item of ranges.
     fn ranges_of(&self, item: BenchItem) -> Option<&SkippedRanges> {
         let BenchItem::Ranges { executor, .. } = item else { return None };
         self.ranges.iter().find(|range| range.predication() == executor)
