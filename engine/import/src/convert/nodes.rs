@@ -94,7 +94,9 @@ impl Tree {
             near_origin::move_nodes(&mut nodes, &mut worlds, origin);
             origin_m = origin.as_dvec3();
         }
-        let rig = rig_of(nodes, source)?;
+        let rig = Rig::new(nodes).map_err(|error| {
+            source.error(Cause::Malformed, "nodes".to_owned(), error.to_string())
+        })?;
         Ok(Self { origin_m, rig, in_file, meshes, cameras, lights, ids, worlds, moves, morphs })
     }
 
@@ -130,11 +132,6 @@ impl Tree {
 /// Returns true if a clip moves a root.
 fn has_moved_root(nodes: &[RigNode], moves: &[bool]) -> bool {
     nodes.iter().zip(moves).any(|(node, moves)| node.parent.is_none() && *moves)
-}
-
-fn rig_of(nodes: Vec<RigNode>, source: &Source) -> Result<Rig, ImportError> {
-    Rig::new(nodes)
-        .map_err(|error| source.error(Cause::Malformed, "nodes".to_owned(), error.to_string()))
 }
 
 fn roots(json: &json::Root, notes: &mut Notes) -> Vec<usize> {

@@ -36,10 +36,8 @@ fn number(text: &str) -> Option<u32> {
 pub(super) fn check(asset: &Asset, notes: &mut Notes) -> Result<(), Fault> {
     refuse_older(&asset.version)?;
     let version = read("version", &asset.version, notes)?;
-    let least = match &asset.min_version {
-        Some(least) => Some(read("minVersion", least, notes)?),
-        None => None,
-    };
+    let least = asset.min_version.as_deref().map(|least| read("minVersion", least, notes));
+    let least = least.transpose()?;
     // A `minVersion` below this version has no meaning, since older readers cannot read the file.
     match least.filter(|least| least.major >= KNOWN.major) {
         Some(KNOWN) => Ok(()),
