@@ -109,7 +109,6 @@ pub enum ClipError {
     },
 }
 
-/// Checks the times of a track.
 pub(crate) fn check_times(times_s: &[f32]) -> Result<(), TrackError> {
     if times_s.is_empty() {
         return Err(TrackError::Empty);

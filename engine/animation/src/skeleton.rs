@@ -112,7 +112,6 @@ impl Skeleton {
         self.space
     }
 
-    /// Returns the bone of a node.
     pub(crate) fn bone_of(&self, node: RigNodeId) -> Option<usize> {
         find(&self.bone_of, node)
     }

@@ -43,7 +43,6 @@ impl Kind {
         Self::Texture,
     ];
 
-    /// Returns the element with an index.
     pub(crate) fn at(self, index: usize) -> Element {
         Element { kind: self, index }
     }

@@ -127,7 +127,6 @@ impl Reason {
         Self::malformed(format!("{what} {index} does not exist, {}", there_are(count as u64)))
     }
 
-    /// Returns the fault of an object for this reason.
     pub(crate) fn of(self, object: impl Into<String>) -> Fault {
         Fault { object: object.into(), reason: self }
     }

@@ -55,9 +55,6 @@ impl Losses {
 
     /// Judges the fault of a part whose consequence is not known yet. Returns the fault if the file
     /// may be shown without the part.
-    ///
-    /// # Errors
-    /// The errors of [`Losses::leave_out`].
     pub(crate) fn hold(&self, fault: Fault) -> Result<Fault, Fault> {
         let is_refused = self.broken_parts == BrokenParts::Refuse || fault.is_final();
         if is_refused { Err(fault) } else { Ok(fault) }

@@ -104,7 +104,6 @@ impl Reading<'_, '_> {
         }
     }
 
-    /// Counts a triangle.
     fn count_triangle(&mut self, fraction: f32) -> Result<(), Fault> {
         const PER_REPORT: u64 = 1 << 16;
         self.triangles += 1;

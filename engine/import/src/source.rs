@@ -168,7 +168,6 @@ pub(crate) fn open_with_progress(
     read_file_bytes(path, bytes, options, read_progress)
 }
 
-/// Returns the bytes of a file.
 pub(crate) fn file_bytes(path: &Path, options: &LoadOptions) -> Result<Vec<u8>, ImportError> {
     uri::read_file(path, "it", Wanted::All, options.limits.file_bytes)
         .map_err(|reason| reason.of("file").in_file(&path.display().to_string()))

@@ -28,8 +28,6 @@ use occlusion::{
     Rendering, ShadedObjects, ShaderSet, UpcomingDraws, render,
 };
 
-const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
-
 /// The state of one view for all blocking methods. Each method keeps its history while another is
 /// in use.
 struct BlockingState {
@@ -46,7 +44,6 @@ struct BlockingMethod {
     kind: BlockingKind,
 }
 
-/// Returns the constructor of a method of `kind`.
 pub(crate) fn blocking(strategy: Strategy, kind: BlockingKind) -> MethodConstructor {
     let method = BlockingMethod { strategy: [strategy], kind };
     MethodConstructor::new(move || Box::new(method))
@@ -244,7 +241,8 @@ impl BlockingMethod {
             return Ok(());
         }
         let draws = drawn.iter().map(|leaf| scene.leaves().draw(*leaf));
-        let draws = frame.uploads().push_iter(draws)?.part(0, drawn.len() as u64 * DRAW_BYTES);
+        let draws =
+            frame.uploads().push_iter(draws)?.elements::<IndirectDraw>(0..drawn.len() as u32);
         let commands = frame.commands();
         objects.shade(scene, commands, view, &|commands, bind| {
             bind(commands, BucketId(0));
@@ -301,10 +299,8 @@ fn draw(
     queries: &BlockingQueryPool,
     counting: Counting,
 ) {
-    let part = |range: Range<usize>| {
-        let bytes = |draws: usize| draws as u64 * DRAW_BYTES;
-        draws.part(bytes(range.start), bytes(range.len()))
-    };
+    let part =
+        |range: Range<usize>| draws.elements::<IndirectDraw>(range.start as u32..range.end as u32);
     let mut drawn = 0;
     for (place, token) in
         leaves.iter().enumerate().filter_map(|(place, leaf)| Some((place, leaf.token?)))
@@ -322,7 +318,6 @@ fn draw(
     }
 }
 
-/// Returns the culler of a kind.
 fn culler_of(
     kind: BlockingKind,
     cullers: &mut Vec<(BlockingKind, BlockingCuller)>,

@@ -124,8 +124,6 @@ enum Lists {
     Both,
 }
 
-const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
-
 /// The largest alignment of storage buffers on any device.
 const MOST_ALIGNMENT_BYTES: u64 = 256;
 
@@ -160,7 +158,7 @@ impl HzbFrame {
         let buffer = |name, size_bytes, usage| {
             Buffer::new(device, name, size_bytes, storage | usage, MemoryKind::Device)
         };
-        let list_bytes = u64::from(leaf_count.max(1)) * DRAW_BYTES;
+        let list_bytes = u64::from(leaf_count.max(1)) * IndirectDraw::BYTES;
         let second_bytes = match lists {
             Lists::One => 0,
             Lists::Both => list_bytes.next_multiple_of(MOST_ALIGNMENT_BYTES),
@@ -284,7 +282,7 @@ impl HzbFrame {
     /// Returns the memory for the list of `phase`. It can be bound even in a scene without leaves.
     fn list(&self, phase: Phase) -> BufferSlice {
         let start = if phase == Phase::Second { self.second_bytes } else { 0 };
-        self.list.whole().part(start, u64::from(self.leaf_count.max(1)) * DRAW_BYTES)
+        self.list.whole().part(start, u64::from(self.leaf_count.max(1)) * IndirectDraw::BYTES)
     }
 
     /// Draws the list of `phase`.

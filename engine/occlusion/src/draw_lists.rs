@@ -84,8 +84,6 @@ struct ListMemory {
     sizes: Option<Buffer>,
 }
 
-const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
-
 impl DrawLists {
     /// Creates the lists for a number of frames in flight.
     pub(crate) fn new(frames_in_flight: usize) -> Self {
@@ -133,7 +131,7 @@ impl DrawLists {
             let count = limit.counts(most).then(|| counts.part(list * 4, 4));
             DrawList {
                 bucket: bucket.bucket,
-                commands: commands(visible, &bucket.draws),
+                commands: visible.elements::<IndirectDraw>(bucket.draws.clone()),
                 most,
                 count,
             }
@@ -185,7 +183,7 @@ impl DrawLists {
             | vk::BufferUsageFlags::INDIRECT_BUFFER
             | vk::BufferUsageFlags::TRANSFER_SRC
             | vk::BufferUsageFlags::TRANSFER_DST;
-        let bytes = u64::from(last.end) * DRAW_BYTES;
+        let bytes = u64::from(last.end) * IndirectDraw::BYTES;
         let all = reserve(device, memory, "listed draws", usage, bytes)?;
         let bytes = self.places.len() as u64 * 4;
         let counts = reserve(device, counts, "list counts", usage, bytes)?;
@@ -198,7 +196,7 @@ impl DrawLists {
         let lists = self.places.iter().enumerate();
         self.revealed.extend(lists.map(|(list, (bucket, place))| DrawList {
             bucket: *bucket,
-            commands: commands(all, place),
+            commands: all.elements::<IndirectDraw>(place.clone()),
             most: place.len() as u32,
             count: is_counted(place).then(|| counts.part(list as u64 * 4, 4)),
         }));
@@ -257,11 +255,6 @@ impl DrawLists {
             lists: first_place..self.places.len(),
         });
     }
-}
-
-/// Returns a range of commands.
-fn commands(all: BufferSlice, range: &Range<u32>) -> BufferSlice {
-    all.part(u64::from(range.start) * DRAW_BYTES, range.len() as u64 * DRAW_BYTES)
 }
 
 /// Returns a buffer of at least this size, a new one if necessary. The frame that used it is over.

@@ -77,7 +77,10 @@ mod transparent_list;
 mod visible_draws;
 
 pub use antumbra_method::AntumbraMethod;
-pub use costs::calibration::{CalibrationScene, PATCH_TRIANGLES, measure};
+pub use costs::box_bench::{
+    BenchItem, BoxBench, BoxSize, CalibrationScene, PATCH_TRIANGLES, PredicateResult,
+};
+pub use costs::calibration::measure;
 pub use costs::device_costs::{
     ChoiceRequest, CostModel, CullingSetup, DeviceCosts, QueryResetCosts,
 };

@@ -56,8 +56,6 @@ struct TestedIo {
     object_count: u32,
 }
 
-const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
-
 impl TransparentList {
     /// Creates an empty list.
     ///
@@ -150,7 +148,7 @@ impl TransparentList {
         });
         let tested = tested.transpose()?;
         self.io = Some(ListIo { draws: uploads.push(&self.commands)?, tested });
-        let bytes = self.commands.len() as u64 * DRAW_BYTES;
+        let bytes = self.commands.len() as u64 * IndirectDraw::BYTES;
         if tested.is_some()
             && self.enabled.as_ref().is_none_or(|enabled| enabled.size_bytes() < bytes)
         {
@@ -212,9 +210,7 @@ impl TransparentList {
         let draws = self.tested().map_or(io.draws, |(_, _, enabled)| enabled.draws);
         for (bucket, run) in &self.runs {
             bind(commands, *bucket);
-            let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
-            let run = draws.part(bytes(run.start), bytes(run.len() as u32));
-            predicates.draw_after_counted(commands, run);
+            predicates.draw_after_counted(commands, draws.elements::<IndirectDraw>(run.clone()));
         }
     }
 

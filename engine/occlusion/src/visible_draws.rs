@@ -113,7 +113,6 @@ impl VisibleDraws {
         }
     }
 
-    /// Returns the cell of each draw.
     pub(crate) fn cells(&self) -> &[u32] {
         &self.cells
     }

@@ -152,7 +152,6 @@ impl RefreshClock {
         self.generation
     }
 
-    /// Returns true if the hint agrees with the period.
     pub(crate) fn agrees_with_hint(&self) -> bool {
         let both = self.hint.zip(self.period());
         both.is_some_and(|(hint, period)| (hint / period - 1.0).abs() < 0.05)

@@ -58,28 +58,39 @@ pub(crate) fn measure(
     cancellation: &CancellationToken,
 ) -> Result<DeviceCosts, Error> {
     let device = passes.device.clone();
-    let scene = scene();
-    let hierarchy = Hierarchy::build(&object_bounds(&scene)?)?;
-    let geometry = Geometry::upload(&device, &scene, &hierarchy, &SurfaceOptions::default(), 0)?;
-    let draws = [0, 1].map(|object| {
-        let leaf = hierarchy.leaf_of(cull::ObjectId(object)).map_or(0, |leaf| leaf.0);
-        IndirectDraw { first_instance: leaf, ..geometry.mesh_draw(MeshId(object)) }
-    });
+    let mut objects = CalibrationObjects::new(passes)?;
     Ok(occlusion::measure(CalibrationScene {
         device: &device,
         shaders,
         passes: occlusion_passes,
         executors,
-        objects: &mut CalibrationObjects { passes, geometry },
-        draws,
+        draws: objects.draws,
+        objects: &mut objects,
         cancellation,
     })?)
 }
 
 /// The renderer of the measured objects, with the passes of a scene.
-struct CalibrationObjects<'a> {
+pub(crate) struct CalibrationObjects<'a> {
     passes: &'a mut SceneRenderer,
     geometry: Geometry,
+    /// The draws of the triangle and of the patch.
+    pub(crate) draws: [IndirectDraw; 2],
+}
+
+impl<'a> CalibrationObjects<'a> {
+    pub(crate) fn new(passes: &'a mut SceneRenderer) -> Result<Self, Error> {
+        let device = passes.device.clone();
+        let scene = scene();
+        let hierarchy = Hierarchy::build(&object_bounds(&scene)?)?;
+        let options = SurfaceOptions::default();
+        let geometry = Geometry::upload(&device, &scene, &hierarchy, &options, 0)?;
+        let draws = [0, 1].map(|object| {
+            let leaf = hierarchy.leaf_of(cull::ObjectId(object)).map_or(0, |leaf| leaf.0);
+            IndirectDraw { first_instance: leaf, ..geometry.mesh_draw(MeshId(object)) }
+        });
+        Ok(Self { passes, geometry, draws })
+    }
 }
 
 impl ObjectRenderer for CalibrationObjects<'_> {
@@ -103,7 +114,7 @@ impl ObjectRenderer for CalibrationObjects<'_> {
 }
 
 /// Returns a scene of a triangle and a patch.
-fn scene() -> Scene {
+pub(crate) fn scene() -> Scene {
     let object = |(mesh, (z, scale)): (u32, (f32, f32))| Object {
         mesh: MeshId(mesh),
         transform: Affine3A::from_scale_rotation_translation(

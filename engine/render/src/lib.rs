@@ -49,7 +49,6 @@ mod gpu_scene;
 mod host_overlay;
 mod last_frame;
 pub mod passes;
-mod probe_recording;
 mod render_view;
 mod renderer;
 mod resource_errors;

@@ -132,7 +132,6 @@ fn methods_of(options: &RendererOptions) -> Vec<Box<dyn Method>> {
 }
 
 impl RendererOptions {
-    /// Returns the options of surfaces.
     fn surfaces(&self) -> SurfaceOptions {
         SurfaceOptions {
             textures: self.textures,

@@ -57,7 +57,6 @@ impl ObjectSet {
         }
     }
 
-    /// Inserts an object.
     pub(crate) fn insert(&mut self, object: ObjectId) {
         let word = word_of(object);
         if word >= self.words.len() {
@@ -67,7 +66,6 @@ impl ObjectSet {
         self.objects.push(object);
     }
 
-    /// Returns true if an object is in the set.
     #[inline]
     pub(crate) fn contains(&self, object: ObjectId) -> bool {
         self.words.get(word_of(object)).is_some_and(|word| word & bit_of(object) != 0)

@@ -180,7 +180,6 @@ fn joined(lines: impl Iterator<Item = String>) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// Returns a line for each run with shadows.
 fn shadow_lines(report: &Report) -> String {
     let line = |(run, label): (&RunReport, String)| {
         let drawn = run.shadow_faces.filter(|faces| *faces > 0 || run.shadow_casters > Some(0));

@@ -372,7 +372,6 @@ impl MeshBuilder {
         }
     }
 
-    /// Returns the finished mesh.
     pub(crate) fn finish(self, name: &str) -> Mesh {
         let bounds = bounds_of_vertices(&self.vertices);
         Mesh {

@@ -186,7 +186,6 @@ fn camera() -> Camera {
     }
 }
 
-/// Transforms a light with the yard.
 fn turn_light(light: &mut PunctualLight) {
     light.position = yard().transform_point3(light.position);
     light.direction = yard().transform_vector3(light.direction).normalize_or(Vec3::NEG_Y);

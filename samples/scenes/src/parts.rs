@@ -37,7 +37,6 @@ impl PartTree {
         PartId(self.nodes.len() as u32 - 1)
     }
 
-    /// Adds a group.
     pub(crate) fn group(&mut self, name: impl Into<String>, parent: PartId) -> PartId {
         self.add(PartNode { name: name.into(), parent: Some(parent), object: None })
     }

@@ -103,8 +103,8 @@ impl Solid {
 
     /// Returns a solid of revolution about the y axis. The profile is (radius, height) from the
     /// bottom up; both ends are closed.
-    pub(crate) fn turned(profile: &[Vec2], segments: u32) -> Self {
-        let rings = profile.iter().map(|point| circle(point.x, point.y, segments));
+    pub(crate) fn turned(profile: &[(f32, f32)], segments: u32) -> Self {
+        let rings = profile.iter().map(|(radius, y)| circle(*radius, *y, segments));
         Self::loft(&rings.collect::<Vec<_>>())
     }
 

@@ -27,9 +27,6 @@ pub struct PendingScenes {
 impl PendingScenes {
     /// Returns the pending scenes, and the scene to show first. A file is loaded in the background,
     /// and an empty sky is shown until then; other scenes are generated before this returns.
-    ///
-    /// # Errors
-    /// A scene that cannot be generated; a failed device.
     pub fn open(
         source: &SceneSource,
         device: &Device,
@@ -64,9 +61,6 @@ impl PendingScenes {
     }
 
     /// Begins to load or generate another scene, and cancels a previous one.
-    ///
-    /// # Errors
-    /// When the system cannot start a thread.
     pub fn load(
         &mut self,
         device: &Device,
@@ -83,9 +77,6 @@ impl PendingScenes {
 
     /// Begins to generate the current scene with lights, for an action that requires them. If this
     /// is already in progress, the action replaces the previous one.
-    ///
-    /// # Errors
-    /// When the system cannot start a thread.
     pub fn load_lit(
         &mut self,
         device: &Device,

@@ -1,4 +1,4 @@
-//! Runs `city` in a window, and without one for the image to compare with.
+//! Runs programs in a window, and `city` without one for the image to compare with.
 
 use std::fs;
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -30,7 +30,11 @@ impl Running {
         let all = ["--objects", "500", "--size", SIZE, "--device", "llvmpipe"];
         // The tests that pay depend on the machine; the keys that show tests need some.
         let all = [&all[..], &["--validation", "sync", "--cost-model", "off"], arguments].concat();
-        let mut command = program(crate::CITY, &scratch.0, &all);
+        Self::show(program(crate::CITY, &scratch.0, &all), scratch, server)
+    }
+
+    /// Starts a program in a window of `server`.
+    pub fn show(mut command: Command, scratch: &Scratch, server: &Xvfb) -> Self {
         command.env("DISPLAY", server.display()).env("RUST_LOG", "samples=info,winit=error");
         command.env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
         Self::start(command, scratch)

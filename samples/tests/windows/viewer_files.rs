@@ -8,7 +8,7 @@ use harness::{Scratch, pixels, program, scene, stderr};
 
 use crate::VIEWER;
 
-fn scratch(name: &str) -> Scratch {
+pub fn scratch(name: &str) -> Scratch {
     let scratch = Scratch::new(name);
     fs::write(scratch.0.join("small.glb"), scene::small()).unwrap();
     scratch

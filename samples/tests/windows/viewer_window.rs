@@ -1,75 +1,39 @@
 //! Runs `viewer` in a window of an X server without a screen.
 
 use std::fs;
-use std::process::{Child, ExitStatus, Stdio};
-use std::time::{Duration, Instant};
 
-use crate::running::of_colour;
+use crate::running::{Running, of_colour};
+use crate::viewer_files::scratch;
 use harness::{Scratch, pixels, program, scene, stderr};
 use tests::x11_screen::Seen;
 use tests::xvfb::Xvfb;
 
 const COMMON: [&str; 6] = ["--size", "320x180", "--device", "llvmpipe", "--validation", "sync"];
 
-/// A viewer in a window. It is killed if a test fails before it ends.
-struct Running {
-    process: Child,
-    log: std::path::PathBuf,
+fn start(scratch: &Scratch, server: &Xvfb, arguments: &[&str]) -> Running {
+    let all = [&COMMON[..], arguments].concat();
+    Running::show(program(crate::VIEWER, &scratch.0, &all), scratch, server)
 }
 
-impl Running {
-    fn start(scratch: &Scratch, server: &Xvfb, arguments: &[&str]) -> Self {
-        let all = [&COMMON[..], arguments].concat();
-        let mut command = program(crate::VIEWER, &scratch.0, &all);
-        command.env("DISPLAY", server.display()).env("RUST_LOG", "samples=info,winit=error");
-        command.env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
-        let log = scratch.0.join("log");
-        let file = fs::File::create(&log).unwrap();
-        let process = command.stdout(Stdio::null()).stderr(file).spawn().unwrap();
-        Self { process, log }
-    }
+/// Arguments for a window over `small.glb` whose image stands still.
+const STILL: [&str; 7] = ["small.glb", "--camera", "still", "--script", "script", "--hud", "off"];
 
-    fn log(&self) -> String {
-        fs::read_to_string(&self.log).unwrap()
-    }
-
-    fn end(&mut self) -> ExitStatus {
-        let began = Instant::now();
-        loop {
-            if let Some(status) = self.process.try_wait().unwrap() {
-                return status;
-            }
-            assert!(began.elapsed() < Duration::from_secs(120), "it hangs: {}", self.log());
-            std::thread::sleep(Duration::from_millis(20));
-        }
-    }
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        let _is_over = self.process.kill();
-        let _is_over = self.process.wait();
-    }
-}
-
-fn scratch(name: &str) -> Scratch {
-    let scratch = Scratch::new(name);
-    fs::write(scratch.0.join("small.glb"), scene::small()).unwrap();
-    scratch
+/// Returns the image of [`STILL`], drawn without a window.
+fn still_image(scratch: &Scratch) -> Vec<[u8; 3]> {
+    fs::write(scratch.0.join("script"), "0 pause\n").unwrap();
+    let rest = ["--headless", "--frames", "2", "--out", "headless"];
+    let all = [&COMMON[..], &STILL, &rest].concat();
+    let output = program(crate::VIEWER, &scratch.0, &all).output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    pixels(&scratch.0.join("headless/frame_00001.png"))
 }
 
 #[test]
 fn the_window_shows_what_is_drawn_without_one() {
     let server = Xvfb::start();
     let scratch = scratch("viewer-window");
-    fs::write(scratch.0.join("script"), "0 pause\n").unwrap();
-    let still = ["small.glb", "--camera", "still", "--script", "script", "--hud", "off"];
-    let rest = ["--headless", "--frames", "2", "--out", "headless"];
-    let all = [&COMMON[..], &still, &rest].concat();
-    let output = program(crate::VIEWER, &scratch.0, &all).output().unwrap();
-    assert!(output.status.success(), "{}", stderr(&output));
-    let expected = pixels(&scratch.0.join("headless/frame_00001.png"));
-    let mut running = Running::start(&scratch, &server, &still);
+    let expected = still_image(&scratch);
+    let mut running = start(&scratch, &server, &STILL);
     let window = Seen::wait_for(&server);
     window.await_pixels(&expected, "the image");
     (0..8).for_each(|_| window.strike('.'.into()));
@@ -90,7 +54,7 @@ fn a_file_that_cannot_be_shown_ends_with_2_in_a_window_too() {
     let server = Xvfb::start();
     let scratch = scratch("viewer-window-broken");
     fs::write(scratch.0.join("cut.glb"), &scene::small()[..200]).unwrap();
-    let mut running = Running::start(&scratch, &server, &["cut.glb"]);
+    let mut running = start(&scratch, &server, &["cut.glb"]);
     let status = running.end();
     assert_eq!(status.code(), Some(2), "{}", running.log());
     assert!(running.log().contains("error: cut.glb: "), "{}", running.log());
@@ -104,14 +68,8 @@ fn files_can_be_dropped_into_the_window() {
     let scratch = scratch("viewer-window-drop");
     fs::write(scratch.0.join("cut.glb"), &scene::small()[..200]).unwrap();
     fs::write(scratch.0.join("thin.glb"), scene::thin()).unwrap();
-    fs::write(scratch.0.join("script"), "0 pause\n").unwrap();
-    let still = ["small.glb", "--camera", "still", "--script", "script", "--hud", "off"];
-    let rest = ["--headless", "--frames", "2", "--out", "headless"];
-    let all = [&COMMON[..], &still, &rest].concat();
-    let output = program(crate::VIEWER, &scratch.0, &all).output().unwrap();
-    assert!(output.status.success(), "{}", stderr(&output));
-    let expected = pixels(&scratch.0.join("headless/frame_00001.png"));
-    let mut running = Running::start(&scratch, &server, &still);
+    let expected = still_image(&scratch);
+    let running = start(&scratch, &server, &STILL);
     let window = Seen::wait_for(&server);
     window.await_pixels(&expected, "the image");
     let folder = scratch.0.canonicalize().unwrap();
@@ -129,15 +87,14 @@ fn files_can_be_dropped_into_the_window() {
         }) && found[..half] != expected[..half]
     });
     window.close();
-    let status = running.end();
-    assert!(status.success(), "{status}: {}", running.log());
+    running.end_well();
 }
 
 #[test]
 fn a_signal_while_it_loads_ends_it() {
     let server = Xvfb::start();
     let scratch = scratch("viewer-window-signal");
-    let mut running = Running::start(&scratch, &server, &["small.glb"]);
+    let mut running = start(&scratch, &server, &["small.glb"]);
     let _window = Seen::wait_for(&server);
     let process = rustix::process::Pid::from_child(&running.process);
     rustix::process::kill_process(process, rustix::process::Signal::TERM).unwrap();
@@ -149,10 +106,9 @@ fn a_signal_while_it_loads_ends_it() {
 fn an_empty_window_waits_for_a_file() {
     let server = Xvfb::start();
     let scratch = scratch("viewer-window-empty");
-    let mut running = Running::start(&scratch, &server, &[]);
+    let running = start(&scratch, &server, &[]);
     let window = Seen::wait_for(&server);
     window.await_that("what to do", |found| of_colour(found, [250, 210, 90]) > 0);
     window.close();
-    let status = running.end();
-    assert!(status.success(), "{status}: {}", running.log());
+    running.end_well();
 }

@@ -134,7 +134,6 @@ pub fn left_out(document: &Document) -> Option<String> {
     (!sentences.is_empty()).then(|| sentences.join("; "))
 }
 
-/// Returns a node with the name of a part.
 fn named(part: &PartNode) -> Node {
     Node { name: Some(part.name.clone()), ..Node::default() }
 }
@@ -245,7 +244,6 @@ impl Writer {
         })
     }
 
-    /// Adds the material of a mesh.
     fn material(&mut self, document: &Document, id: MeshId) -> Index<Material> {
         let surfaces = document.scene.surfaces.as_ref();
         let of = surfaces.and_then(|surfaces| {

@@ -46,7 +46,6 @@ pub fn near_edge(
     Some(NearEdge { length_m: edges.chain_length(chain, &positions, transform), apart_pixels })
 }
 
-/// Returns the point of a segment that is nearest to a point.
 fn nearest_of_segment(from: DVec3, to: DVec3, point: DVec3) -> DVec3 {
     let along = to - from;
     let length_squared = along.length_squared();

@@ -367,9 +367,6 @@ impl ModelViewport {
 
     /// Replaces a mesh of the document. Its objects are shown again at the next
     /// [`ModelViewport::follow`] after its upload.
-    ///
-    /// # Errors
-    /// No room.
     pub(crate) fn set_mesh(
         &mut self,
         document: &Document,

@@ -175,7 +175,6 @@ impl PendingQueries {
         self.nodes.get_mut(token.0 as usize)?.take()
     }
 
-    /// Returns the oldest open query.
     pub(super) fn oldest_open(&mut self) -> Option<TestToken> {
         while self.nodes.get(self.oldest)?.is_none() {
             self.oldest += 1;

@@ -259,7 +259,6 @@ impl LearnedCosts {
         ((self.costs.break_wait_share / CALM_SHARE) as u32).clamp(1, MOST_GATE_FRAMES)
     }
 
-    /// Weighs a test by `tester`.
     #[must_use]
     pub(crate) fn weigh(&self, estimate: &TestEstimate, tester: VisibilityTest) -> CostBenefit {
         let (hidden, frames) = if estimate.is_unknown {

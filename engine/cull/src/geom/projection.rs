@@ -154,7 +154,6 @@ impl ViewProjection {
         }
     }
 
-    /// Returns the rays of the matrix.
     pub(crate) fn rays(&self) -> Result<Rays, ViewError> {
         let matrix = self.downwards();
         if !matrix.is_finite() {

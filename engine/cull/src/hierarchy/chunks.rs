@@ -56,7 +56,6 @@ impl Chunks {
         Self { objects: sorted, firsts }
     }
 
-    /// Returns the objects of all chunks.
     pub(super) fn objects(&self) -> &[u32] {
         &self.objects
     }

@@ -46,7 +46,6 @@ impl<'a> ViewedHierarchy<'a> {
         (containment != Containment::Outside).then_some(InSight { distance_bits, node, mask })
     }
 
-    /// Returns the root, if it is in sight.
     pub(crate) fn root(&self) -> Option<InSight> {
         self.look(self.hierarchy.root()?, PlaneMask::ALL)
     }

@@ -25,7 +25,6 @@ pub(crate) struct Ingest<'a> {
     pub(crate) rng: &'a mut SplitMix64,
     /// The frame planned last.
     pub(crate) now: FrameStamp,
-    /// The frame of the test.
     pub(crate) tested: FrameStamp,
 }
 

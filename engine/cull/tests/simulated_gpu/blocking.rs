@@ -3,7 +3,7 @@
 
 use antumbra_cull::{
     BatchedOptions, BlockingCuller, BlockingKind, BlockingStats, Camera, ChcOptions, CullView,
-    FirstPass, Hierarchy, LeafTest, ObjectId, Projection, Strategy,
+    FirstPass, Hierarchy, LeafTest, ObjectId, Strategy,
 };
 use glam::Vec3;
 
@@ -12,6 +12,7 @@ use crate::image::Image;
 use crate::random::Random;
 use crate::scene::{PATHS, Path, Scene, city};
 use crate::talk::{Talk, Trouble};
+use crate::walk::STREET;
 
 const SIZE: [u32; 2] = [40, 28];
 
@@ -124,14 +125,6 @@ fn every_blocking_method_is_exact() {
     assert!(drawn * 3 < all * 2, "nothing was culled: {drawn} of {all}");
 }
 
-const CAMERA: Camera = Camera {
-    eye: Vec3::new(-1.0, 1.7, 30.0),
-    forward: Vec3::NEG_Z,
-    up: Vec3::Y,
-    projection: Projection::perspective(1.0),
-    near: 0.1,
-};
-
 /// Returns a city of solid blocks.
 fn streets() -> (Scene, Hierarchy) {
     let scene = Scene::solid(city(&mut Random::new(3), 12));
@@ -146,8 +139,8 @@ fn stroll(kind: BlockingKind, trouble: Trouble) -> Vec<BlockingStats> {
     let mut talk = Talk::new(SIZE, 8, trouble, 1);
     let solids = Solids { solids: &scene.solids, shifts: &scene.shifts };
     let step = |frame: u64| {
-        let eye = CAMERA.eye - Vec3::Z * frame as f32 * 0.05;
-        let view = CullView::new(&Camera { eye, ..CAMERA }, SIZE, 8);
+        let eye = STREET.eye - Vec3::Z * frame as f32 * 0.05;
+        let view = CullView::new(&Camera { eye, ..STREET }, SIZE, 8);
         let mut decisions = blocking.begin(&hierarchy, &view);
         talk.frame(&mut decisions, &view, &hierarchy, &solids)
     };
@@ -188,7 +181,7 @@ fn a_blocking_method_ends_if_no_answer_ever_comes() {
         let frames = stroll(kind, silence);
         // Every object in the frustum is drawn, as with frustum culling.
         let (_, hierarchy) = streets();
-        let view = CullView::new(&CAMERA, SIZE, 8);
+        let view = CullView::new(&STREET, SIZE, 8);
         let mut plan = antumbra_cull::FramePlan::default();
         let mut culler = antumbra_cull::Culler::new(antumbra_cull::CullConfig::default());
         culler.plan(&hierarchy, Strategy::FRUSTUM, &view, 0, &mut plan);
@@ -227,8 +220,8 @@ fn no_objects_and_none_in_sight_are_no_words() {
     for kind in default_kinds() {
         let mut blocking = BlockingCuller::new(kind);
         let mut talk = Talk::new(SIZE, 8, Trouble::default(), 1);
-        let away = Camera { eye: Vec3::Y * 500.0, forward: Vec3::Y, up: Vec3::X, ..CAMERA };
-        for (hierarchy, camera) in [(&nothing, CAMERA), (&city, away)] {
+        let away = Camera { eye: Vec3::Y * 500.0, forward: Vec3::Y, up: Vec3::X, ..STREET };
+        for (hierarchy, camera) in [(&nothing, STREET), (&city, away)] {
             let view = CullView::new(&camera, SIZE, 8);
             let mut decisions = blocking.begin(hierarchy, &view);
             let stats = talk.frame(&mut decisions, &view, hierarchy, &solids);

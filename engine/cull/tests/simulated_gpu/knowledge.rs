@@ -2,27 +2,13 @@
 
 use antumbra_cull::{
     Aabb, Answer, Camera, CullConfig, CullTuning, CullView, Culler, FrameId, FramePlan, Generation,
-    Hierarchy, NodeId, NodeState, ObjectId, Projection, QueryKind, QueryTag, Strategy,
+    Hierarchy, NodeId, NodeState, ObjectId, QueryKind, QueryTag, Strategy,
 };
 use glam::Vec3;
 
 use crate::random::Random;
 use crate::scene::city;
-use crate::walk::{BUDGET, SIZE, Walk};
-
-const STREET: Camera = Camera {
-    eye: Vec3::new(-1.0, 1.7, 30.0),
-    forward: Vec3::NEG_Z,
-    up: Vec3::Y,
-    projection: Projection::perspective(1.0),
-    near: 0.1,
-};
-
-fn settled_city() -> Walk {
-    let mut walk = Walk::new(city(&mut Random::new(5), 10), 2);
-    walk.steps(&STREET, 80);
-    walk
-}
+use crate::walk::{BUDGET, SIZE, STREET, Walk, settled_city};
 
 #[test]
 fn a_rebuild_keeps_what_is_known_of_objects() {

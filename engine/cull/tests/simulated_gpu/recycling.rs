@@ -3,28 +3,14 @@
 
 use antumbra_cull::{
     Aabb, Answer, Batch, BlockingCuller, BlockingKind, Camera, ChcOptions, CullConfig, CullView,
-    Culler, FramePlan, Hierarchy, LeafRange, NextAction, NodeId, NodeState, ObjectId, Projection,
-    QueryKind, QueryTag, Strategy, TestAnswer,
+    Culler, FramePlan, Hierarchy, LeafRange, NextAction, NodeId, NodeState, ObjectId, QueryKind,
+    QueryTag, Strategy, TestAnswer,
 };
 use glam::Vec3;
 
 use crate::random::Random;
 use crate::scene::city;
-use crate::walk::{BUDGET, SIZE, Walk};
-
-const STREET: Camera = Camera {
-    eye: Vec3::new(-1.0, 1.7, 30.0),
-    forward: Vec3::NEG_Z,
-    up: Vec3::Y,
-    projection: Projection::perspective(1.0),
-    near: 0.1,
-};
-
-fn settled_city() -> Walk {
-    let mut walk = Walk::new(city(&mut Random::new(5), 10), 2);
-    walk.steps(&STREET, 80);
-    walk
-}
+use crate::walk::{BUDGET, SIZE, STREET, Walk, settled_city};
 
 fn leaf_state(culler: &Culler, hierarchy: &Hierarchy, object: ObjectId) -> NodeState {
     culler.state(hierarchy.node_of(object).unwrap())

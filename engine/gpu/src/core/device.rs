@@ -8,7 +8,7 @@ use ash::{ext, vk};
 use gpu_allocator::vulkan::Allocator;
 
 use crate::core::adapter::Adapter;
-use crate::core::capabilities::Capabilities;
+use crate::core::capabilities::{Capabilities, OptionalFeature};
 use crate::core::clock::ClockSource;
 use crate::core::deletion::{RecordingId, Retired};
 use crate::core::device_shared::{DeviceShared, wait_bounded};
@@ -108,6 +108,18 @@ impl Device {
     /// Returns the capabilities of the device.
     pub fn capabilities(&self) -> &Capabilities {
         &self.shared.adapter.capabilities
+    }
+
+    /// Checks that the device has a feature. `wanted` is what needs it, for the error.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`].
+    pub fn require(&self, feature: OptionalFeature, wanted: &'static str) -> Result<(), Error> {
+        if self.capabilities().has(feature) {
+            return Ok(());
+        }
+        let device = self.adapter().name.clone();
+        Err(Error::Unsupported { device, missing: feature.name(), wanted })
     }
 
     /// Checks that `thing` was made from this device; `user` names the object or method that will

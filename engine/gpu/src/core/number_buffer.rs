@@ -10,7 +10,6 @@ use crate::core::deletion::Retired;
 pub(crate) struct NumberBuffer {
     pub(crate) raw: vk::Buffer,
     pub(crate) allocation: Allocation,
-    /// The number of numbers in the buffer.
     pub(crate) count: u64,
 }
 

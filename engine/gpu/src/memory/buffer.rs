@@ -73,6 +73,13 @@ impl BufferSlice {
             ..self
         }
     }
+
+    /// Returns the part of this slice with a range of elements of type `T`, clamped to its end.
+    #[must_use]
+    pub fn elements<T>(self, range: Range<u32>) -> Self {
+        let bytes = size_of::<T>() as u64;
+        self.part(u64::from(range.start) * bytes, range.len() as u64 * bytes)
+    }
 }
 
 impl Buffer {

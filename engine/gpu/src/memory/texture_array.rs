@@ -218,7 +218,6 @@ impl TextureArray {
         self.blocks.rows(self.level_size(level)[1])
     }
 
-    /// Returns the size in bytes of a row of blocks in a level.
     pub(crate) fn row_bytes(&self, level: u32) -> u64 {
         self.blocks.row_bytes(self.level_size(level)[0])
     }
@@ -330,12 +329,8 @@ fn blocks_of(device: &Device, info: &TextureArrayInfo<'_>) -> Result<TexelBlocks
     const FORMATS: &str =
         "a texture array has four bytes per texel, or compressed blocks, in one of a few formats";
     let blocks = TexelBlocks::of(info.format).ok_or(Error::WrongCommands(FORMATS))?;
-    if let Some(needed) = blocks.needs
-        && !device.capabilities().has(needed)
-    {
-        let missing = needed.name();
-        let wanted = "textures of compressed blocks";
-        return Err(Error::Unsupported { device: device.adapter().name.clone(), missing, wanted });
+    if let Some(needed) = blocks.needs {
+        device.require(needed, "textures of compressed blocks")?;
     }
     let has_bytes = matches!(info.format, vk::Format::R8G8B8A8_SRGB | vk::Format::R8G8B8A8_UNORM);
     match info.mip_making {

@@ -71,12 +71,7 @@ impl TextureTable {
     /// [`Error::Unsupported`] without [`OptionalFeature::DescriptorIndexing`]; no memory; a failed
     /// call.
     pub fn new(device: &Device, name: &str, room: u32) -> Result<Self, Error> {
-        if !device.capabilities().has(OptionalFeature::DescriptorIndexing) {
-            let missing = OptionalFeature::DescriptorIndexing.name();
-            let device = device.adapter().name.clone();
-            let wanted = "an image for each texture";
-            return Err(Error::Unsupported { device, missing, wanted });
-        }
+        device.require(OptionalFeature::DescriptorIndexing, "an image for each texture")?;
         let room = room.min(device.adapter().indexed_textures).max(1);
         let mut white = TextureArray::new(device, &WHITE)?;
         TextureUploads::new(device)?.write(&mut white, 0, &[255; 4])?;

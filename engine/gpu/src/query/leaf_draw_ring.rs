@@ -18,7 +18,7 @@ use crate::query::ring::Ring;
 use crate::record::access::Access;
 use crate::record::commands::Commands;
 use crate::record::frames::Frame;
-use crate::record::indirect::{DRAW_BYTES, DrawRange, IndirectDraw};
+use crate::record::indirect::{DrawRange, IndirectDraw};
 
 /// A ring with one copy of the draws per frame slot, created when a slot first needs it. Each frame
 /// carries a tag `T` that is returned with its list.
@@ -136,11 +136,12 @@ impl<T: Copy> LeafDrawRing<T> {
         };
         let memory = slot.memory.insert(memory);
         for range in memory.changed.drain(..) {
-            let off = (range.first..range.first + range.count)
+            let range = range.first..range.first + range.count;
+            let off = range
+                .clone()
                 .map(|number| IndirectDraw { instance_count: 0, ..draws.draw(number) });
             let from = frame.uploads().push_iter(off)?;
-            let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
-            let to = memory.draws.whole().part(bytes(range.first), bytes(range.count));
+            let to = memory.draws.whole().elements::<IndirectDraw>(range);
             frame.commands().copy_buffer(from, to);
         }
         memory.tested.clear();
@@ -204,7 +205,7 @@ impl PartMemory {
             | vk::BufferUsageFlags::STORAGE_BUFFER
             | vk::BufferUsageFlags::TRANSFER_DST;
         let name = format!("leaf draws {slot}");
-        let size_bytes = u64::from(draw_count) * DRAW_BYTES;
+        let size_bytes = u64::from(draw_count) * IndirectDraw::BYTES;
         Ok(Self {
             draws: Buffer::new(device, &name, size_bytes, usage, MemoryKind::Device)?,
             draw_count,

@@ -136,11 +136,9 @@ impl<T: Copy> QueryRing<T> {
     /// if samples must be counted and the device cannot; no memory, or a failed call.
     pub fn begin(&mut self, frame: &mut Frame<'_>, tags: &[T]) -> Result<(), Error> {
         frame.commands().check_owner(self)?;
-        let lacking = OptionalFeature::PreciseQueries;
-        if self.counting == Counting::Samples && !self.device.capabilities().has(lacking) {
-            let device = self.device.adapter().name.clone();
+        if self.counting == Counting::Samples {
             let wanted = "queries that count samples";
-            return Err(Error::Unsupported { device, missing: lacking.name(), wanted });
+            self.device.require(OptionalFeature::PreciseQueries, wanted)?;
         }
         let (slot, _) = self.ring.turn_to(frame.slot(), |tick| self.device.is_lost(tick));
         self.recorded.restart(0);

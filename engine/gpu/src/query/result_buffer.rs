@@ -55,7 +55,6 @@ impl ResultBuffer {
         self.buffer.whole()
     }
 
-    /// Returns the first `count` results.
     pub(crate) fn first(&self, count: usize) -> BufferSlice {
         self.whole().part(0, count as u64 * RESULT_BYTES)
     }

@@ -88,7 +88,6 @@ impl<T, M: Default> Ring<T, M> {
         (slot, was_given_up || was_lost)
     }
 
-    /// Returns the current slot.
     pub(crate) fn current(&self) -> &Slot<T, M> {
         &self.slots[self.current]
     }

@@ -37,14 +37,8 @@ impl CapturePipeline {
     /// [`Error::Unsupported`] if the device lacks [`OptionalFeature::TessellationCapture`]; a
     /// failed call.
     pub fn new(device: &Device, info: &CapturePipelineInfo<'_>) -> Result<Self, Error> {
-        let missing = OptionalFeature::TessellationCapture;
-        if !device.capabilities().has(missing) {
-            return Err(Error::Unsupported {
-                device: device.adapter().name.clone(),
-                missing: missing.name(),
-                wanted: "a capture of tessellated triangles",
-            });
-        }
+        let wanted = "a capture of tessellated triangles";
+        device.require(OptionalFeature::TessellationCapture, wanted)?;
         use vk::ShaderStageFlags as Stage;
         let stages = Stage::VERTEX | Stage::TESSELLATION_CONTROL | Stage::TESSELLATION_EVALUATION;
         PipelineKind::new(device, info.name, info.storage, None, stages, |layout| {

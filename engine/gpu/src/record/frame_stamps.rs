@@ -30,7 +30,6 @@ impl StampMemory for SlotStamp {
 }
 
 impl FrameStamps {
-    /// Creates the stamps for `slots` slots.
     pub(super) fn new(device: &Device, slots: usize) -> Result<Self, Error> {
         let usage = vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST;
         let newest_bytes = size_of::<u64>() as u64;

@@ -119,7 +119,7 @@ impl FrameRing {
     /// # Errors
     /// The errors of [`FrameRing::time_passes`].
     pub fn time_passes_of_one_in(&mut self, frames: u64) -> Result<(), Error> {
-        self.check_timestamps("timing passes")?;
+        self.device.require(OptionalFeature::Timestamps, "timing passes")?;
         (self.timed_interval, self.begun) = (frames.max(1), 0);
         for (index, slot) in self.slots.iter_mut().enumerate() {
             slot.is_timed = false;
@@ -151,7 +151,7 @@ impl FrameRing {
     /// # Errors
     /// [`Error::Unsupported`] if the queue has no timestamps; a failed call.
     pub fn time_frames(&mut self) -> Result<(), Error> {
-        self.check_timestamps("timing frames")?;
+        self.device.require(OptionalFeature::Timestamps, "timing frames")?;
         for (index, slot) in self.slots.iter_mut().enumerate() {
             let timer = PassTimer::new(&self.device, &format!("frame time {index}"), 1)?;
             slot.whole = FrameTimer::new(timer);
@@ -159,23 +159,11 @@ impl FrameRing {
         Ok(())
     }
 
-    fn check_timestamps(&self, wanted: &'static str) -> Result<(), Error> {
-        if self.device.capabilities().has(OptionalFeature::Timestamps) {
-            return Ok(());
-        }
-        Err(Error::Unsupported {
-            device: self.device.adapter().name.clone(),
-            missing: OptionalFeature::Timestamps.name(),
-            wanted,
-        })
-    }
-
     /// Returns the number of slots.
     pub fn frames_in_flight(&self) -> usize {
         self.slots.len()
     }
 
-    /// Returns the slot of the next frame.
     pub(crate) fn next_slot(&self) -> SlotIndex {
         SlotIndex(self.next)
     }

@@ -23,7 +23,6 @@ impl ImageState {
         Self::default()
     }
 
-    /// Returns the state during an access.
     pub(crate) fn during(access: Access) -> Self {
         let MemoryBarrier { to_stages, to_access, .. } = MemoryBarrier::between(&[], &[access]);
         Self { layout: access.layout(), stages: to_stages, access: to_access }

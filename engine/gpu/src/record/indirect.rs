@@ -32,8 +32,10 @@ pub struct UnindexedDraw {
     pub first_instance: u32,
 }
 
-/// The size of one draw in bytes.
-pub(crate) const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
+impl IndirectDraw {
+    /// The size of one draw in bytes.
+    pub const BYTES: u64 = size_of::<Self>() as u64;
+}
 
 /// A contiguous range of indirect draws.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

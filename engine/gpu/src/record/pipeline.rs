@@ -268,9 +268,8 @@ impl GraphicsPipeline {
             (info.range == DepthRange::Clamped, OptionalFeature::DepthClamp, "clamped depths"),
         ];
         for (is_needed, optional, wanted) in needs {
-            if is_needed && !device.capabilities().has(optional) {
-                let device = device.adapter().name.clone();
-                return Err(Error::Unsupported { device, missing: optional.name(), wanted });
+            if is_needed {
+                device.require(optional, wanted)?;
             }
         }
         use vk::ShaderStageFlags as Stage;

@@ -37,11 +37,7 @@ impl StencilTarget {
     /// stencil; no memory.
     pub fn new(device: &Device, size: [u32; 2], name: &str) -> Result<Self, Error> {
         check_size(device, size)?;
-        if !device.capabilities().has(OptionalFeature::DepthClamp) {
-            let device = device.adapter().name.clone();
-            let missing = OptionalFeature::DepthClamp.name();
-            return Err(Error::Unsupported { device, missing, wanted: "counting volumes" });
-        }
+        device.require(OptionalFeature::DepthClamp, "counting volumes")?;
         Self::attachments().check(device)?;
         let usage =
             vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST;

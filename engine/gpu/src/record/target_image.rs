@@ -33,7 +33,6 @@ enum Origin {
 }
 
 impl TargetImage {
-    /// Creates an image.
     pub(super) fn new(
         device: &Device,
         name: &str,

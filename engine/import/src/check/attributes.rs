@@ -42,7 +42,6 @@ const TEXCOORD: Allowed =
 const COLOR: Allowed = of(&[Type::Vec3, Type::Vec4], &[FLOAT, UNORM8, UNORM16], &[]);
 const JOINTS: Allowed = of(&[Type::Vec4], &[U8, U16], &[]);
 const WEIGHTS: Allowed = of(&[Type::Vec4], &[FLOAT, UNORM8, UNORM16], &[]);
-/// The types of a morph target's displacements of positions.
 pub(super) const POSITION_DELTA: Allowed = of(&[Type::Vec3], &[FLOAT], &[I8, SNORM8, I16, SNORM16]);
 /// The types of a morph target's displacements of normals or tangents.
 pub(super) const DIRECTION_DELTA: Allowed = of(&[Type::Vec3], &[FLOAT], &[SNORM8, SNORM16]);

@@ -19,9 +19,6 @@ use crate::reach::shown_scene;
 /// gets a scene, so that nodes below a node that is left out do not become roots.
 ///
 /// Of the `faults` of unreadable elements, only the faults of nodes matter.
-///
-/// # Errors
-/// More nodes than the limit; the errors of [`Losses::leave_out`].
 pub(crate) fn mend(
     root: &mut Root,
     faults: &[(Element, Fault)],

@@ -104,9 +104,6 @@ impl<'a> Assembly<'a> {
     }
 
     /// Reports progress from time to time; must be called for each placed part.
-    ///
-    /// # Errors
-    /// The progress function stopped loading.
     pub(super) fn report(&mut self) -> Result<(), ImportError> {
         self.unreported += 1;
         if self.unreported < PARTS_PER_REPORT {
@@ -264,9 +261,6 @@ impl<'a> Assembly<'a> {
     }
 
     /// Adds an opaque or transparent object of a node.
-    ///
-    /// # Errors
-    /// More objects than an index can count.
     pub(super) fn add_object(
         &mut self,
         node: RigNodeId,

@@ -60,9 +60,6 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     /// Reads all channels.
-    ///
-    /// # Errors
-    /// A sampler that is not a valid track.
     fn channels(&self, notes: &mut Notes) -> Result<Vec<Channel>, (usize, TrackError)> {
         let mut channels = Vec::with_capacity(self.animation.channels.len());
         let mut known = std::collections::HashSet::new();

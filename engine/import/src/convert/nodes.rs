@@ -94,7 +94,9 @@ impl Tree {
             near_origin::move_nodes(&mut nodes, &mut worlds, origin);
             origin_m = origin.as_dvec3();
         }
-        let rig = rig_of(nodes, source)?;
+        let rig = Rig::new(nodes).map_err(|error| {
+            source.error(Cause::Malformed, "nodes".to_owned(), error.to_string())
+        })?;
         Ok(Self { origin_m, rig, in_file, meshes, cameras, lights, ids, worlds, moves, morphs })
     }
 
@@ -113,12 +115,10 @@ impl Tree {
         self.moves.get(node.0 as usize) == Some(&true)
     }
 
-    /// Returns a node.
     pub(super) fn node(&self, node: RigNodeId) -> Option<&RigNode> {
         self.rig.nodes().get(node.0 as usize)
     }
 
-    /// Returns the name of a node.
     pub(super) fn name(&self, node: RigNodeId) -> String {
         let name = self.node(node).map(|node| node.name.as_str()).unwrap_or_default();
         let in_file = self.in_file.get(node.0 as usize).copied().unwrap_or_default();
@@ -132,11 +132,6 @@ impl Tree {
 /// Returns true if a clip moves a root.
 fn has_moved_root(nodes: &[RigNode], moves: &[bool]) -> bool {
     nodes.iter().zip(moves).any(|(node, moves)| node.parent.is_none() && *moves)
-}
-
-fn rig_of(nodes: Vec<RigNode>, source: &Source) -> Result<Rig, ImportError> {
-    Rig::new(nodes)
-        .map_err(|error| source.error(Cause::Malformed, "nodes".to_owned(), error.to_string()))
 }
 
 fn roots(json: &json::Root, notes: &mut Notes) -> Vec<usize> {

@@ -121,9 +121,6 @@ impl Primitive<'_> {
 
     /// Returns the complete triangles of the primitive, with normals, tangents and backs. `None` if
     /// there is nothing to draw. Points and lines are sized for `sight`.
-    ///
-    /// # Errors
-    /// Numbers that are not finite; more vertices or triangles than the limits allow.
     pub(super) fn build(
         &self,
         variant: Variant,

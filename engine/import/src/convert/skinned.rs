@@ -14,9 +14,6 @@ use crate::gltf_scene::NodeAttachment;
 use crate::{Cause, ImportError};
 
 /// Places a skinned or morphed primitive at its node or its joints.
-///
-/// # Errors
-/// The errors of [`Primitive::build`]; more skinned meshes than an index can count.
 pub(super) fn place_skinned(
     assembly: &mut Assembly<'_>,
     primitive: &Primitive<'_>,

@@ -130,9 +130,6 @@ impl SkinnedExtents {
     }
 
     /// Returns the space and the reach of a mesh; `None` if it has no skeleton.
-    ///
-    /// # Errors
-    /// More bones than the limits allow.
     pub(super) fn form(
         &mut self,
         rig: &Rig,

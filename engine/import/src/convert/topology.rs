@@ -66,7 +66,6 @@ impl Elements {
         }
     }
 
-    /// Returns the vertices of all elements.
     pub(super) fn vertices(&self) -> &[u32] {
         match self {
             Self::Triangles(triangles) => triangles.as_flattened(),

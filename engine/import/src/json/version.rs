@@ -33,16 +33,11 @@ fn number(text: &str) -> Option<u32> {
 }
 
 /// Checks the version of a file, and its `minVersion`. Spellings other than MAJOR.MINOR are noted.
-///
-/// # Errors
-/// A version that is not supported, or not a version.
 pub(super) fn check(asset: &Asset, notes: &mut Notes) -> Result<(), Fault> {
     refuse_older(&asset.version)?;
     let version = read("version", &asset.version, notes)?;
-    let least = match &asset.min_version {
-        Some(least) => Some(read("minVersion", least, notes)?),
-        None => None,
-    };
+    let least = asset.min_version.as_deref().map(|least| read("minVersion", least, notes));
+    let least = least.transpose()?;
     // A `minVersion` below this version has no meaning, since older readers cannot read the file.
     match least.filter(|least| least.major >= KNOWN.major) {
         Some(KNOWN) => Ok(()),

@@ -8,7 +8,6 @@ use crate::uri::{self, Wanted};
 /// A material of a part.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct PartMaterial {
-    /// The name.
     pub(crate) name: String,
     /// Linear red, green, blue, 0 to 1.
     pub(crate) colour: [f32; 3],

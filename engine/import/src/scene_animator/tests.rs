@@ -44,7 +44,6 @@ fn unit_box(scale: f32) -> Aabb {
     Aabb { min: Vec3::splat(-scale), max: Vec3::splat(scale) }
 }
 
-/// Returns a rigid attachment of a node.
 fn rigid(node: u32, placed: PlacedNode) -> NodeAttachment {
     NodeAttachment {
         node: RigNodeId(node),

@@ -38,7 +38,6 @@ pub(crate) struct HzbCullIo {
     pub(crate) depths: BufferSlice,
     /// The number of leaves.
     pub(crate) leaf_count: u32,
-    /// The kind of the list.
     pub(crate) list_kind: ListKind,
 }
 

@@ -9,20 +9,16 @@
 
 mod batch;
 mod overlap;
-mod resets;
 
 use std::time::{Duration, Instant};
 
 use cull::{CostTable, MeasuredSkip, SkipTimes};
-use gpu::{CancellationToken, Device, FrameRing, IndirectDraw, OptionalFeature, PredicationMode};
+use gpu::{Device, OptionalFeature, PredicationMode};
 
+use crate::costs::box_bench::{BoxBench, CalibrationScene, PATCH_TRIANGLES};
 use crate::costs::device_costs::{DeviceCosts, QueryResetCosts};
 use crate::error::Error;
-use crate::object_renderer::ObjectRenderer;
-use crate::passes::OcclusionPasses;
-use crate::shader_set::ShaderSet;
-pub use batch::PATCH_TRIANGLES;
-use batch::{Batch, Bench};
+use batch::Batch;
 
 /// The time after which no further round of measurements begins, once [`LEAST_ROUNDS`] are done.
 const BUDGET: Duration = Duration::from_millis(60);
@@ -32,60 +28,6 @@ const ROUNDS: usize = 5;
 
 /// The lowest number of rounds: with fewer, executors cannot be told apart.
 const LEAST_ROUNDS: usize = 4;
-
-/// The objects that costs are measured with.
-pub struct CalibrationScene<'a> {
-    /// The device whose costs are measured.
-    pub device: &'a Device,
-    /// The shaders that the passes were made of.
-    pub shaders: &'a ShaderSet,
-    /// The passes that test boxes.
-    pub passes: &'a OcclusionPasses,
-    /// The predication modes to measure.
-    pub executors: &'a [PredicationMode],
-    /// The renderer of the hidden objects.
-    pub objects: &'a mut dyn ObjectRenderer,
-    /// The draw of one triangle, and the draw of [`PATCH_TRIANGLES`] triangles, half of which face
-    /// away.
-    pub draws: [IndirectDraw; 2],
-    /// Cancels the measurement; checked before each batch.
-    pub cancellation: &'a CancellationToken,
-}
-
-/// The clock that times batches.
-struct Clock {
-    device: Device,
-    frames: FrameRing,
-    has_timestamps: bool,
-}
-
-impl Clock {
-    fn new(device: &Device) -> Result<Self, Error> {
-        let mut frames = FrameRing::new(device, 1)?;
-        let has_timestamps = device.capabilities().has(OptionalFeature::Timestamps);
-        if has_timestamps {
-            frames.time_passes()?;
-        }
-        Ok(Self { device: device.clone(), frames, has_timestamps })
-    }
-
-    /// Returns the time of a batch (ns), alone on the GPU.
-    fn time_ns(&mut self, bench: &mut Bench<'_>, batch: Batch) -> Result<f64, Error> {
-        let mut frame = self.frames.begin()?;
-        bench.prepare(&mut frame, batch)?;
-        frame.commands().pass("calibration", |commands| bench.record(commands, batch));
-        let began = Instant::now();
-        frame.submit(None)?;
-        self.device.wait_idle()?;
-        let elapsed = began.elapsed();
-        if self.has_timestamps
-            && let Some(time) = self.frames.begin()?.pass_times().first()
-        {
-            return Ok(time.gpu_ms * 1.0e6);
-        }
-        Ok(elapsed.as_secs_f64() * 1.0e9)
-    }
-}
 
 fn median(values: &mut [f64]) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
@@ -111,7 +53,7 @@ impl Times {
     /// batch.
     fn each_ns(&self, batch: Batch) -> f64 {
         let [double, single] = [batch.doubled(), batch].map(|timed| self.shortest_ns(timed));
-        (double - single) / f64::from(batch.count().max(1))
+        (double - single) / f64::from(batch.count.max(1))
     }
 
     /// Returns the costs of skipping by an executor.
@@ -139,17 +81,16 @@ pub fn measure(scene: CalibrationScene<'_>) -> Result<DeviceCosts, Error> {
     let device = scene.device;
     let executors = scene.executors;
     let cancellation = scene.cancellation;
-    let mut bench = Bench::new(scene)?;
+    let mut bench = BoxBench::new(scene, Batch::MOST)?;
     let of_things = Batch::ALL.into_iter().flat_map(|batch| [batch, batch.doubled()]);
     let of_ranges = executors.iter().flat_map(|executor| Batch::of_ranges(*executor));
     let all = std::iter::once(Batch::NOTHING).chain(of_things).chain(of_ranges);
-    let able = all.filter(|way| bench.can(*way)).map(|way| (way, Vec::new()));
+    let able = all.filter(|batch| bench.can(batch.item)).map(|batch| (batch, Vec::new()));
     let mut times = Times(able.collect());
-    let mut clock = Clock::new(device)?;
     // Drivers compile shaders at the first draw.
     for (batch, _) in &times.0 {
         cancellation.check()?;
-        clock.time_ns(&mut bench, *batch)?;
+        bench.time_ns(batch.item, batch.count)?;
     }
     let started = Instant::now();
     for round in 0..ROUNDS {
@@ -158,17 +99,17 @@ pub fn measure(scene: CalibrationScene<'_>) -> Result<DeviceCosts, Error> {
         }
         for (batch, times) in &mut times.0 {
             cancellation.check()?;
-            let ns = clock.time_ns(&mut bench, *batch)?;
+            let ns = bench.time_ns(batch.item, batch.count)?;
             tracing::debug!("{batch:?}: {ns:.0} ns");
             times.push(ns);
         }
     }
     tracing::debug!("prepared in {:?}, measured in {:?}", started - began, started.elapsed());
-    drop(clock);
-    let reset_ns = resets::measure(device)?;
-    let measured = table(&mut |batch| times.each_ns(batch), bench.large_box_pixels());
+    let reset_ns = bench.reset_costs()?;
+    let measured = table(&mut |batch| times.each_ns(batch), bench.recorder.large_box_pixels());
     let measured = with_resets(measured, device, &reset_ns);
-    let mut share = overlap::break_wait_share(device, &mut bench, f64::from(measured.break_ns))?;
+    let mut share =
+        overlap::break_wait_share(device, &mut bench.recorder, f64::from(measured.break_ns))?;
     if device.adapter().is_software() {
         // A software rasteriser shares the CPU cores with everything else. A batch that runs alone
         // loses less time at a break than a frame among other frames.
@@ -207,7 +148,7 @@ fn table(each: &mut impl FnMut(Batch) -> f64, large_box_pixels: f64) -> CostTabl
         flagged_pixel_ns: pixel(each(Batch::FLAGGED_PIXELS)),
         call_ns: call as f32,
         draw_ns: draw as f32,
-        triangle_ns: ((patch - draw) / f64::from(batch::PATCH_TRIANGLES)) as f32,
+        triangle_ns: ((patch - draw) / f64::from(PATCH_TRIANGLES)) as f32,
         break_ns: each(Batch::BREAKS) as f32,
         break_wait_share: 0.0,
         compute_round_ns: each(Batch::GRIDS) as f32,
@@ -273,7 +214,7 @@ mod tests {
             Batch::FLAGS => 3.0,
             Batch::HIDDEN_PIXELS => 103.0,
             Batch::FLAGGED_PIXELS => 203.0,
-            Batch::PATCHES => 10.0 + 2.0 * f64::from(batch::PATCH_TRIANGLES),
+            Batch::PATCHES => 10.0 + 2.0 * f64::from(PATCH_TRIANGLES),
             _ => 5.0,
         };
         let table = table(&mut each, 100.0);

@@ -50,7 +50,6 @@ impl SentFrames {
         }
     }
 
-    /// Returns the frame of a tick.
     pub(crate) fn of(&self, tick: Tick) -> Option<&SentFrame> {
         self.frames.iter().find(|sent| sent.tick == tick)
     }

@@ -1,4 +1,4 @@
-//! Ranges of draws that depend on results and are drawn by one executor, to measure its costs.
+//! Ranges of draws that depend on results and are drawn by one executor, to measure and test it.
 
 use gpu::{
     Buffer, BufferSlice, Commands, Device, DrawRange, Frame, IndirectDraw, MemoryKind,
@@ -9,12 +9,12 @@ use crate::error::Error;
 use crate::passes::{ListDrawsIo, ListDrawsPass, ListedRange, RANGE_SIZE_BYTES};
 use crate::shader_set::ShaderSet;
 
-const SOURCE: ResultSource = ResultSource::Fragments;
-
-/// Ranges of equal draws, each of which depends on a flag, under one executor.
+/// Ranges of draws, each of which depends on a result, under one executor.
 pub struct SkippedRanges {
     predicates: Predicates,
     lists: Option<Lists>,
+    /// The source of the results of the newest frame.
+    source: ResultSource,
     /// The ranges of the newest frame.
     count: u32,
 }
@@ -25,7 +25,7 @@ struct Lists {
     sizes: Buffer,
     commands: Buffer,
     counts: Buffer,
-    /// A result that is not zero, for ranges without a flag.
+    /// A result that is not zero, for ranges without a result.
     shown: Buffer,
     /// The buffers of the newest frame.
     io: Option<ListDrawsIo>,
@@ -39,7 +39,7 @@ impl Lists {
         Ok(Self {
             pass: ListDrawsPass::new(device, shaders)?,
             sizes: buffer("measured list sizes", most * RANGE_SIZE_BYTES)?,
-            commands: buffer("measured list", most * size_of::<IndirectDraw>() as u64)?,
+            commands: buffer("measured list", most * IndirectDraw::BYTES)?,
             counts: buffer("measured list count", 4)?,
             shown: device.upload("measured result", &[1_u32], usage)?,
             io: None,
@@ -48,7 +48,7 @@ impl Lists {
 }
 
 impl SkippedRanges {
-    /// Creates the ranges of an executor, with room for `draws` copies of `draw` in total.
+    /// Creates the ranges of an executor, which are made of `draws`.
     ///
     /// # Errors
     /// A device that lacks what the executor needs or cannot count this number of draws; no memory.
@@ -56,15 +56,13 @@ impl SkippedRanges {
         device: &Device,
         shaders: &ShaderSet,
         predication: PredicationMode,
-        draw: IndirectDraw,
-        draws: u32,
+        draws: &[IndirectDraw],
     ) -> Result<Self, Error> {
-        let most = draws.max(1);
-        let predicates = Predicates::new(device, Some(predication), &vec![draw; most as usize], 2)?;
+        let predicates = Predicates::new(device, Some(predication), draws, 2)?;
         let lists = (predication == PredicationMode::Compacted)
-            .then(|| Lists::new(device, shaders, most))
+            .then(|| Lists::new(device, shaders, draws.len() as u32))
             .transpose()?;
-        Ok(Self { predicates, lists, count: 0 })
+        Ok(Self { predicates, lists, source: ResultSource::Fragments, count: 0 })
     }
 
     /// Returns the executor.
@@ -72,31 +70,34 @@ impl SkippedRanges {
         self.predicates.predication()
     }
 
-    /// Begins a frame of `ranges` ranges of `width` draws each. Range `n` is drawn if flag `n` is
-    /// not zero; without flags, every range is drawn.
+    /// Begins a frame of `ranges` ranges of `width` draws each. Range `n` is drawn if result `n` of
+    /// `source` is not zero; without results, every range is drawn.
     ///
     /// # Errors
-    /// A frame or flags of another device; no memory.
+    /// A frame or results of another device; no memory.
     pub fn begin(
         &mut self,
         frame: &mut Frame<'_>,
-        flags: Option<BufferSlice>,
+        source: ResultSource,
+        results: Option<BufferSlice>,
         ranges: u32,
         width: u32,
     ) -> Result<(), Error> {
+        self.source = source;
         self.count = ranges;
-        let result_of = |number| if flags.is_some() { number } else { 0 };
+        let result_of = |number| if results.is_some() { number } else { 0 };
         let decided = (0..ranges).map(|number| PredicatedRange {
             result: result_of(number),
             range: DrawRange { first: number * width, count: width },
             reveal: Reveal::Draws,
         });
-        self.predicates.begin(frame, SOURCE, flags, decided)?;
+        self.predicates.begin(frame, source, results, decided)?;
         let Some(lists) = &mut self.lists else { return Ok(()) };
+        let results = results.unwrap_or(lists.shown.whole());
         let listed = (0..ranges).map(|number| ListedRange {
             first: number * width,
             count: width,
-            source: SOURCE as u32,
+            source: source as u32,
             result: result_of(number),
             is_enabled: 0,
             list: 0,
@@ -111,7 +112,7 @@ impl SkippedRanges {
                 end,
                 draws: self.predicates.draws(),
                 enabled: None,
-                results: [None, Some(flags.unwrap_or(lists.shown.whole())), None],
+                results: ResultSource::ALL.map(|of| (of == source).then_some(results)),
                 threshold_samples: 0,
                 sizes: lists.sizes.whole(),
                 commands: lists.commands.whole(),
@@ -121,7 +122,7 @@ impl SkippedRanges {
         Ok(())
     }
 
-    /// Records the passes that turn flags into predicates or lists. Outside of rendering.
+    /// Records the passes that turn results into predicates or lists. Outside of rendering.
     pub fn record_resolve(&self, commands: &Commands) {
         match &self.lists {
             Some(lists) => {
@@ -130,7 +131,7 @@ impl SkippedRanges {
                 }
             }
             None if self.count > 0 => {
-                self.predicates.resolve(commands, &[(SOURCE, 0..self.count)], 0);
+                self.predicates.resolve(commands, &[(self.source, 0..self.count)], 0);
             }
             None => {}
         }
@@ -144,7 +145,9 @@ impl SkippedRanges {
                     commands.draw_indirect_count(io.commands, io.counts);
                 }
             }
-            None => (0..self.count).for_each(|index| self.predicates.draw(commands, SOURCE, index)),
+            None => {
+                (0..self.count).for_each(|index| self.predicates.draw(commands, self.source, index))
+            }
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The inputs of the execution of a plan, in the memory of its frame.
 
 use cull::CullView;
-use gpu::{BufferSlice, Frame, IndirectDraw, LeafDrawBuffers, ResultSource};
+use gpu::{BufferSlice, Frame, LeafDrawBuffers, ResultSource};
 
 use crate::error::Error;
 use crate::leaf_table::LeafTable;
@@ -20,8 +20,6 @@ pub(super) struct FrameIo {
     /// The constants of the views, where several are drawn at once.
     eyes: Option<BufferSlice>,
 }
-
-pub(super) const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
 
 impl FrameIo {
     /// Writes the newest plan of `state` into the memory of `frame`, and begins its tests. Its

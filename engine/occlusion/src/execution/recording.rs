@@ -19,11 +19,11 @@ use std::ops::Range;
 
 use cull::CullView;
 use gpu::{
-    Access, Commands, LeafDrawBuffers, MemoryBarrier, Predicate, QueryIndex, Reveal, Target,
-    Viewport,
+    Access, Commands, IndirectDraw, LeafDrawBuffers, MemoryBarrier, Predicate, QueryIndex, Reveal,
+    Target, Viewport,
 };
 
-use super::io::{DRAW_BYTES, FrameIo};
+use super::io::FrameIo;
 use crate::culled_scene::CulledScene;
 use crate::leaf_table::{BucketId, draw_range};
 use crate::object_renderer::{ObjectRenderer, Rendering};
@@ -233,8 +233,7 @@ impl Recording<'_> {
         let visible = &self.state.layout.visible;
         let draw = |commands: &Commands, draws: Range<u32>| {
             if !draws.is_empty() {
-                let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
-                let draws = self.io.visible.part(bytes(draws.start), bytes(draws.len() as u32));
+                let draws = self.io.visible.elements::<IndirectDraw>(draws);
                 self.scene.leaves.predicates.draw_always(commands, draws);
             }
         };
@@ -388,9 +387,7 @@ impl Recording<'_> {
     fn draw_again(&self, commands: &Commands, bind: &dyn Fn(&Commands, BucketId)) {
         for bucket in self.state.layout.visible.buckets() {
             bind(commands, bucket.bucket);
-            let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
-            let draws = &bucket.draws;
-            let draws = self.io.visible.part(bytes(draws.start), bytes(draws.len() as u32));
+            let draws = self.io.visible.elements::<IndirectDraw>(bucket.draws.clone());
             self.scene.leaves.predicates.draw_always(commands, draws);
         }
         for step in 0..self.state.layout.step_count() {

@@ -132,7 +132,6 @@ impl BucketCells {
         self.draws.of(leaf).map(|placed| (placed.draw.bucket, placed.cell))
     }
 
-    /// Counts the draws of a leaf.
     pub(crate) fn count(&self, leaf: LeafIndex) -> LeafCount {
         self.draws.of(leaf).fold(LeafCount::default(), |sum, placed| LeafCount {
             draws: sum.draws + 1,

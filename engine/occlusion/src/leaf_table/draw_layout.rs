@@ -117,7 +117,6 @@ impl DrawLayout {
         }
     }
 
-    /// Returns the command in a cell.
     pub(crate) fn command(&self, cell: u32) -> IndirectDraw {
         match self {
             Self::OnePerLeaf(draws) => draws.draw(LeafIndex(cell)),

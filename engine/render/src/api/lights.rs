@@ -1,5 +1,7 @@
 //! Lights that are added, changed and removed between frames.
 
+use std::mem::discriminant;
+
 use scene::{Light, LightId, LightKind, PunctualLight};
 
 use crate::error::Error;
@@ -85,8 +87,8 @@ impl Renderer {
     /// compiled for. They are compiled for pictures if the scene began with a light that has one.
     pub fn set_light(&mut self, light: LightId, to: PunctualLight) -> Result<(), Error> {
         let surfaces = lit_surfaces(&mut self.passes.gpu_scene.geometry.surfaces, light)?;
-        let before = surfaces.table.get(light).map(|before| before.kind);
-        if !before.is_some_and(|before| is_same_kind(before, to.kind)) {
+        let before = surfaces.table.get(light).map(|before| discriminant(&before.kind));
+        if before != Some(discriminant(&to.kind)) {
             return Err(Error::Light { light, reason: LightError::OtherKind });
         }
         let checked = surfaces.check_cookie(&to);
@@ -115,8 +117,4 @@ fn count_kinds(lights: &[PunctualLight]) -> (usize, usize, usize) {
         LightKind::Spot { .. } => (suns, spots + 1, points),
         LightKind::Point => (suns, spots, points + 1),
     })
-}
-
-fn is_same_kind(a: LightKind, b: LightKind) -> bool {
-    std::mem::discriminant(&a) == std::mem::discriminant(&b)
 }

@@ -61,13 +61,7 @@ impl Renderer {
 
     /// Compiles the passes that are cut, for images with a stencil.
     fn prepare_cuts(&mut self) -> Result<(), Error> {
-        if !self.device.capabilities().has(OptionalFeature::SectionBuffers) {
-            let device = self.device.adapter().name.clone();
-            let missing = OptionalFeature::SectionBuffers.name();
-            return Err(
-                gpu::Error::Unsupported { device, missing, wanted: "section planes" }.into()
-            );
-        }
+        self.device.require(OptionalFeature::SectionBuffers, "section planes")?;
         let meshes = read_meshes(&self.device, &self.passes.gpu_scene.geometry)?;
         let former = if self.passes.target.has_stencil() {
             None

@@ -6,7 +6,6 @@ use std::collections::HashSet;
 use std::time::Instant;
 
 use cull::{Aabb, HierarchyError, HierarchyWork, LeafRange, ObjectId};
-use glam::Affine3A;
 use scene::{LightMove, MeshId, Object, ObjectChange, SceneUpdate, TransparentMove};
 
 use crate::error::Error;
@@ -72,9 +71,12 @@ impl Renderer {
         let mut free_leaves = self.scene.hierarchy().free_leaves();
         for (index, change) in changes.iter().enumerate() {
             let found = match change {
-                ObjectChange::Move { object, transform } => self
-                    .check_there(*object, gone)
-                    .and_then(|()| self.bounds_of_moved(*object, transform)),
+                ObjectChange::Move { object, transform } => {
+                    self.check_there(*object, gone).and_then(|()| {
+                        let bounds = self.passes.gpu_scene.geometry.bounds_at(*object, transform);
+                        bounds.ok_or(ChangeError::BadTransform)
+                    })
+                }
                 ObjectChange::Remove { object } => self.check_there(*object, gone).map(|()| {
                     gone.insert(*object);
                     free_leaves += 1;
@@ -104,11 +106,6 @@ impl Renderer {
             return Ok(());
         }
         Err(ChangeError::UnknownObject { object })
-    }
-
-    fn bounds_of_moved(&self, object: ObjectId, to: &Affine3A) -> Result<Aabb, ChangeError> {
-        let bounds = self.passes.gpu_scene.geometry.bounds_at(object, to);
-        bounds.ok_or(ChangeError::BadTransform)
     }
 
     /// Refuses a second object with a skinned mesh: the box of one object would not hold the other.

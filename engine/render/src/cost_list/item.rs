@@ -2,6 +2,8 @@
 
 use cull::VisibilityTest;
 use gpu::{PredicationMode, Resubmission};
+use occlusion::BenchItem;
+pub use occlusion::{BoxSize, PredicateResult};
 
 /// An action that a device performs many times in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,24 +29,6 @@ pub enum CostItem {
     /// Resets of queries. The CPU resets them, and the CPU time counts, if frames are submitted
     /// once; a command resets them if frames may be submitted again.
     Resets(Resubmission),
-}
-
-/// The result that decides a predicate.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PredicateResult {
-    /// Zero: the draw is skipped.
-    Skipped,
-    /// Not zero: the draw is drawn.
-    Taken,
-}
-
-/// The size of a box on the image.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BoxSize {
-    /// A few pixels.
-    Small,
-    /// A quarter of the image.
-    Large,
 }
 
 impl CostItem {
@@ -93,6 +77,27 @@ impl CostItem {
             Self::Breaks => "breaks of a rendering".to_owned(),
             Self::Resets(Resubmission::Never) => "resets of queries by the CPU".to_owned(),
             Self::Resets(Resubmission::Allowed) => "resets of queries by a command".to_owned(),
+        }
+    }
+
+    /// Returns the item of the bench that is measured.
+    pub(super) fn benched(self) -> BenchItem {
+        match self {
+            Self::Predicates(executor, result) => BenchItem::Ranges { executor, width: 1, result },
+            Self::Queries => BenchItem::EmptyQueries,
+            Self::Boxes(tester, size) => BenchItem::Boxes(tester, size),
+            Self::BoxesOfAllFragments(size) => BenchItem::BoxesOfAllFragments(size),
+            Self::IndirectDraws { per_call } => BenchItem::Draws { per_call },
+            Self::Breaks => BenchItem::Breaks,
+            Self::Resets(by) => BenchItem::Resets(by),
+        }
+    }
+
+    /// Returns the lowest number that differs from other items.
+    pub(super) fn least(self) -> u32 {
+        match self {
+            Self::IndirectDraws { per_call } => per_call,
+            _ => 1,
         }
     }
 

@@ -2,13 +2,14 @@
 //! number, measured with GPU timestamps. It describes a device to people. The costs that decide
 //! about tests are measured by `occlusion::measure`.
 
-mod cost_bench;
 mod item;
 
-use gpu::Device;
+use gpu::{Device, PredicationMode};
+use occlusion::{BoxBench, CalibrationScene, CostModel, ShaderSet};
 
+use crate::calibration_scene::{self, CalibrationObjects};
 use crate::error::Error;
-use cost_bench::CostBench;
+use crate::renderer::{Renderer, RendererOptions};
 use item::interleaved_medians;
 pub use item::{BoxSize, CostItem, ItemCost, PredicateResult};
 
@@ -39,17 +40,37 @@ impl Default for CostListOptions {
 /// # Errors
 /// No memory, a failed call, a lost device.
 pub fn cost_list(device: &Device, options: &CostListOptions) -> Result<Vec<ItemCost>, Error> {
-    let mut bench = CostBench::new(device, options)?;
+    let CostListOptions { size, most, .. } = *options;
+    let plain = RendererOptions { size, cost_model: CostModel::Off, ..RendererOptions::default() };
+    let mut renderer = Renderer::new(device, &calibration_scene::scene(), &plain)?;
+    let has = |predication: &PredicationMode| {
+        PredicationMode::choose(device, Some(*predication), most.into(), 0).is_ok()
+    };
+    let executors: Vec<PredicationMode> = PredicationMode::ALL.into_iter().filter(has).collect();
+    let shaders = ShaderSet::embedded()?;
+    let mut objects = CalibrationObjects::new(&mut renderer.passes)?;
+    let scene = CalibrationScene {
+        device,
+        shaders: &shaders,
+        passes: renderer.scene.passes(),
+        executors: &executors,
+        draws: objects.draws,
+        objects: &mut objects,
+        cancellation: &plain.cancellation,
+    };
+    let mut bench = BoxBench::new(scene, most)?;
+    bench.compare_all_fragments(&shaders)?;
     let mut candidates: Vec<(CostItem, u32)> = vec![];
     for item in CostItem::all() {
+        if !bench.can(item.benched()) {
+            continue;
+        }
         let numbers = std::iter::successors(Some(1_u32), |number| number.checked_mul(10));
-        for count in numbers.take_while(|count| *count <= options.most.min(item.most())) {
-            if !bench.can(item, count) {
-                continue;
-            }
+        let numbers = numbers.skip_while(|count| *count < item.least());
+        for count in numbers.take_while(|count| *count <= most.min(item.most())) {
             // The first run compiles shaders, and tells if a higher number would take too long.
-            bench.time_ns(item, count)?;
-            let once_ns = bench.time_ns(item, count)?;
+            bench.time_ns(item.benched(), count)?;
+            let once_ns = bench.time_ns(item.benched(), count)?;
             candidates.push((item, count));
             if once_ns * 10.0 > options.longest_ms * 1.0e6 {
                 break;
@@ -59,7 +80,7 @@ pub fn cost_list(device: &Device, options: &CostListOptions) -> Result<Vec<ItemC
     let nothing = candidates.iter().map(|(item, _)| (*item, 0));
     let all: Vec<(CostItem, u32)> = candidates.iter().copied().chain(nothing).collect();
     let medians = interleaved_medians(&all, options.rounds.max(1), |(item, count)| {
-        bench.time_ns(item, count)
+        bench.time_ns(item.benched(), count)
     })?;
     let (with, without) = medians.split_at(candidates.len().min(medians.len()));
     let cost = |((item, count), (with, without)): (&(CostItem, u32), (&f64, &f64))| ItemCost {

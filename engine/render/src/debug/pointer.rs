@@ -16,7 +16,7 @@ use occlusion::OcclusionState;
 
 use crate::attachment_schedule::AttachmentSchedule;
 use crate::error::Error;
-use crate::passes::PointerIo;
+use crate::passes::SeenIo;
 
 /// The words of an answer: the leaf and the depth.
 const WORDS: usize = 2;
@@ -133,12 +133,8 @@ pub(crate) fn middle_of(pixel: [u32; 2], size: [u32; 2]) -> Vec2 {
 
 /// Checks that a device supports finding the object under a pointer.
 pub(crate) fn check_pointer(device: &Device) -> Result<(), Error> {
-    if device.capabilities().has(OptionalFeature::FragmentStores) {
-        return Ok(());
-    }
-    let missing = OptionalFeature::FragmentStores.name();
     let wanted = "finding the object under the pointer";
-    Err(gpu::Error::Unsupported { device: device.adapter().name.clone(), missing, wanted }.into())
+    Ok(device.require(OptionalFeature::FragmentStores, wanted)?)
 }
 
 /// Records the search for the object under the pointer of a view, after everything of its frame is
@@ -175,7 +171,7 @@ pub(crate) fn record_pointer(
         if has_draws {
             commands.rendering(target.within(pixel, [1, 1]), |commands| {
                 let Some(pass) = passes.pipelines.pointer.get() else { return };
-                pass.bind(commands, &PointerIo { opaque: passes.opaque_io(), pointed }, view);
+                pass.bind(commands, &SeenIo { opaque: passes.opaque_io(), seen: pointed }, view);
                 commands.set_viewport(&Viewport::covering(view.origin, view.size));
                 commands.clip(origin, [1, 1]);
                 commands.draw_indirect(draws);

@@ -325,12 +325,7 @@ pub(crate) const COUNTING: &str = "counting visible samples";
 
 /// Checks that a device counts samples. `wanted` is the purpose, for the error.
 pub(crate) fn check_counts(device: &Device, wanted: &'static str) -> Result<(), Error> {
-    if device.capabilities().has(OptionalFeature::PreciseQueries) {
-        return Ok(());
-    }
-    let device = device.adapter().name.clone();
-    let missing = OptionalFeature::PreciseQueries.name();
-    Err(gpu::Error::Unsupported { device, missing, wanted }.into())
+    Ok(device.require(OptionalFeature::PreciseQueries, wanted)?)
 }
 
 #[cfg(test)]

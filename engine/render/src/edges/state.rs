@@ -14,7 +14,6 @@ use crate::resources::geometry::Geometry;
 #[derive(Default)]
 pub(crate) struct Edges {
     pub(crate) options: EdgeOptions,
-    /// The outlines that have objects.
     pub(crate) outlines: Vec<ObjectOutline>,
     /// The edges of meshes, while edges or outlines are drawn.
     pub(crate) meshes: Option<EdgeMeshes>,

@@ -90,7 +90,6 @@ pub enum CasterSide {
 }
 
 impl CasterSide {
-    /// Returns the faces to cull.
     pub(super) fn culled_faces(self) -> vk::CullModeFlags {
         match self {
             Self::Both => vk::CullModeFlags::NONE,

@@ -14,7 +14,6 @@ use crate::shading::surfaces::SurfaceResources;
 pub(crate) struct FragmentIo {
     /// The lists and their fragments.
     pub(crate) fragments: BufferSlice,
-    /// The counts.
     pub(crate) counts: BufferSlice,
 }
 

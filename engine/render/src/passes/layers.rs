@@ -62,14 +62,7 @@ impl LayersPass {
         shaders: &ShaderSet,
         attachments: Attachments,
     ) -> Result<Self, Error> {
-        if !device.capabilities().has(OptionalFeature::FragmentStores) {
-            return Err(gpu::Error::Unsupported {
-                device: device.adapter().name.clone(),
-                missing: OptionalFeature::FragmentStores.name(),
-                wanted: "showing the depth complexity",
-            }
-            .into());
-        }
+        device.require(OptionalFeature::FragmentStores, "showing the depth complexity")?;
         let section = shaders.section();
         let counting = GraphicsPipelineInfo {
             fragment: Some(shaders.find_of_objects("layers", "frag")?),

@@ -6,8 +6,8 @@ use occlusion::{BoxVolumePass, Error, ShaderSet};
 
 use crate::passes::{
     CapPass, CountPass, EdgePass, FlarePass, FragmentPasses, LayersPass, MapPasses, OpaquePass,
-    OutlinePass, OverlayPass, PointerPass, SeenPass, SkinningPass, SurfaceKind, SurfacePass,
-    SurfaceShadows, VolumePass, VolumePath,
+    OutlinePass, OverlayPass, SeenPass, SkinningPass, SurfaceKind, SurfacePass, SurfaceShadows,
+    VolumePass, VolumePath,
 };
 use crate::shading::depth_first::Shading;
 use crate::shading::surfaces::SurfaceResources;
@@ -38,7 +38,7 @@ pub(crate) struct Pipelines {
     /// The pass of transparent objects in front of flares, if there are both.
     pub(crate) transmittance: Option<SurfacePass>,
     pub(crate) seen: OnDemand<SeenPass>,
-    pub(crate) pointer: OnDemand<PointerPass>,
+    pub(crate) pointer: OnDemand<SeenPass>,
     pub(crate) overlay: OnDemand<OverlayPass>,
     pub(crate) wireframe: OnDemand<OpaquePass>,
     pub(crate) layers: OnDemand<LayersPass>,
@@ -56,7 +56,6 @@ pub(crate) struct PassNeeds<'a> {
     /// True if fragments of transparent objects are sorted.
     pub(crate) sorts_fragments: bool,
     pub(crate) has_skinned_meshes: bool,
-    /// The options of shadows.
     pub(crate) shadows: &'a ShadowOptions,
     /// The size of the image in pixels.
     pub(crate) size: [u32; 2],
@@ -146,7 +145,7 @@ impl Pipelines {
             flares: on_demand.again(|on_demand| &on_demand.flares, FlarePass::new)?,
             transmittance,
             seen: on_demand.again(|on_demand| &on_demand.seen, SeenPass::new)?,
-            pointer: on_demand.again(|on_demand| &on_demand.pointer, PointerPass::new)?,
+            pointer: on_demand.again(|on_demand| &on_demand.pointer, SeenPass::of_pointer)?,
             overlay: on_demand.again(|on_demand| &on_demand.overlay, OverlayPass::new)?,
             wireframe: on_demand.again(|on_demand| &on_demand.wireframe, OpaquePass::wireframe)?,
             layers: on_demand.again(|on_demand| &on_demand.layers, LayersPass::new)?,

@@ -1,10 +1,10 @@
-//! The seen pass: finds the objects that own a pixel of a finished image.
+//! The seen passes: find the objects that own a pixel of a finished image, or one of its pixels.
 
 use bytemuck::{Pod, Zeroable};
 use cull::CullView;
 use gpu::{
-    Attachments, BufferSlice, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo,
-    OptionalFeature, StorageLayout, vk,
+    Attachments, BufferSlice, Commands, DepthMode, Device, FragmentChoice, GraphicsPipeline,
+    GraphicsPipelineInfo, OptionalFeature, StorageLayout, vk,
 };
 
 use crate::passes::OpaqueIo;
@@ -13,19 +13,19 @@ use crate::passes::section::{culled_faces, section_buffers, with_section};
 use crate::resources::instance::Instance;
 use occlusion::{Error, ShaderSet};
 
-/// The pass that draws objects again against their own depth. A fragment that passes is visible and
+/// A pass that draws objects again against their own depth. A fragment that passes is visible and
 /// records its leaf. The positions are invariant, so equal objects have equal depths.
 pub struct SeenPass {
     pipeline: GraphicsPipeline,
 }
 
-/// The buffers of the pass. The buffers of the opaque pass and the finished depth are read; a value
-/// per leaf is written.
+/// The buffers of a pass. The buffers of the opaque pass and the finished depth are read; `seen` is
+/// written.
 #[derive(Clone, Copy)]
 pub struct SeenIo {
     /// The buffers of the draws.
     pub opaque: OpaqueIo,
-    /// A value per leaf of the scene. Visible leaves are set to 1; other values stay.
+    /// The result, as [`SeenPass::new`] or [`SeenPass::of_pointer`] writes it.
     pub seen: BufferSlice,
 }
 
@@ -51,34 +51,53 @@ impl SeenConstants {
 }
 
 impl SeenPass {
-    /// Compiles the pass for renderings to `attachments`.
+    /// Compiles the pass that sets the values of visible leaves to 1, for renderings to
+    /// `attachments`. There is a value per leaf of the scene; other values stay.
     pub fn new(
         device: &Device,
         shaders: &ShaderSet,
         attachments: Attachments,
     ) -> Result<Self, Error> {
-        if !device.capabilities().has(OptionalFeature::FragmentStores) {
-            return Err(gpu::Error::Unsupported {
-                device: device.adapter().name.clone(),
-                missing: OptionalFeature::FragmentStores.name(),
-                wanted: "finding out which objects are seen",
-            }
-            .into());
-        }
+        device.require(OptionalFeature::FragmentStores, "finding out which objects are seen")?;
         let vertex = shaders.find_of_objects("seen", "vert")?;
+        let info = GraphicsPipelineInfo { attachments, ..GraphicsPipelineInfo::of("seen", vertex) };
+        Self::described(device, shaders, &info)
+    }
+
+    /// Compiles the pass that finds the first leaf that owns a pixel, on a device whose fragment
+    /// shaders write to buffers. It writes two words, initially 0: the complement of the leaf, and
+    /// the bits of its depth. A fragment passes exactly where its object was drawn, and not in a
+    /// hole of a masked material.
+    pub(crate) fn of_pointer(
+        device: &Device,
+        shaders: &ShaderSet,
+        attachments: Attachments,
+    ) -> Result<Self, Error> {
+        let vertex = shaders.find_of_objects("seen", "vert")?;
+        let info = GraphicsPipelineInfo {
+            depth: DepthMode::Equal,
+            // Leaf and depth are written separately, and must belong to the same object.
+            fragments: FragmentChoice::FirstSample,
+            attachments,
+            ..GraphicsPipelineInfo::of("pointer", vertex)
+        };
+        Self::described(device, shaders, &info)
+    }
+
+    fn described(
+        device: &Device,
+        shaders: &ShaderSet,
+        info: &GraphicsPipelineInfo<'_>,
+    ) -> Result<Self, Error> {
         let section = shaders.section();
-        let pipeline = GraphicsPipeline::new(
-            device,
-            &GraphicsPipelineInfo {
-                fragment: Some(shaders.find_of_objects("seen", "frag")?),
-                vertices: POSITIONS,
-                storage: StorageLayout::new::<SeenConstants>(2 + section_buffers(section)),
-                cull: culled_faces(section, vk::CullModeFlags::BACK),
-                attachments,
-                ..GraphicsPipelineInfo::of("seen", vertex).numbered::<Instance>()
-            },
-        )?;
-        Ok(Self { pipeline })
+        let info = GraphicsPipelineInfo {
+            fragment: Some(shaders.find_of_objects(info.name, "frag")?),
+            vertices: POSITIONS,
+            storage: StorageLayout::new::<SeenConstants>(2 + section_buffers(section)),
+            cull: culled_faces(section, vk::CullModeFlags::BACK),
+            ..info.numbered::<Instance>()
+        };
+        Ok(Self { pipeline: GraphicsPipeline::new(device, &info)? })
     }
 
     /// Binds everything. The caller then records the same draws as before.

@@ -165,13 +165,7 @@ impl VolumePass {
         size: [u32; 2],
         path: VolumePath,
     ) -> Result<Self, Error> {
-        if !device.capabilities().has(OptionalFeature::FragmentStores) {
-            let device = device.adapter().name.clone();
-            let missing = OptionalFeature::FragmentStores;
-            let missing = missing.name();
-            let wanted = "a mask of shadows";
-            return Err(gpu::Error::Unsupported { device, missing, wanted }.into());
-        }
+        device.require(OptionalFeature::FragmentStores, "a mask of shadows")?;
         let (target, depths) = images(device, size)?;
         let is_compute = path == VolumePath::Compute;
         let [passing, failing] = [StencilMode::CountPassing, StencilMode::CountFailing]

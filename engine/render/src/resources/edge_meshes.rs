@@ -30,8 +30,6 @@ const RUN_SEGMENTS: u32 = 128;
 
 const SEGMENT_BYTES: u64 = size_of::<EdgeSegment>() as u64;
 
-const DRAW_BYTES: u64 = size_of::<UnindexedDraw>() as u64;
-
 /// The edges of all meshes.
 pub(crate) struct EdgeMeshes {
     device: Device,
@@ -128,10 +126,9 @@ impl EdgeMeshes {
         self.segments.whole()
     }
 
-    /// Returns the draws of a range of leaves.
     pub(crate) fn leaf_draws(&self, leaves: LeafRange) -> BufferSlice {
-        let first = u64::from(leaves.first.0);
-        self.leaf_draws.whole().part(first * DRAW_BYTES, u64::from(leaves.count) * DRAW_BYTES)
+        let first = leaves.first.0;
+        self.leaf_draws.whole().elements::<UnindexedDraw>(first..first + leaves.count)
     }
 
     /// Returns the draw of the edges of a mesh by an instance.

@@ -309,7 +309,6 @@ impl Geometry {
         }
     }
 
-    /// Returns true if a mesh is skinned.
     pub(crate) fn is_skinned(&self, mesh: MeshId) -> bool {
         self.is_skinned.get(mesh.0 as usize).copied().unwrap_or_default()
     }
@@ -319,12 +318,10 @@ impl Geometry {
         self.owners.get(&mesh.0).copied()
     }
 
-    /// Returns the transform of an object.
     pub(crate) fn transform(&self, object: ObjectId) -> Option<Affine3A> {
         self.object_instances.get(object.0 as usize).map(Instance::transform)
     }
 
-    /// Returns the buffers of the skinned vertices.
     pub(crate) fn skinned(&self) -> Option<SkinnedVertices> {
         let part = |vertices: BufferSlice, vertex_bytes: usize| {
             vertices.part(0, self.skinned_vertices * vertex_bytes as u64)
@@ -335,7 +332,6 @@ impl Geometry {
         })
     }
 
-    /// Returns the first vertex of a mesh.
     pub(crate) fn first_vertex(&self, mesh: usize) -> u32 {
         self.mesh_draws.get(mesh).map_or(0, |mesh| mesh.draw.vertex_offset as u32)
     }

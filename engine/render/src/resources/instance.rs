@@ -26,7 +26,6 @@ impl Instance {
     }
 }
 
-/// Returns the rows of a transform.
 pub(crate) fn rows_of(transform: &Affine3A) -> [[f32; 4]; 3] {
     std::array::from_fn(|r| {
         let row = transform.matrix3.row(r);

@@ -27,7 +27,6 @@ pub(crate) struct JoinedMeshes {
 }
 
 impl JoinedMeshes {
-    /// Joins the meshes of a scene.
     pub(crate) fn new(scene: &Scene, spare: &SpareCapacity) -> Result<Self, Error> {
         let (mut vertices, mut indices, mut draws) = join(scene, spare)?;
         let lods = LodTable::join(scene, &mut indices, &mut draws);

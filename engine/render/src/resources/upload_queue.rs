@@ -113,7 +113,6 @@ impl UploadQueue {
         self.queue.push_back(PendingUpload::Mesh { id, mesh, place, adjacency });
     }
 
-    /// Returns the meshes in the queue.
     pub(crate) fn meshes(&self) -> impl Iterator<Item = (MeshId, &PreparedMesh, &MeshPlace)> {
         self.queue.iter().filter_map(|pending| match pending {
             PendingUpload::Mesh { id, mesh, place, .. } => Some((*id, mesh, place)),

@@ -4,7 +4,6 @@
 mod check_result;
 mod judge;
 mod probe;
-mod probe_lists;
 mod probe_scene;
 mod walk;
 

@@ -5,18 +5,16 @@ use std::ops::Range;
 
 use cull::CullView;
 use gpu::{
-    Access, BufferSlice, Commands, Counting, Device, DrawRange, FlagRing, Frame, IndirectDraw,
-    MemoryBarrier, OptionalFeature, PredicatedRange, Predicates, PredicationMode, QueryIndex,
-    QueryRing, Readback, ResultSource, Reveal,
+    Access, BufferSlice, Commands, Counting, Device, FlagRing, IndirectDraw, Load, MemoryBarrier,
+    OptionalFeature, PredicationMode, QueryIndex, QueryRing, Readback, ResultSource,
 };
 use occlusion::{
-    ComputeTest, ComputeTestIo, CostModel, ProxyBox, ProxyIo, ProxyPass, Rect, ShaderSet,
+    BucketId, ComputeTest, ComputeTestIo, CostModel, ObjectRenderer, ProxyBox, ProxyIo, ProxyPass,
+    Rect, ShaderSet, SkippedRanges,
 };
 
-use super::probe_lists::ProbeLists;
 use super::probe_scene::{self, PROBES, SIZE, TWINS};
 use crate::error::Error;
-use crate::probe_recording::{HIDES_ALL, HIDES_NOTHING, bind, rendering, wait_for_reset};
 use crate::renderer::{Renderer, RendererOptions};
 use crate::resources::object_bounds::object_bounds;
 use crate::scene_renderer::SceneRenderer;
@@ -31,7 +29,9 @@ const LATE_FRAMES: u32 = 8;
 /// The number of queries in such a frame.
 const LATE_QUERIES: u32 = 32;
 
-const DRAW_BYTES: u64 = size_of::<IndirectDraw>() as u64;
+/// The depth that hides everything, and the depth that hides nothing.
+const HIDES_ALL: f32 = 1.0;
+const HIDES_NOTHING: f32 = 0.0;
 
 /// The boxes on a device, with the passes that draw and test them.
 pub(super) struct Probe {
@@ -121,8 +121,8 @@ impl Probe {
             rendering(passes, commands, HIDES_NOTHING, |passes, commands| {
                 bind(passes, commands, view);
                 for call in calls {
-                    let bytes = call.len() as u64 * DRAW_BYTES;
-                    commands.draw_indirect(all.part(call.start as u64 * DRAW_BYTES, bytes));
+                    let draws = call.start as u32..call.end as u32;
+                    commands.draw_indirect(all.elements::<IndirectDraw>(draws));
                 }
             });
         });
@@ -159,9 +159,9 @@ impl Probe {
         frame.commands().pass("self-test queries", |commands| {
             rendering(passes, commands, HIDES_NOTHING, |passes, commands| {
                 bind(passes, commands, view);
-                for number in 0..count as u64 {
-                    let draw = draws.part(number * DRAW_BYTES, DRAW_BYTES);
-                    queries.scope(commands, QueryIndex(number as u32), |commands| {
+                for number in 0..count as u32 {
+                    let draw = draws.elements::<IndirectDraw>(number..number + 1);
+                    queries.scope(commands, QueryIndex(number), |commands| {
                         commands.draw_indirect(draw);
                     });
                 }
@@ -273,12 +273,8 @@ impl Probe {
             return Ok(None);
         }
         let decisions = PROBES / PER_DECISION;
-        let mut predicates = Predicates::new(
-            &self.device,
-            Some(executor),
-            self.draws.get(..PROBES).unwrap_or_default(),
-            1,
-        )?;
+        let draws = self.draws.get(..PROBES).unwrap_or_default();
+        let mut ranges = SkippedRanges::new(&self.device, shaders, executor, draws)?;
         let mut queries = QueryRing::new(&self.device, 1, "self-test predicates")?;
         let mut flags = FlagRing::new(&self.device, 1, ResultSource::Fragments, "self-test flags");
         let Self { renderer, view, boxes, image, .. } = self;
@@ -290,35 +286,20 @@ impl Probe {
             ResultSource::Queries => queries.results(),
             _ => flags.results(),
         };
-        begin_decisions(&mut predicates, &mut frame, source, results)?;
-        let lists = match predicates.predication() {
-            PredicationMode::Compacted => Some(ProbeLists::new(&self.device, shaders)?),
-            _ => None,
-        };
-        let listed = lists
-            .as_ref()
-            .map(|lists| lists.io(&mut frame, &decided_ranges(), source, results, &predicates))
-            .transpose()?;
+        let numbers = 0..decisions as u32;
+        ranges.begin(&mut frame, source, results, numbers.end, PER_DECISION as u32)?;
         let io = ProxyIo { boxes: frame.uploads().push(boxes)?, flags: flags.results() };
         let proxies = &scene.passes().proxies;
-        let numbers = 0..decisions as u32;
         frame.commands().pass("self-test predicates", |commands| {
             wait_for_reset(commands);
             rendering(passes, commands, HIDES_NOTHING, |_, commands| {
-                let tests_numbers = numbers.clone();
-                test_even(proxies, &io, commands, view, &queries, source, tests_numbers);
+                test_even(proxies, &io, commands, view, &queries, source, numbers.clone());
             });
             queries.resolve(commands, numbers.clone());
-            match (&lists, &listed) {
-                (Some(lists), Some(io)) => lists.pass.record(commands, io),
-                _ => predicates.resolve(commands, &[(source, numbers.clone())], 0),
-            }
+            ranges.record_resolve(commands);
             rendering(passes, commands, HIDES_NOTHING, |passes, commands| {
                 bind(passes, commands, view);
-                match &listed {
-                    Some(io) => commands.draw_indirect_count(io.commands, io.counts),
-                    None => numbers.for_each(|number| predicates.draw(commands, source, number)),
-                }
+                ranges.record_draws(commands);
             });
         });
         finish_image(&mut frame, passes, None, Some(image))?;
@@ -371,6 +352,30 @@ impl Probe {
     }
 }
 
+/// Records a rendering that clears to black and a depth.
+fn rendering(
+    passes: &mut SceneRenderer,
+    commands: &Commands,
+    depth: f32,
+    record: impl FnOnce(&SceneRenderer, &Commands),
+) {
+    passes.target.prepare(commands);
+    let mut target = passes.target.render_target(None);
+    (target.colour_load, target.depth_load) = (Load::Clear([0.0; 4]), Load::Clear(depth));
+    commands.rendering(target, |commands| record(passes, commands));
+}
+
+/// Binds the pass that draws objects in rounds.
+fn bind(passes: &SceneRenderer, commands: &Commands, view: &CullView) {
+    passes.bind(commands, view, BucketId(0));
+}
+
+/// Waits until the results of the frame have been cleared.
+fn wait_for_reset(commands: &Commands) {
+    let reset = [Access::FragmentWrite, Access::IndirectRead, Access::ComputeWrite];
+    commands.barrier(MemoryBarrier::between(&[Access::CopyWrite], &reset));
+}
+
 /// Returns true if a query of a frame contains a box.
 fn shows(frame: u32, query: u32) -> bool {
     (frame + query).is_multiple_of(2)
@@ -401,26 +406,6 @@ fn test_even(
     }
 }
 
-/// Begins a predicate for each range of draws.
-fn begin_decisions(
-    predicates: &mut Predicates,
-    frame: &mut Frame<'_>,
-    source: ResultSource,
-    results: Option<BufferSlice>,
-) -> Result<(), Error> {
-    Ok(predicates.begin(frame, source, results, decided_ranges().into_iter())?)
-}
-
-/// Returns the ranges of draws, each with the result that decides about it.
-fn decided_ranges() -> Vec<PredicatedRange> {
-    let count = PER_DECISION as u32;
-    let decided = (0..(PROBES / PER_DECISION) as u32).map(|result| {
-        let range = DrawRange { first: result * count, count };
-        PredicatedRange { result, range, reveal: Reveal::Draws }
-    });
-    decided.collect()
-}
-
 /// Reads the results of two tests per object.
 fn tested(
     results: &mut FlagRing<()>,
@@ -438,5 +423,5 @@ fn tested(
 /// Draws all objects without their twins.
 fn draw_objects(passes: &SceneRenderer, commands: &Commands, view: &CullView, draws: BufferSlice) {
     bind(passes, commands, view);
-    commands.draw_indirect(draws.part(0, PROBES as u64 * DRAW_BYTES));
+    commands.draw_indirect(draws.elements::<IndirectDraw>(0..PROBES as u32));
 }

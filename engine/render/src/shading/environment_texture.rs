@@ -42,7 +42,6 @@ impl EnvironmentTexture {
         Ok(Self { texture, backdrop })
     }
 
-    /// Returns true if there is an environment.
     pub(crate) fn is_there(&self) -> bool {
         self.backdrop.is_some()
     }

@@ -26,7 +26,6 @@ use crate::shading::transparency::{
 /// The number of counts of a frame, the fields of [`FragmentCounts`].
 const COUNTS: usize = 3;
 
-/// The bytes of a fragment.
 const FRAGMENT_BYTES: u64 = 16;
 
 /// The head of the buffer; mirrors `fragments.glsl`.

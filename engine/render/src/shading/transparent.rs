@@ -181,7 +181,6 @@ impl Transparent {
         Ok(list.write(frame, passes)?)
     }
 
-    /// Returns the transform of an object.
     pub(crate) fn transform(&self, id: TransparentId) -> Option<Affine3A> {
         self.objects.get(id.0 as usize).map(|transparent| transparent.object.transform)
     }
@@ -214,7 +213,6 @@ impl Transparent {
         Some(object.bounds)
     }
 
-    /// Returns an object.
     pub(crate) fn get(&self, id: TransparentId) -> Option<&TransparentObject> {
         self.objects.get(id.0 as usize)
     }

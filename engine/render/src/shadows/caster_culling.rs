@@ -47,9 +47,6 @@ const TESTS_MAX: usize = 1024;
 /// The share of the casters' triangles that is assumed to be drawn before any result.
 const FIRST_SHARE: f32 = 0.25;
 
-/// The bytes of an indirect draw.
-const DRAW_BYTES: u64 = size_of::<gpu::IndirectDraw>() as u64;
-
 /// The culled casters of one frame's maps, and their histories.
 pub(super) struct CasterCulling {
     device: Device,
@@ -128,7 +125,6 @@ impl CasterCulling {
         self.predicates.set_frames_in_flight(frames_in_flight);
     }
 
-    /// Returns the groups to draw.
     pub(super) fn groups(&self) -> &[CulledGroup] {
         &self.draws.groups
     }
@@ -284,12 +280,9 @@ impl CasterCulling {
         }
     }
 
-    /// Draws the casters of a group.
     pub(super) fn draw(&self, commands: &Commands, group: &CulledGroup) {
-        let first = u64::from(group.always.start);
-        let count = group.always.len() as u64;
-        if count > 0 {
-            let draws = self.predicates.draws().part(first * DRAW_BYTES, count * DRAW_BYTES);
+        if !group.always.is_empty() {
+            let draws = self.predicates.draws().elements::<IndirectDraw>(group.always.clone());
             self.predicates.draw_after_counted(commands, draws);
         }
         for decision in group.decisions.clone() {

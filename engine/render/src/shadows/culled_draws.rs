@@ -36,7 +36,6 @@ pub(super) struct CasterGroup<'a> {
 
 /// The draws of a group.
 pub(super) struct CulledGroup {
-    /// The number of the group.
     pub(super) number: usize,
     /// The draws that need no test.
     pub(super) always: Range<u32>,

@@ -4,15 +4,14 @@ use std::ops::Range;
 
 use ::shadows::{FaceWork, PlannedFace, Tile};
 use cull::CullView;
-use gpu::{BufferSlice, Commands, DepthLayers, Frame, Load, Predicates, RenderTarget};
+use gpu::{
+    BufferSlice, Commands, DepthLayers, Frame, IndirectDraw, Load, Predicates, RenderTarget,
+};
 
 use crate::error::Error;
 use crate::passes::{CasterIo, CasterPass, SectionIo};
 use crate::resources::geometry::Geometry;
 use crate::section::Section;
-
-/// The bytes of an indirect draw.
-const DRAW_BYTES: u64 = size_of::<gpu::IndirectDraw>() as u64;
 
 /// The draws of a map to one image, as ranges of casters.
 #[derive(Clone)]
@@ -137,9 +136,8 @@ impl CasterDraws<'_> {
             return;
         }
         self.section.bind_face(commands, pass, io, number, face);
-        let first = casters.start as u64;
-        let count = casters.len() as u64;
-        let draws = self.draws.part(first * DRAW_BYTES, count * DRAW_BYTES);
+        let casters = casters.start as u32..casters.end as u32;
+        let draws = self.draws.elements::<IndirectDraw>(casters);
         self.predicates.draw_after_counted(commands, draws);
     }
 }

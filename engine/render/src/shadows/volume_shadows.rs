@@ -407,7 +407,6 @@ fn mask_bytes(plan: &VolumePlan, view: &CullView) -> u64 {
     u64::from((plan.lights.len() as u32).div_ceil(MASK_LIGHTS)) * layer_bytes(view)
 }
 
-/// Creates a mask of this size.
 fn mask_of(device: &Device, size_bytes: u64) -> Result<Buffer, Error> {
     let usage = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
     Ok(Buffer::new(device, "shadow mask", size_bytes, usage, MemoryKind::Device)?)

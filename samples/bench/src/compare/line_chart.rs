@@ -112,7 +112,6 @@ fn line(strategy: &str) -> ShapeStyle {
     palette::of_strategy(strategy).rgb().stroke_width(width)
 }
 
-/// Returns the style of the dots on it.
 fn dot(strategy: &str) -> ShapeStyle {
     let style = palette::of_strategy(strategy).rgb().stroke_width(2);
     if palette::is_dashed(strategy) { style } else { style.filled() }
@@ -272,7 +271,6 @@ mod tests {
         axis.key_points(BoldPoints(6)).into_iter().map(plain).collect()
     }
 
-    /// Returns the numbers in an attribute of each element.
     fn numbers(svg: &str, element: &str, colour: &str, attribute: &str) -> Vec<Vec<i32>> {
         let document = roxmltree::Document::parse(svg).expect("well-formed");
         let is_it = |node: &roxmltree::Node<'_, '_>| {

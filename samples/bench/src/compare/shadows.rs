@@ -71,7 +71,6 @@ struct Lit<'a> {
 }
 
 impl<'a> Lit<'a> {
-    /// Returns the runs of all reports.
     fn all(reports: &[&'a Report]) -> impl Iterator<Item = Self> {
         let runs = |report: &&'a Report| {
             let report = *report;

@@ -58,7 +58,7 @@ impl ConveyorMeshes {
         let dark = Paint::srgb(0x35_383C).tinted(0.5);
         let rail = Solid::centred(vec3(LENGTH_M, 0.14, 0.03));
         let leg = Solid::centred(vec3(0.06, HEIGHT_M - 0.11, 0.06));
-        let foot = Solid::turned(&[vec2(0.06, 0.0), vec2(0.06, 0.012), vec2(0.02, 0.02)], 16);
+        let foot = Solid::turned(&[(0.06, 0.0), (0.06, 0.012), (0.02, 0.02)], 16);
         let strut = Solid::centred(vec3(0.04, 0.04, 2.0 * HALF_WIDTH_M - 0.07));
         let half = HALF_WIDTH_M - 0.035;
         let roller = [
@@ -69,11 +69,11 @@ impl ConveyorMeshes {
             (0.012, half - 0.02),
             (0.012, half),
         ];
-        let roller = Solid::turned(&roller.map(|(radius, y)| vec2(radius, y)), 20);
+        let roller = Solid::turned(&roller, 20);
         let bearing = Solid::ring(vec2(0.0125, 0.028), vec2(-0.007, 0.007), 20);
         let motor =
             [(0.0, 0.0), (0.07, 0.0), (0.09, 0.02), (0.09, 0.22), (0.08, 0.24), (0.0, 0.24)];
-        let motor = Solid::turned(&motor.map(|(radius, y)| vec2(radius, y)), 24);
+        let motor = Solid::turned(&motor, 24);
         let guard = Solid::centred(vec3(LENGTH_M - 0.4, 0.06, 0.015));
         let parcel = |size: Vec3, hex: u32, name: &str| {
             let solid = Solid::cuboid(size * vec3(-0.5, 0.0, -0.5), size * vec3(0.5, 1.0, 0.5));

@@ -69,11 +69,6 @@ fn gear(teeth: u32) -> Solid {
     Solid::pierced(&outline, &hole, vec2(-GEAR_WIDTH_M / 2.0, GEAR_WIDTH_M / 2.0))
 }
 
-fn turned(profile: &[(f32, f32)], segments: u32) -> Solid {
-    let profile: Vec<Vec2> = profile.iter().map(|(radius, y)| vec2(*radius, *y)).collect();
-    Solid::turned(&profile, segments)
-}
-
 /// Returns an end plate about the y axis, with a bore for the first shaft.
 fn end_plate() -> Solid {
     let half = vec2(INSIDE.x + WALL_M, INSIDE.y);
@@ -94,7 +89,7 @@ impl GearBoxMeshes {
         let side = Solid::centred(vec3(WALL_M, 2.0 * INSIDE.y, 2.0 * INSIDE.z));
         let shaft = |half: f32| {
             let r = SHAFT_RADIUS_M;
-            turned(
+            Solid::turned(
                 &[(r - 0.002, -half), (r, 0.002 - half), (r, half - 0.002), (r - 0.002, half)],
                 20,
             )
@@ -102,7 +97,7 @@ impl GearBoxMeshes {
         let long_shaft =
             shaft(INSIDE.z + 0.030).placed(Affine3A::from_translation(vec3(0.0, 0.034, 0.0)));
         let bearing = Solid::ring(vec2(SHAFT_RADIUS_M + 0.0004, 0.026), vec2(-0.005, 0.005), 24);
-        let coupling = turned(
+        let coupling = Solid::turned(
             &[(0.026, 0.0), (0.028, 0.002), (0.028, 0.016), (0.02, 0.019), (0.02, 0.034)],
             24,
         );

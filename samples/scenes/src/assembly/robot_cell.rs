@@ -2,7 +2,7 @@
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 
-use glam::{Affine3A, Vec2, Vec3, vec2, vec3};
+use glam::{Affine3A, Vec3, vec2, vec3};
 use scene::MeshId;
 
 use super::super::builder::Paint;
@@ -33,11 +33,6 @@ pub(super) struct RobotCellMeshes {
     chip: MeshId,
 }
 
-fn turned(profile: &[(f32, f32)], segments: u32) -> Solid {
-    let profile: Vec<Vec2> = profile.iter().map(|(radius, y)| vec2(*radius, *y)).collect();
-    Solid::turned(&profile, segments)
-}
-
 /// Returns a hollow box with walls of this thickness, in metres.
 fn hollow(size: Vec3, wall: f32) -> Solid {
     Solid::centred(size).without(&Solid::centred(size - 2.0 * wall))
@@ -64,14 +59,16 @@ impl RobotCellMeshes {
         let orange = Paint::srgb(0xE0_6A1E).tinted(0.4);
         let dark = Paint::srgb(0x30_3338).tinted(0.5);
         let steel = Paint::srgb(0xB6_BBC0).tinted(0.5);
-        let arm =
-            turned(&[(0.10, 0.0), (0.13, 0.04), (0.11, 0.35), (0.09, 0.66), (0.07, 0.70)], 28);
-        let forearm = turned(&[(0.09, 0.0), (0.10, 0.03), (0.06, 0.55), (0.05, 0.58)], 28);
-        let plinth = turned(&[(0.34, 0.0), (0.34, 0.05), (0.24, 0.08), (0.22, 0.30)], 32);
-        let turret = turned(&[(0.21, 0.0), (0.23, 0.03), (0.23, 0.20), (0.15, 0.28)], 32);
-        let wrist = turned(&[(0.045, 0.0), (0.055, 0.02), (0.055, 0.12), (0.035, 0.14)], 24);
+        let arm = Solid::turned(
+            &[(0.10, 0.0), (0.13, 0.04), (0.11, 0.35), (0.09, 0.66), (0.07, 0.70)],
+            28,
+        );
+        let forearm = Solid::turned(&[(0.09, 0.0), (0.10, 0.03), (0.06, 0.55), (0.05, 0.58)], 28);
+        let plinth = Solid::turned(&[(0.34, 0.0), (0.34, 0.05), (0.24, 0.08), (0.22, 0.30)], 32);
+        let turret = Solid::turned(&[(0.21, 0.0), (0.23, 0.03), (0.23, 0.20), (0.15, 0.28)], 32);
+        let wrist = Solid::turned(&[(0.045, 0.0), (0.055, 0.02), (0.055, 0.12), (0.035, 0.14)], 24);
         let joint = hollow_drum(0.12, 0.15);
-        let drive = turned(&[(0.06, -0.09), (0.07, -0.08), (0.07, 0.08), (0.06, 0.09)], 24);
+        let drive = Solid::turned(&[(0.06, -0.09), (0.07, -0.08), (0.07, 0.08), (0.06, 0.09)], 24);
         let cabinet = hollow(vec3(0.8, 1.6, 0.5), 0.02);
         let board = Solid::centred(vec3(0.6, 0.004, 0.36));
         let chip = Solid::centred(vec3(0.06, 0.012, 0.06));
@@ -182,7 +179,7 @@ impl RobotCellMeshes {
 /// Returns a closed hollow drum about the y axis.
 fn hollow_drum(radius: f32, half: f32) -> Solid {
     let drum = |inset: f32| {
-        turned(
+        Solid::turned(
             &[
                 (radius - 0.015 - inset, inset - half),
                 (radius - inset, 0.015 + inset - half),

@@ -92,7 +92,6 @@ pub(crate) struct Materials {
 }
 
 impl Materials {
-    /// Creates the materials.
     pub(crate) fn new() -> Self {
         let white = Paint::srgb(0xFF_FFFF);
         Self {

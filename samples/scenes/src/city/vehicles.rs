@@ -19,7 +19,6 @@ struct Shape {
     wheel: f32,
 }
 
-/// Returns a saloon.
 pub(super) fn saloon(materials: &Materials) -> Mesh {
     car(
         &Shape {

@@ -88,7 +88,6 @@ pub(super) fn is_lamp(mesh: &Mesh) -> bool {
     mesh.name == LAMP_NAME
 }
 
-/// Returns the id of the mesh of lamps.
 pub(super) fn lamp_mesh(scene: &Scene) -> Option<MeshId> {
     scene.meshes.iter().position(is_lamp).map(|mesh| MeshId(mesh as u32))
 }

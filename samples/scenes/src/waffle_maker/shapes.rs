@@ -99,8 +99,7 @@ pub(super) fn plate(name: &str) -> Mesh {
 }
 
 fn turned(name: &str, hex: u32, profile: &[(f32, f32)], segments: u32) -> Mesh {
-    let profile: Vec<Vec2> = profile.iter().map(|(radius, y)| vec2(*radius, *y)).collect();
-    Solid::turned(&profile, segments).mesh(name, Paint::srgb(hex))
+    Solid::turned(profile, segments).mesh(name, Paint::srgb(hex))
 }
 
 /// Returns a rubber foot, which ends half a millimetre below the body.
@@ -203,7 +202,6 @@ pub(super) fn knob() -> Option<PatchSurface> {
     ellipsoid(vec3(0.011, 0.008, 0.011)).ok()
 }
 
-/// Returns the mesh of the knob.
 pub(super) fn tessellated_knob(surface: &PatchSurface) -> Mesh {
     let levels = TessellationLevels::uniform(surface, 4);
     tessellated(surface, &levels, "lid knob", Paint::srgb(STEEL).packed())
@@ -262,7 +260,6 @@ pub(super) fn cable() -> Mesh {
 pub(super) fn plug() -> Mesh {
     let profile =
         [(0.0050, 0.0), (0.0105, 0.006), (0.0150, 0.018), (0.0165, 0.030), (0.0165, 0.031)];
-    let profile: Vec<Vec2> = profile.iter().map(|(radius, y)| vec2(*radius, *y)).collect();
     let turned = super::at(-0.119, 0.012, -0.190)
         * glam::Affine3A::from_rotation_z(std::f32::consts::FRAC_PI_2)
         * glam::Affine3A::from_scale(vec3(0.65, 1.0, 1.0));

@@ -138,7 +138,6 @@ impl Interaction {
         cursor.and_then(|cursor| seen.pixel_at(cursor))
     }
 
-    /// Returns true if a place is on the cube or a handle.
     fn is_on_sign(&self, place: Vec2, seen: &InteractionContext<'_>) -> bool {
         self.cube.view_at(&seen.camera, place).is_some() || self.handle_at(place, seen).is_some()
     }

@@ -87,7 +87,6 @@ fn tools_of(key: KeyCode, mut tools: Tools, seen: &InteractionContext<'_>) -> Op
     Some(tools)
 }
 
-/// Returns the view of a key.
 fn view_of(key: KeyCode) -> Option<CubeView> {
     CubeView::named(match key {
         KeyCode::Digit1 => "front",

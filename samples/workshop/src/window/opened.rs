@@ -398,7 +398,6 @@ impl Opened {
     }
 }
 
-/// Returns the context of interaction with a session.
 fn context_of(session: &WorkshopSession) -> InteractionContext<'_> {
     InteractionContext {
         document: &session.document,

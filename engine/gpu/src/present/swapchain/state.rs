@@ -43,7 +43,6 @@ pub(super) struct SwapchainState {
     pub(super) is_gone: bool,
     /// True if the surface is a renewed one that has not shown a frame yet.
     pub(super) is_renewed: bool,
-    /// The newest present.
     pub(super) newest: PresentId,
     /// The newest present before the chain was created.
     pub(super) before_chain: PresentId,

@@ -141,17 +141,12 @@ impl PredicationMode {
         threshold_samples: u32,
     ) -> Result<PredicationMode, Error> {
         let capabilities = device.capabilities();
-        let unsupported = |lacking: OptionalFeature, wanted| Error::Unsupported {
-            device: device.adapter().name.clone(),
-            missing: lacking.name(),
-            wanted,
-        };
         let compares = threshold_samples > 0;
         if compares && wanted == Some(PredicationMode::Conditional) {
             return Err(Error::CannotCompare { threshold_samples });
         }
-        if compares && !capabilities.has(OptionalFeature::PreciseQueries) {
-            return Err(unsupported(OptionalFeature::PreciseQueries, "a visibility threshold"));
+        if compares {
+            device.require(OptionalFeature::PreciseQueries, "a visibility threshold")?;
         }
         let limit = u64::from(device.adapter().limits.max_draw_indirect_count);
         let is_too_much = |predication: PredicationMode| predication.is_counted() && draws > limit;
@@ -168,8 +163,8 @@ impl PredicationMode {
             };
             return Ok(if is_too_much(best) { PredicationMode::Instances } else { best });
         };
-        if let Some(lacking) = wanted.needs().filter(|optional| !capabilities.has(*optional)) {
-            return Err(unsupported(lacking, "this way to skip hidden draws"));
+        if let Some(needed) = wanted.needs() {
+            device.require(needed, "this way to skip hidden draws")?;
         }
         if is_too_much(wanted) {
             let what = "the number of draws under draw counts".to_owned();

@@ -27,7 +27,7 @@ use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
 use crate::record::access::{Access, MemoryBarrier};
 use crate::record::commands::{Commands, Failure};
 use crate::record::frames::Frame;
-use crate::record::indirect::{DRAW_BYTES, DrawLink, DrawRange, IndirectDraw};
+use crate::record::indirect::{DrawLink, DrawRange, IndirectDraw};
 use crate::record::pipeline::{ComputePipeline, StorageLayout};
 use crate::record::shader::{SpecializationConstant, Spirv};
 pub use decisions::{Predicate, PredicatedRange, PredicationMode, ResultSource, Reveal};
@@ -388,8 +388,7 @@ impl Predicates {
         else {
             return;
         };
-        let bytes = |draws: u32| u64::from(draws) * DRAW_BYTES;
-        let draws = draws.part(bytes(range.first), bytes(range.count));
+        let draws = draws.elements::<IndirectDraw>(range.first..range.first + range.count);
         match self.predication {
             PredicationMode::Instances => self.draw_uncounted(commands, draws),
             PredicationMode::Counts | PredicationMode::Compacted => {
@@ -468,7 +467,6 @@ impl Predicates {
     }
 }
 
-/// Returns the buffers for `count` linked draws.
 fn linked_buffers(device: &Device, count: u32) -> Result<[Buffer; 2], Error> {
     let links = u64::from(count) * size_of::<DrawLink>() as u64;
     let usage = vk::BufferUsageFlags::STORAGE_BUFFER;
@@ -478,9 +476,8 @@ fn linked_buffers(device: &Device, count: u32) -> Result<[Buffer; 2], Error> {
     ])
 }
 
-/// Returns the buffer for `count` draws.
 fn draw_buffer(device: &Device, count: u32) -> Result<Buffer, Error> {
-    let wanted = u64::from(count) * DRAW_BYTES;
+    let wanted = u64::from(count) * IndirectDraw::BYTES;
     let limit = device.adapter().limits;
     let limit = u64::from(limit.max_storage_buffer_range);
     if wanted > limit {

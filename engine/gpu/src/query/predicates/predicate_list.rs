@@ -50,18 +50,14 @@ struct BoxDraw {
     first_instance: u32,
 }
 
-const BOX_DRAW_BYTES: u64 = size_of::<BoxDraw>() as u64;
 const _: () = assert!(size_of::<BoxDraw>() == size_of::<vk::DrawIndirectCommand>());
-
-/// The size of a decision's draw count.
-const COUNT_BYTES: u64 = 4;
 
 /// The vertices of the front of a box: three faces of two triangles.
 pub const BOX_VERTICES: u32 = 18;
 
 /// Returns the indirect command that draws the boxes of a decision.
 pub(super) fn box_draw(on_gpu: OnGpu, decision: u32) -> BufferSlice {
-    on_gpu.box_draws.part(u64::from(decision) * BOX_DRAW_BYTES, BOX_DRAW_BYTES)
+    on_gpu.box_draws.elements::<BoxDraw>(decision..decision + 1)
 }
 
 impl PredicateList {
@@ -117,7 +113,7 @@ impl PredicateList {
 
     /// Creates the counts unless there is already one per decision.
     pub(super) fn make_counts(&mut self, device: &Device) -> Result<(), Error> {
-        let wanted = self.decided.len().next_power_of_two() as u64 * COUNT_BYTES;
+        let wanted = self.decided.len().next_power_of_two() as u64 * size_of::<u32>() as u64;
         let Some(counts) = self.counts.get_mut(self.slot) else { return Ok(()) };
         if counts.as_ref().is_none_or(|buffer| buffer.size_bytes() < wanted) {
             let usage =
@@ -134,6 +130,6 @@ impl PredicateList {
     /// Returns the draw count of a decision: for its range, or for the command that draws its
     /// boxes.
     pub(super) fn count(&self, decision: u32) -> Option<BufferSlice> {
-        Some(self.counts()?.part(u64::from(decision) * COUNT_BYTES, COUNT_BYTES))
+        Some(self.counts()?.elements::<u32>(decision..decision + 1))
     }
 }

@@ -7,7 +7,7 @@ use ash::vk;
 use crate::core::capabilities::OptionalFeature;
 use crate::memory::buffer::BufferSlice;
 use crate::record::commands::{Commands, Failure};
-use crate::record::indirect::{DRAW_BYTES, IndirectDraw};
+use crate::record::indirect::IndirectDraw;
 
 /// The stride of indirect commands without indices, in bytes.
 const UNINDEXED_STRIDE: u32 = size_of::<vk::DrawIndirectCommand>() as u32;
@@ -150,7 +150,7 @@ impl Commands {
     pub fn draw_all_indirect(&self, draws: BufferSlice, all: BufferSlice) {
         let limit = u64::from(self.device().adapter().limits.max_draw_indirect_count);
         let keeps = self.device().capabilities().keeps_draw_counts();
-        if keeps && draws.size_bytes / DRAW_BYTES <= limit {
+        if keeps && draws.size_bytes / IndirectDraw::BYTES <= limit {
             self.draw_indirect_count(draws, all);
         } else {
             self.draw_indirect(draws);

@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use gpu::{Device, FrameRing};
 
-use super::batch::{Bench, TestLoad};
 use super::median;
+use crate::costs::box_bench::{BenchItem, BoxRecorder, TestLoad};
 use crate::error::Error;
 
 /// Patches per frame: about three milliseconds on a software driver.
@@ -19,7 +19,7 @@ const ROUNDS: usize = 3;
 /// Returns the share by which a break among draws makes them take longer, not counting `break_ns`.
 pub(super) fn break_wait_share(
     device: &Device,
-    bench: &mut Bench<'_>,
+    bench: &mut BoxRecorder<'_>,
     break_ns: f64,
 ) -> Result<f64, Error> {
     let mut frames = FrameRing::new(device, 2)?;
@@ -38,14 +38,14 @@ pub(super) fn break_wait_share(
 /// Returns the time of a number of frames in a row (ns).
 fn time_ns(
     device: &Device,
-    bench: &mut Bench<'_>,
+    bench: &mut BoxRecorder<'_>,
     frames: &mut FrameRing,
     load: TestLoad,
 ) -> Result<f64, Error> {
     let began = Instant::now();
     for _ in 0..FRAMES {
         let mut frame = frames.begin()?;
-        bench.prepare(&mut frame, Bench::load(PATCHES))?;
+        bench.prepare(&mut frame, BenchItem::Patches, PATCHES)?;
         frame.commands().pass("calibration", |commands| bench.record_load(commands, load));
         frame.submit(None)?;
     }

@@ -61,7 +61,6 @@ impl MaterialSlots {
         self.material(material).is_none_or(|material| material.alpha == Alpha::Opaque)
     }
 
-    /// Returns true if a material is masked.
     pub(crate) fn is_masked(&self, material: MaterialId) -> bool {
         let alpha = self.material(material).map(|material| &material.alpha);
         matches!(alpha, Some(Alpha::Mask { .. }))

@@ -177,7 +177,6 @@ impl MaterialTable {
         }
     }
 
-    /// Returns the entry of a material.
     pub(crate) fn entry(&self, number: u32) -> MaterialEntry {
         self.entries.get(number as usize).copied().unwrap_or_else(MaterialEntry::zeroed)
     }

@@ -9,7 +9,6 @@ use super::super::{Geometry, NO_MESH};
 use crate::resources::instance::Instance;
 
 impl Geometry {
-    /// Returns the mesh of an object.
     pub(crate) fn mesh_of(&self, object: ObjectId) -> Option<MeshId> {
         let mesh = self.object_meshes.get(object.0 as usize).filter(|mesh| **mesh != NO_MESH);
         mesh.copied().map(MeshId)
