@@ -122,7 +122,7 @@ impl BudgetWalk<'_> {
             // The results of a frame are read when the next one is planned.
             self.draw(&mut view, Ablation::Replay, frame)?;
             let visible = self.renderer.visible_set(&mut eye, self.path.camera(frame), area)?;
-            self.edit(|record| record.frames[frame as usize].visible = visible.leaves().to_vec());
+            self.edit(|record| record.frames[frame as usize].see(visible.leaves()));
         }
         self.renderer.wait_idle(&mut view)?;
         Ok(())
@@ -206,29 +206,34 @@ impl BudgetWalk<'_> {
 }
 
 impl Budget {
-    /// Returns the budget as a table in Markdown: medians over the rounds, and the part of each
-    /// over the ideal.
+    /// Returns the budget as a table in Markdown: medians over the rounds, and the median of what
+    /// each part adds in the same round.
     pub fn table(&self) -> String {
         let median =
             |samples: &[f64]| TimeSummary::of(samples.iter().copied()).median.unwrap_or(0.0);
-        let frame_ms = self.times.each_ref().map(|times| median(&times.frame_ms));
-        let ideal = frame_ms[0];
+        let ideal = median(&self.times[0].frame_ms);
         let mut lines = format!(
             "{:.0} objects own a pixel, {:.0} are drawn; {:.0} proxies in {:.1} rounds\n\n\
              | with | frame ms | CPU ms | adds ms | adds, of the ideal |\n|---|---|---|---|---|\n",
             self.visible, self.drawn, self.proxies, self.rounds
         );
-        let mut before = ideal;
-        for ((ablation, times), frame) in Ablation::ALL.iter().zip(&self.times).zip(frame_ms) {
+        let added_ms = |times: &AblationTimes, before: &AblationTimes| {
+            let pairs = times.frame_ms.iter().zip(&before.frame_ms);
+            median(&pairs.map(|(with, without)| with - without).collect::<Vec<f64>>())
+        };
+        let mut before = &self.times[0];
+        for (ablation, times) in Ablation::ALL.iter().zip(&self.times) {
             let cpu = median(&times.cpu_ms);
-            let added = frame - before;
+            let frame = median(&times.frame_ms);
+            let added = added_ms(times, before);
             lines += &format!(
                 "| {} | {frame:.2} | {cpu:.2} | {added:.2} | {:.3} |\n",
                 ablation.part(),
                 added / ideal
             );
-            before = frame;
+            before = times;
         }
-        lines + &format!("| sum | | | {:.2} | {:.3} |\n", before - ideal, (before - ideal) / ideal)
+        let over = added_ms(before, &self.times[0]);
+        lines + &format!("| over the ideal | | | {over:.2} | {:.3} |\n", over / ideal)
     }
 }

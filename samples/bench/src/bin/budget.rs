@@ -11,7 +11,7 @@ use bench::terminal::{self, Ending, print};
 use bench::{budget, progress};
 
 /// The times that each ablation walks the path.
-const ROUNDS: u32 = 7;
+const ROUNDS: u32 = 15;
 
 fn main() -> ExitCode {
     terminal::run_program("warn", measure)

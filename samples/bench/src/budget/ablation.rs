@@ -11,6 +11,8 @@ pub enum Ablation {
     /// All objects that the method draws: first those that it takes as visible, in its order, then
     /// those that its tests reveal.
     Draws,
+    /// With one query around a draw, and so with the copy of results at the end of the frame.
+    ReadBack,
     /// With the queries around draws of visible objects.
     Retests,
     /// With the breaks of the rendering, each for one proxy that shows nothing.
@@ -25,9 +27,10 @@ pub enum Ablation {
 
 impl Ablation {
     /// All of them, in the order in which parts are added.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Ideal,
         Self::Draws,
+        Self::ReadBack,
         Self::Retests,
         Self::Breaks,
         Self::Proxies,
@@ -40,6 +43,7 @@ impl Ablation {
         match self {
             Self::Ideal => Strategy::new("budget_ideal", "what owns a pixel"),
             Self::Draws => Strategy::new("budget_draws", "all draws, no test"),
+            Self::ReadBack => Strategy::new("budget_read_back", "with one query"),
             Self::Retests => Strategy::new("budget_retests", "with queries around draws"),
             Self::Breaks => Strategy::new("budget_breaks", "with breaks"),
             Self::Proxies => Strategy::new("budget_proxies", "with all proxies"),
@@ -58,7 +62,8 @@ impl Ablation {
         match self {
             Self::Ideal => "ideal",
             Self::Draws => "objects without a pixel, order",
-            Self::Retests => "queries around draws",
+            Self::ReadBack => "results at the end of the frame",
+            Self::Retests => "other queries around draws",
             Self::Breaks => "breaks of the rendering",
             Self::Proxies => "proxies",
             Self::Replay => "predicates, draws after breaks",

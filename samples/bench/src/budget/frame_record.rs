@@ -9,19 +9,36 @@ use super::ablation::Ablation;
 pub(super) struct FrameRecord {
     /// The plan of the method.
     pub(super) plan: FramePlan,
-    /// The leaves that the tests of the plan revealed, in the order of the tests.
+    /// The leaves that the tests of the plan revealed, in the order of the tests. Where too many
+    /// showed to be listed, those that own a pixel.
     pub(super) revealed: Vec<LeafIndex>,
     /// The leaves that own a pixel, nearest first.
     pub(super) visible: Vec<LeafIndex>,
 }
 
 impl FrameRecord {
+    /// Notes the leaves that own a pixel.
+    pub(super) fn see(&mut self, visible: &[LeafIndex]) {
+        let plan = &self.plan;
+        let is_drawn = |leaf: &LeafIndex| {
+            let queried = &plan.queried_draws;
+            plan.draws.contains(leaf) || queried.iter().any(|(queried, _)| queried == leaf)
+        };
+        let missing: Vec<LeafIndex> = visible
+            .iter()
+            .filter(|leaf| !is_drawn(leaf) && !self.revealed.contains(leaf))
+            .copied()
+            .collect();
+        self.revealed.extend(missing);
+        self.visible = visible.to_vec();
+    }
+
     /// Writes the plan of an ablation into `plan`, whose frame stays.
     pub(super) fn write_plan(&self, ablation: Ablation, plan: &mut FramePlan) {
         let recorded = &self.plan;
         match ablation {
             Ablation::Ideal => plan.draws.extend(&self.visible),
-            Ablation::Draws => {
+            Ablation::Draws | Ablation::ReadBack => {
                 let mut drawn = 0;
                 for ((leaf, _), after) in recorded.queried_draws.iter().zip(&recorded.queried_after)
                 {
@@ -32,6 +49,13 @@ impl FrameRecord {
                 }
                 plan.draws.extend(&recorded.draws[drawn..]);
                 plan.draws.extend(&self.revealed);
+                if ablation == Ablation::ReadBack
+                    && let Some(first) = recorded.queried_draws.first()
+                {
+                    plan.draws.retain(|leaf| *leaf != first.0);
+                    plan.queried_draws.push(*first);
+                    plan.queried_after.extend(recorded.queried_after.first());
+                }
             }
             Ablation::Retests => self.write_draws(plan),
             Ablation::Breaks => {
@@ -154,6 +178,22 @@ mod tests {
         let counts: Vec<u32> = plan.tests.iter().map(|test| test.leaves.count).collect();
         assert_eq!(counts, [2, 0, 0, 2]);
         assert_eq!(plan.draws.len() + plan.queried_draws.len(), 4);
+    }
+
+    #[test]
+    fn one_query_is_enough_to_read_results_back() {
+        let plan = plan_of(Ablation::ReadBack);
+        assert_eq!(plan.draws, [0, 2, 6].map(LeafIndex));
+        assert_eq!(plan.queried_draws, frame().plan.queried_draws);
+        assert_eq!(plan.queried_after, [1]);
+        assert!(plan.tests.is_empty());
+    }
+
+    #[test]
+    fn what_owns_a_pixel_is_drawn_even_if_too_much_showed_to_be_listed() {
+        let mut frame = frame();
+        frame.see(&[9, 6, 1, 2].map(LeafIndex));
+        assert_eq!(frame.revealed, [6, 9].map(LeafIndex));
     }
 
     #[test]
