@@ -73,8 +73,8 @@ mod tests {
         let sparse = scratch.0.join("sparse");
         File::create(&sparse).unwrap().set_len(3 << 30).unwrap();
         for (path, reason) in [
-            (pipe.as_path(), "no regular file"),
-            (Path::new("/dev/zero"), "no regular file"),
+            (pipe.as_path(), "not a regular file"),
+            (Path::new("/dev/zero"), "not a regular file"),
             (Path::new("/dev/tty"), ""),
             (scratch.0.as_path(), "it is a folder"),
             (sparse.as_path(), "it has 3221225472 bytes; at most 1000"),

@@ -263,8 +263,8 @@ fn what_has_no_end_is_not_read() {
     sparse.set_len(3 << 30).unwrap();
     for option in ["--script", "--path"] {
         for (file, reason) in [
-            ("/dev/zero", "no regular file"),
-            ("./pipe.txt", "no regular file"),
+            ("/dev/zero", "not a regular file"),
+            ("./pipe.txt", "not a regular file"),
             ("./sparse.txt", "it has 3221225472 bytes"),
         ] {
             let output = city(&scratch, &[&SMALL[..], &[option, file]].concat());

@@ -323,5 +323,5 @@ fn images_of_pixels_are_decoded_alone_too() {
     let decoded = decode_image("three", png.get_ref(), &Limits::default()).unwrap();
     assert_eq!(decoded, Image::of_rgba8("three", [3, 2], [1, 2, 3, 4].repeat(6)));
     let error = decode_image("three", b"nonsense", &Limits::default()).unwrap_err();
-    assert!(error.to_string().contains("no PNG, JPEG, WebP or KTX2"), "{error}");
+    assert!(error.to_string().contains("not a PNG, JPEG, WebP or KTX2"), "{error}");
 }

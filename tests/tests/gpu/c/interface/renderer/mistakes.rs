@@ -55,7 +55,7 @@ fn refuse_meshes(
     broken[0].position[1] = f32::NAN;
     for (mesh, result, words) in [
         (mesh_desc(vertices, &[0, 1, 36]), BadArgument, "desc.meshes[0]"),
-        (mesh_desc(vertices, &[0, 1]), BadArgument, "no multiple of 3"),
+        (mesh_desc(vertices, &[0, 1]), BadArgument, "not a multiple of 3"),
         (mesh_desc(&broken, &[0, 1, 2]), BadArgument, "not a finite number"),
         (
             AntumbraMeshDesc { vertices: null(), ..*desc },
