@@ -192,8 +192,8 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
     /// their requests. Give the views in the same order in each frame.
     ///
     /// # Errors
-    /// [`Error::ForeignView`], [`Error::InvalidView`], [`Error::NotPlanned`], a lost device. No view
-    /// is planned then.
+    /// [`Error::ForeignView`], [`Error::InvalidView`], [`Error::NotPlanned`], a lost device. No
+    /// view is planned then.
     pub fn plan_all<'v>(
         &mut self,
         views: impl IntoIterator<Item = (&'a mut OcclusionState, DrawRequest<'v>)>,
@@ -306,8 +306,8 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
     ///
     /// # Errors
     /// [`Error::TestsMissing`], [`Error::Incomplete`]; [`gpu::Error::HasQueue`] on a device with a
-    /// queue, whose frames are [submitted](FrameScope::submit); no memory, a failed call. The frame is given up then: its
-    /// command buffer must not be submitted.
+    /// queue, whose frames are [submitted](FrameScope::submit); no memory, a failed call. The frame
+    /// is given up then: its command buffer must not be submitted.
     pub fn end(self) -> Result<Tick, Error> {
         self.check_complete()?;
         let Self { scene, frame, drawn, .. } = self;
@@ -330,8 +330,8 @@ impl<'a, 'ring> FrameScope<'a, 'ring> {
     }
 }
 
-/// Refuses views that nothing can be drawn by, and strategies that no plan carries out. The cost is per
-/// view and not per object.
+/// Refuses views that nothing can be drawn by, and strategies that no plan carries out. The cost is
+/// per view and not per object.
 fn check_request(request: &DrawRequest<'_>) -> Result<(), Error> {
     if !Strategy::PLANNED.contains(&request.strategy) {
         return Err(Error::NotPlanned(request.strategy));

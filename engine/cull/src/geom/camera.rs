@@ -28,8 +28,8 @@ impl Camera {
 
     /// Returns a camera at `eye` that looks at `target` (metres), in a perspective of
     /// [`Camera::USUAL_FOV_Y`] with the near plane at 0.1 m. Up is +y, or +z if the camera looks
-    /// along y. If `eye` and `target` are equal, it looks along -z. Numbers that are not finite stay in
-    /// the camera, and [`check_camera`](crate::check_camera) refuses it.
+    /// along y. If `eye` and `target` are equal, it looks along -z. Numbers that are not finite
+    /// stay in the camera, and [`check_camera`](crate::check_camera) refuses it.
     #[must_use]
     pub fn look_at(eye: impl Into<Vec3>, target: impl Into<Vec3>) -> Self {
         let eye = eye.into();

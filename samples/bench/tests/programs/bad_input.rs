@@ -329,8 +329,8 @@ fn a_limit_of_address_space_is_not_called_a_missing_driver() {
     }
 }
 
-/// Checks that a cache that is not a regular file, or larger than any, is left alone and costs neither
-/// time nor memory.
+/// Checks that a cache that is not a regular file, or larger than any, is left alone and costs
+/// neither time nor memory.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_pipeline_cache_that_is_no_cache_is_left_alone() {

@@ -12,9 +12,10 @@ impl CulledScene {
     /// cannot change before the [end](FrameScope::end).
     ///
     /// # Errors
-    /// A frame of another device; [`Error::FramesInFlight`], [`Error::OtherRing`]; [`gpu::Error::TooLarge`] for more draws
-    /// than the device takes; no memory, a failed call. The frame is given up then, so that its
-    /// command buffer must not be submitted. No change is lost: the next frame uploads it.
+    /// A frame of another device; [`Error::FramesInFlight`], [`Error::OtherRing`];
+    /// [`gpu::Error::TooLarge`] for more draws than the device takes; no memory, a failed call. The
+    /// frame is given up then, so that its command buffer must not be submitted. No change is lost:
+    /// the next frame uploads it.
     pub fn begin<'ring>(
         &mut self,
         mut frame: Frame<'ring>,
