@@ -3,10 +3,10 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 #![allow(unsafe_code, reason = "a host in C calls it so")]
 
-use std::alloc::System;
 use std::collections::VecDeque;
 use std::ptr::null_mut;
 
+use allocation_counter::measure;
 use antumbra_capi::api::context::{antumbra_context_create, antumbra_context_destroy};
 use antumbra_capi::api::culler::*;
 use antumbra_capi::api::hierarchy::*;
@@ -22,10 +22,6 @@ use cull::{
     Strategy, ViewProjection, VisibilityTestSupport,
 };
 use glam::{Mat4, Vec3, vec3};
-use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
-
-#[global_allocator]
-static ALLOCATOR: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;
 
 /// Returns a wall, and boxes behind it. The boxes at the edge of the wall show.
 fn boxes() -> Vec<Aabb> {
@@ -165,10 +161,12 @@ fn plans_are_those_of_the_culler_and_allocate_nothing_when_calm() {
         culler.ingest(&hierarchy, known_here);
         culler.plan(&hierarchy, Strategy::ANTUMBRA, &view, 100, &mut expected);
 
-        let region = Region::new(ALLOCATOR);
-        interface.ingest(&known);
-        let plan = interface.plan(&desc, 100);
-        let allocated = region.change().allocations;
+        let mut plan = AntumbraFramePlan::INIT;
+        let allocated = measure(|| {
+            interface.ingest(&known);
+            plan = interface.plan(&desc, 100);
+        });
+        let allocated = allocated.count_total;
         assert!(frame < 60 || allocated == 0, "frame {frame}: {allocated} allocations");
 
         // SAFETY: it was just made.
