@@ -147,6 +147,7 @@ impl<'a, T: Copy + Into<Viewpoint>> ComparedWalk<'a, T> {
         cameras: &'a [T],
         options: &RendererOptions,
     ) -> Self {
+        assert!(!cameras.is_empty(), "nothing to compare");
         let mut renderer = Renderer::new(device, scene, options).expect("a renderer");
         let expected = Self::frames(&mut renderer, cameras, Strategy::FRUSTUM);
         Self { renderer, cameras, expected }

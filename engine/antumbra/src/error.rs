@@ -15,8 +15,8 @@ impl Error {
     }
 }
 
-// As in other types that take any error, `Error` itself is no `std::error::Error`: it would be
-// converted from itself.
+// `Error` does not implement `std::error::Error`: this conversion would then be one from itself,
+// which the standard library has already.
 impl<E: Into<Box<dyn StdError + Send + Sync>>> From<E> for Error {
     fn from(error: E) -> Self {
         Self(error.into())

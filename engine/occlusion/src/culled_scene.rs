@@ -272,9 +272,8 @@ impl CulledScene {
     }
 
     /// Changes the number of frames that may be in flight at once, for frames of another ring.
-    /// Views follow with their next plan. 0 counts as 1.
+    /// Views follow with their next plan.
     pub fn set_frames_in_flight(&mut self, frames_in_flight: usize) {
-        let frames_in_flight = frames_in_flight.max(1);
         self.ring = None;
         self.frames_in_flight = frames_in_flight;
         self.leaves.set_frames_in_flight(frames_in_flight);

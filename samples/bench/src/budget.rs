@@ -2,9 +2,10 @@
 //!
 //! A walk is drawn and recorded once. Then frames that lack parts of the recorded ones are drawn in
 //! turns, over the same walk: each ablation adds one part to the one before, so the differences add
-//! up to the time over the ideal.
+//! up to the time over the ideal. The images of some frames are compared.
 
 mod ablation;
+mod args;
 mod frame_record;
 mod replay_method;
 
@@ -26,6 +27,7 @@ use crate::stopwatch::Stopwatch;
 use crate::walk_scene::WalkScene;
 
 pub use ablation::Ablation;
+pub use args::BudgetArguments;
 use frame_record::FrameRecord;
 use replay_method::{WalkRecord, method};
 

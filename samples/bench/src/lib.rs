@@ -4,7 +4,8 @@
 //! The program `walkthrough`, step by step: [`args`] turns its command line into [`Options`],
 //! [`outputs`] checks that its files can be written, [`run`] draws the frames in the order of
 //! [`schedule`] and measures them with [`measurement`]. [`report`] and [`table`] present the
-//! results. With the feature `charts`, `compare` makes one page of many such reports, and
+//! results. The program `budget` finds what each part of a frame costs ([`budget`]). With the
+//! feature `charts`, `compare` makes one page of many such reports, and
 //! `gpu_page` makes the page of a device.
 #![forbid(unsafe_code)]
 

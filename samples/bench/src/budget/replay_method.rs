@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use antumbra::cull::{Hierarchy, LeafIndex, QueryKind, Strategy};
 use antumbra::gpu::Frame;
 use antumbra::occlusion::{
-    CulledScene, Error, Method, MethodConstructor, MethodRequest, MethodStats, OcclusionState,
-    ShadedObjects, ShaderSet, execute,
+    AntumbraMethod, CulledScene, Error, Method, MethodConstructor, MethodRequest, MethodStats,
+    OcclusionState, ShadedObjects, ShaderSet,
 };
 
 use super::ablation::Ablation;
@@ -81,10 +81,9 @@ impl Method for ReplayMethod {
         state: &mut OcclusionState,
         scene: &mut CulledScene,
         objects: &mut dyn ShadedObjects,
-        _request: &MethodRequest<'_>,
+        request: &MethodRequest<'_>,
     ) -> Result<MethodStats, Error> {
-        execute(frame, scene, state, objects)?;
-        Ok(MethodStats::of(state.plan()))
+        AntumbraMethod.record(frame, state, scene, objects, request)
     }
 
     fn reloaded(

@@ -25,3 +25,14 @@ fn a_budget_has_a_row_for_each_part_and_equal_images() {
     assert!(sum.starts_with("| over the ideal |"), "{table}");
     assert!(parts.iter().all(|line| column(line, 2) > 0.0), "{table}");
 }
+
+#[test]
+fn options_of_other_programs_are_refused() {
+    let scratch = Scratch::new("budget-options");
+    for option in ["--moving-percent=10", "--views=2", "--verify=every", "--strategy=chc"] {
+        let mut program = harness::program(env!("CARGO_BIN_EXE_budget"), &scratch.0, &[option]);
+        let output = program.output().expect("it starts");
+        assert_eq!(output.status.code(), Some(2), "{option}");
+        assert!(output.stdout.is_empty(), "{option}");
+    }
+}
