@@ -189,9 +189,12 @@ impl Walk<'_> {
                 }
             }
             NodeState::Visible if is_fresh => {
-                // A node whose pull-up query failed would show again.
+                // Where leaves are tested individually below a node that shows, a test of the node
+                // in place of its children needs no pull-up query beforehand. A node whose pull-up
+                // query failed would show again.
+                let may_close = self.has_leaf_tests || self.coarseness > 0;
                 let is_worth_it =
-                    self.coarseness > 0 && (record.stable_queries == 0 || record.due <= self.now);
+                    may_close && (record.stable_queries == 0 || record.due <= self.now);
                 let is_closed = is_worth_it
                     && self
                         .children_hidden_since(visit)
