@@ -2,9 +2,10 @@
 //! (pull-up), and its parts are tested next (pull-down; "Hardware Occlusion Queries Made Useful",
 //! 6.4).
 //!
-//! The literature also makes a parent hidden if its children are hidden. Here a pull-up query tests
-//! the parent first: in many views its box shows although the boxes of its children do not. A
-//! parent merged without a test would then be drawn as a whole.
+//! The literature also makes a parent hidden if its children are hidden. But in many views its box
+//! shows although the boxes of its children do not, and all of its leaves would be drawn. So a
+//! pull-up query tests the parent first, unless the leaves below a node that shows are tested
+//! individually in the same frame.
 
 use crate::hierarchy::{NO_NODE, Topology};
 use crate::history::record::{FrameStamp, NodeRecord, NodeState};
