@@ -45,6 +45,18 @@ pub(crate) fn split(bytes: &[u8]) -> Result<Parts, Fault> {
     chunks(whole)
 }
 
+/// Frees what is in front of the binary chunk, unless moving the chunk takes longer than reading
+/// that text did. Returns the new range of the chunk.
+pub(crate) fn free_text(file: &mut Vec<u8>, binary: Range<usize>) -> Range<usize> {
+    if binary.len() > binary.start {
+        return binary;
+    }
+    file.truncate(binary.end);
+    file.drain(..binary.start);
+    file.shrink_to_fit();
+    0..file.len()
+}
+
 fn chunks(whole: &[u8]) -> Result<Parts, Fault> {
     let mut start = HEADER_BYTES;
     let mut json = None;
@@ -78,4 +90,19 @@ fn chunks(whole: &[u8]) -> Result<Parts, Fault> {
 
 fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
     bytes.get(at..)?.first_chunk().map(|&bytes| u32::from_le_bytes(bytes))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_long_text_is_freed_and_a_long_chunk_is_not_moved() {
+        let mut file = b"a long text, data, rest".to_vec();
+        assert_eq!(free_text(&mut file, 13..17), 0..4);
+        assert_eq!(file, b"data");
+        let mut file = b"text, and more data".to_vec();
+        assert_eq!(free_text(&mut file, 6..19), 6..19);
+        assert_eq!(file.len(), 19);
+    }
 }

@@ -222,7 +222,8 @@ fn decode_all(
     read_progress: &mut ReadProgress<'_>,
 ) -> Vec<Result<Texels, Reason>> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
-    let threads = cores.min(MAX_THREADS).min(jobs.len());
+    // A thread for a single image costs time and memory, and gains nothing.
+    let threads = if jobs.len() > 1 { cores.min(MAX_THREADS).min(jobs.len()) } else { 0 };
     let gate = Gate::new(limits.image_scratch_bytes);
     let next = AtomicUsize::new(0);
     let done = Mutex::new(vec![Err(Reason::given_up()); jobs.len()]);
@@ -244,8 +245,8 @@ fn decode_all(
             std::thread::Builder::new().spawn_scoped(scope, move || work(finished)).is_ok()
         };
         let started = (0..threads).take_while(|_| start(finished.clone())).count();
-        // Each thread has a sender; the channel closes when the last one ends. If no thread could
-        // be started, this thread does the work.
+        // Each thread has a sender; the channel closes when the last one ends. Without threads,
+        // this thread does the work.
         match started {
             0 => work(finished),
             _ => drop(finished),

@@ -273,6 +273,9 @@ fn check_and_decode(
     } else {
         (json::parse(&bytes, limits, &mut notes)?, None)
     };
+    // The text is not needed any more.
+    let mut file = if binary.is_some() { bytes } else { Vec::new() };
+    let binary = binary.map(|binary| glb::free_text(&mut file, binary));
     let json::Parsed { mut root, faults, extension_names } = parsed;
     // The memory demand of the JSON is bounded at this point, so all of it is checked before any
     // file is opened.
@@ -295,7 +298,6 @@ fn check_and_decode(
     let given_placeholders = placeholders.as_slice();
     let buffers =
         buffers::resolve(&root, given_binary, given_placeholders, folder, &mut budget, verdict)?;
-    let file = if binary.is_some() { bytes } else { Vec::new() };
     let mut store = Store { file, buffers };
     meshopt::decompress(&root, &compressed, &mut store, verdict)?;
     check::indices_and_joints(&mut root, &store, verdict)?;

@@ -56,7 +56,7 @@ pub use flare::{FlarePlace, LensFlare};
 pub use image::{AstcBlock, BlockFormat, Image, Texels};
 pub use mesh::{
     Mesh, MeshId, Object, Vertex, bounds_of_transformed, bounds_of_vertices, pack_normal,
-    pack_unorm, unpack_normal, unpack_unorm,
+    pack_unorm, round_half_away, unpack_normal, unpack_unorm,
 };
 pub use patches::{
     EvaluatedPoint, MAX_LEVEL, MAX_PATCHES, Patch, PatchEdge, PatchError, PatchSides, PatchSurface,

@@ -118,7 +118,7 @@ pub fn bounds_of_transformed(bounds: &Aabb, transform: &Affine3A) -> Aabb {
 
 /// Packs a unit vector as snorm8x4 with w = 0.
 pub fn pack_normal(normal: Vec3) -> u32 {
-    let byte = |value: f32| u32::from((value.clamp(-1.0, 1.0) * 127.0).round() as i8 as u8);
+    let byte = |value: f32| u32::from(round_half_away(value.clamp(-1.0, 1.0) * 127.0) as i8 as u8);
     byte(normal.x) | byte(normal.y) << 8 | byte(normal.z) << 16
 }
 
@@ -130,7 +130,17 @@ pub fn unpack_normal(packed: u32) -> Vec3 {
 
 /// Packs four numbers of `0.0..=1.0` as unorm8x4, the first in the lowest byte.
 pub fn pack_unorm(values: [f32; 4]) -> u32 {
-    u32::from_le_bytes(values.map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8))
+    let byte = |value: f32| round_half_away(value.clamp(0.0, 1.0) * 255.0) as u8;
+    u32::from_le_bytes(values.map(byte))
+}
+
+/// Returns the nearest integer, of two the one farther from 0, like [`f32::round`]. Most processors
+/// have no instruction for that, and packing rounds twenty numbers per vertex. NaN becomes 0.
+#[inline]
+pub fn round_half_away(value: f32) -> i32 {
+    // In double precision, the sum is exact.
+    let value = f64::from(value);
+    (value + 0.5_f64.copysign(value)) as i32
 }
 
 /// Returns the inverse of [`pack_unorm`].
@@ -152,6 +162,17 @@ mod tests {
             assert!((packed - given).abs() < 0.003);
         }
         assert_eq!(pack_unorm([1.0, 0.0, 0.0, 0.0]), 0xFF);
+    }
+
+    #[test]
+    fn numbers_are_rounded_as_by_the_library() {
+        let halves = (-70_000..70_000).map(|half| half as f32 * 0.5);
+        for value in halves.flat_map(|half| [half.next_down(), half, half.next_up()]) {
+            assert_eq!(round_half_away(value), value.round() as i32, "{value:?}");
+        }
+        for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -0.0, f32::MIN_POSITIVE] {
+            assert_eq!(round_half_away(value), value.round() as i32, "{value:?}");
+        }
     }
 
     #[test]

@@ -149,26 +149,24 @@ impl Mender<'_> {
         forest: &mut Forest,
         new: &mut Vec<usize>,
     ) -> Result<(), Fault> {
-        let Some(node) = self.root.nodes.get_mut(index) else { return Ok(()) };
-        let Some(given) = node.children.take() else { return Ok(()) };
-        let mut kept: Vec<Index<Node>> = Vec::with_capacity(given.len());
-        for child in given {
+        let node = self.root.nodes.get_mut(index);
+        let Some(children) = node.and_then(|node| node.children.as_mut()) else { return Ok(()) };
+        let mut left_out = Ok(());
+        children.retain(|child| {
             let is_new = forest.is_new(child.value());
-            match forest.adopt(index, child.value()) {
-                Ok(()) => {
-                    kept.push(child);
-                    new.extend(is_new.then_some(child.value()));
-                }
-                Err(reason) => {
+            let adopted = forest.adopt(index, child.value());
+            let is_kept = adopted.is_ok();
+            match adopted {
+                Ok(()) => new.extend(is_new.then_some(child.value())),
+                Err(reason) if left_out.is_ok() => {
                     let fault = reason.of(format!("node {index}, children"));
-                    self.losses.leave_out(fault, "it is left out here", self.notes)?;
+                    left_out = self.losses.leave_out(fault, "it is left out here", self.notes);
                 }
+                Err(_) => {}
             }
-        }
-        if let Some(node) = self.root.nodes.get_mut(index) {
-            node.children = Some(kept);
-        }
-        Ok(())
+            is_kept
+        });
+        left_out
     }
 }
 

@@ -18,14 +18,20 @@ pub(super) enum NodePart {
     Mesh,
 }
 
-/// Checks all nodes and scenes. Shown nodes form a forest already; weights that do not fit the
-/// targets of their meshes are removed. Returns the parents of the shown nodes.
+/// Checks all nodes and scenes. Shown nodes form a forest with valid references and numbers
+/// already; weights that do not fit the targets of their meshes are removed. Returns the parents of
+/// the shown nodes.
 pub(super) fn check(root: &mut Root, verdict: &mut Verdict) -> Result<Vec<Option<u32>>, Fault> {
+    let mut parents: Vec<Option<u32>> = vec![None; root.nodes.len()];
+    let mut are_all_shown = true;
     for index in 0..root.nodes.len() {
         let element = Kind::Node.at(index);
         if verdict.is_used(element) {
             mend_weights(root, index, verdict)?;
+            adopt_children(&mut parents, index, root)?;
+            continue;
         }
+        are_all_shown = false;
         let Some(node) = root.nodes.get(index) else { continue };
         let checked = check_references(root, node)
             .map_err(|(_, reason)| reason)
@@ -36,8 +42,7 @@ pub(super) fn check(root: &mut Root, verdict: &mut Verdict) -> Result<Vec<Option
         verdict.judge(element, checked)?;
     }
     let root = &*root;
-    let parents = forest(root, |node| verdict.is_used(Kind::Node.at(node)))?;
-    if let Err(fault) = forest(root, |_| true) {
+    if !are_all_shown && let Err(fault) = check_forest(root) {
         verdict.notes.add(|| {
             let (object, reason) = fault.into_parts();
             Note::new(object, format!("{reason}; not all of that is shown"))
@@ -55,17 +60,16 @@ fn mend_weights(root: &mut Root, index: usize, verdict: &mut Verdict) -> Result<
     verdict.repair(reason.of(Kind::Node.at(index).to_string()), "they are ignored")
 }
 
-/// Returns the parents of the nodes; only the children of `counted` nodes matter.
+/// Checks that all nodes are a forest, whether they are shown or not.
 ///
 /// # Errors
 /// A node with two parents, or that is its own ancestor.
-fn forest(root: &Root, counted: impl Fn(usize) -> bool) -> Result<Vec<Option<u32>>, Fault> {
+fn check_forest(root: &Root) -> Result<(), Fault> {
     let mut parents: Vec<Option<u32>> = vec![None; root.nodes.len()];
-    for (index, node) in root.nodes.iter().enumerate().filter(|(index, _)| counted(*index)) {
-        adopt_children(&mut parents, index, node)?;
+    for index in 0..root.nodes.len() {
+        adopt_children(&mut parents, index, root)?;
     }
-    check_ancestors(&parents)?;
-    Ok(parents)
+    check_ancestors(&parents)
 }
 
 fn check_children(node: &Node, count: usize) -> Result<(), Reason> {
@@ -112,8 +116,10 @@ pub(super) fn check_numbers(node: &Node) -> Result<(), Reason> {
 }
 
 /// Notes the parent of a node's children; a child may have only one parent.
-fn adopt_children(parents: &mut [Option<u32>], index: usize, node: &Node) -> Result<(), Fault> {
-    for child in node.children.iter().flatten().map(|child| child.value()) {
+fn adopt_children(parents: &mut [Option<u32>], index: usize, root: &Root) -> Result<(), Fault> {
+    let node = root.nodes.get(index);
+    let children = node.and_then(|node| node.children.as_deref()).unwrap_or_default();
+    for child in children.iter().map(|child| child.value()) {
         let Some(parent) = parents.get_mut(child) else { continue };
         if let Some(other) = parent.replace(index as u32) {
             let text = format!("node {child} is a child of node {other} already");

@@ -174,7 +174,7 @@ impl<'a> Assembly<'a> {
         for number in 0..plan.primitives(mesh) {
             let Some(primitive) = self.primitive(mesh, number) else { continue };
             let Some(kind) = plan.kind(mesh, number) else { continue };
-            let skin = self.skin_of(in_file);
+            let skin = tree.skin(node);
             if skin.is_some() && !primitive.is_skinned() {
                 let what = "its mesh has no joints, and its skin is ignored";
                 self.notes.count(what, 1, || tree.name(node));
@@ -188,11 +188,6 @@ impl<'a> Assembly<'a> {
             }
         }
         Ok(())
-    }
-
-    fn skin_of(&self, in_file: usize) -> Option<usize> {
-        let node = self.source.document.as_json().nodes.get(in_file)?;
-        node.skin.map(|skin| skin.value())
     }
 
     /// Returns true if morph targets change a primitive of a node at rest or while a clip plays.

@@ -4,9 +4,11 @@
 //! The factor depends only on the scene at rest, so all frames use the same factor. The lights are
 //! dimmed instead of the whole image, since emission and ambient light need no exposure.
 
+use std::collections::HashMap;
 use std::f32::consts::PI;
 
 use cull::Aabb;
+use glam::Vec3;
 use scene::{LightKind, MeshId, PunctualLight, Scene, Surfaces};
 
 use crate::notes::Notes;
@@ -43,11 +45,13 @@ fn dim(scene: &Scene, surfaces: &mut Surfaces, notes: &mut Notes) {
     let objects = scene.objects.iter().chain(&surfaces.transparent);
     let count = scene.objects.len() + surfaces.transparent.len();
     let most = (MOST_PAIRS / surfaces.lights.len().max(1)).clamp(1, MOST_OBJECTS);
+    let mut albedos = HashMap::new();
     let receivers: Vec<Receiver> = objects
         .step_by(count.div_ceil(most).max(1))
         .filter_map(|object| {
-            let albedo = albedo(surfaces, object.mesh)?;
-            Some(Receiver { bounds: scene.bounds_of(object)?, albedo })
+            let known = albedos.entry(object.mesh);
+            let albedo = (*known.or_insert_with(|| albedo(surfaces, object.mesh)))?;
+            Some(Receiver::new(scene.bounds_of(object)?, albedo))
         })
         .collect();
     let Some(factor) = factor(&surfaces.lights, &receivers) else { return };
@@ -63,8 +67,16 @@ fn dim(scene: &Scene, surfaces: &mut Surfaces, notes: &mut Notes) {
 /// An object that receives light.
 struct Receiver {
     bounds: Aabb,
+    centre: Vec3,
+    half_extent: Vec3,
     /// The albedo of the brightest channel.
     albedo: f32,
+}
+
+impl Receiver {
+    fn new(bounds: Aabb, albedo: f32) -> Self {
+        Self { bounds, centre: bounds.centre(), half_extent: bounds.half_extent(), albedo }
+    }
 }
 
 /// Returns the albedo of a mesh; `None` if its material is unlit.
@@ -90,7 +102,7 @@ fn albedo(surfaces: &Surfaces, mesh: MeshId) -> Option<f32> {
 /// Returns the factor for lights that shine on objects; `None` if they are not dimmed.
 fn factor(lights: &[PunctualLight], receivers: &[Receiver]) -> Option<f32> {
     let sent = |receiver: &Receiver| {
-        let lux = lights.iter().map(|light| illuminance_lx(light, &receiver.bounds)).sum::<f32>();
+        let lux = lights.iter().map(|light| illuminance_lx(light, receiver)).sum::<f32>();
         lux * receiver.albedo / PI
     };
     let mut sent: Vec<f32> = receivers.iter().map(sent).filter(|sent| *sent > 0.0).collect();
@@ -100,22 +112,25 @@ fn factor(lights: &[PunctualLight], receivers: &[Receiver]) -> Option<f32> {
 }
 
 /// Returns the illuminance by a light on a surface that faces it, at the mean distance of points in
-/// a box.
-fn illuminance_lx(light: &PunctualLight, bounds: &Aabb) -> f32 {
+/// a box. There are up to [`MOST_PAIRS`] calls.
+fn illuminance_lx(light: &PunctualLight, receiver: &Receiver) -> f32 {
+    let &Receiver { bounds, centre, half_extent: half, .. } = receiver;
     let strongest = light.colour.into_iter().fold(0.0, f32::max) * light.intensity;
-    let to = bounds.centre() - light.position;
-    let half = bounds.half_extent();
+    if light.kind == LightKind::Directional {
+        return strongest;
+    }
     let nearest = (light.position.clamp(bounds.min, bounds.max) - light.position).length();
     let is_reached = light.range_m.is_none_or(|range_m| nearest < range_m);
+    if !is_reached {
+        return 0.0;
+    }
+    let to = centre - light.position;
     let is_lit = match light.kind {
-        LightKind::Directional => return strongest,
-        LightKind::Point => is_reached,
+        LightKind::Directional | LightKind::Point => true,
         LightKind::Spot { outer_rad, .. } => {
             let radius = half.length();
-            let beside_rad = (radius / to.length()).min(1.0).asin();
-            is_reached
-                && (to.length() <= radius
-                    || light.direction.angle_between(to) < outer_rad + beside_rad)
+            let beside_rad = || (radius / to.length()).min(1.0).asin();
+            to.length() <= radius || light.direction.angle_between(to) < outer_rad + beside_rad()
         }
     };
     let squared = to.length_squared() + half.length_squared() / 3.0;
@@ -145,7 +160,7 @@ mod tests {
     }
 
     fn receiver(centre: Vec3, albedo: f32) -> Receiver {
-        Receiver { bounds: around(centre), albedo }
+        Receiver::new(around(centre), albedo)
     }
 
     #[test]
@@ -164,14 +179,14 @@ mod tests {
     #[test]
     fn lamps_count_by_their_distance_their_range_and_their_cone() {
         let lamp = light(LightKind::Point, 800.0);
-        let below = around(Vec3::ZERO);
+        let below = receiver(Vec3::ZERO, 1.0);
         assert!((illuminance_lx(&lamp, &below) - 8.0).abs() < 0.01);
         let near = PunctualLight { range_m: Some(5.0), ..lamp };
         assert_eq!(illuminance_lx(&near, &below), 0.0);
         let spot = light(LightKind::Spot { inner_rad: 0.1, outer_rad: 0.2 }, 800.0);
         assert!(illuminance_lx(&spot, &below) > 7.0);
-        assert_eq!(illuminance_lx(&spot, &around(Vec3::X * 10.0)), 0.0);
-        let room = Aabb::new(Vec3::splat(-20.0), Vec3::splat(20.0));
+        assert_eq!(illuminance_lx(&spot, &receiver(Vec3::X * 10.0, 1.0)), 0.0);
+        let room = Receiver::new(Aabb::new(Vec3::splat(-20.0), Vec3::splat(20.0)), 1.0);
         assert!(
             illuminance_lx(&lamp, &room) < 2.0,
             "a room is larger than its lamp's surroundings"

@@ -29,6 +29,8 @@ pub(super) struct Tree {
     pub(super) cameras: Vec<(RigNodeId, usize)>,
     /// The nodes with a light, and the light's index in the file.
     pub(super) lights: Vec<(RigNodeId, usize)>,
+    /// The nodes with a skin, in increasing order, and the skin's index in the file.
+    pub(super) skins: Vec<(RigNodeId, usize)>,
     /// The id in the rig of each node of the file, if it is in the scene.
     pub(super) ids: Vec<Option<RigNodeId>>,
     /// The world transform of each node at rest.
@@ -40,7 +42,8 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// Returns the shown scene. The names of its nodes are taken out of the file.
+    /// Returns the shown scene. The nodes are taken out of the file: in large scenes they take more
+    /// memory than all else.
     pub(super) fn of(
         source: &mut Source,
         place: ScenePlace,
@@ -49,7 +52,8 @@ impl Tree {
         let empty = gltf::Document::from_json_without_validation(json::Root::default());
         let mut json = std::mem::replace(&mut source.document, empty).into_json();
         let (moved, morphed) = animated(&json);
-        let count = json.nodes.len();
+        let mut all_given = std::mem::take(&mut json.nodes);
+        let count = all_given.len();
         let mut nodes: Vec<RigNode> = Vec::with_capacity(count);
         let mut ids = vec![None; count];
         let mut in_file = Vec::with_capacity(count);
@@ -57,12 +61,13 @@ impl Tree {
         let mut meshes = Vec::with_capacity(count);
         let mut cameras = Vec::new();
         let mut lights = Vec::new();
+        let mut skins = Vec::new();
         let mut moves = Vec::with_capacity(count);
         let mut morphs = Vec::with_capacity(count);
         let mut pending: Vec<(usize, Option<RigNodeId>)> =
             roots(&json, notes).into_iter().rev().map(|root| (root, None)).collect();
         while let Some((index, parent)) = pending.pop() {
-            let (Some(given), Some(slot @ None)) = (json.nodes.get_mut(index), ids.get_mut(index))
+            let (Some(given), Some(slot @ None)) = (all_given.get_mut(index), ids.get_mut(index))
             else {
                 continue;
             };
@@ -80,12 +85,14 @@ impl Tree {
             in_file.push(index);
             meshes.push(given.mesh.and_then(|mesh| u32::try_from(mesh.value()).ok()));
             cameras.extend(given.camera.map(|camera| (id, camera.value())));
+            skins.extend(given.skin.map(|skin| (id, skin.value())));
             let extensions = given.extensions.as_ref();
             let light = extensions.and_then(|extensions| extensions.khr_lights_punctual.as_ref());
             lights.extend(light.map(|named| (id, named.light.value())));
             let children = given.children.as_deref().unwrap_or_default();
             pending.extend(children.iter().rev().map(|child| (child.value(), Some(id))));
         }
+        drop(all_given);
         source.document = gltf::Document::from_json_without_validation(json);
         let mut origin_m = DVec3::ZERO;
         if place == ScenePlace::NearOrigin && !has_moved_root(&nodes, &moves) {
@@ -97,12 +104,30 @@ impl Tree {
         let rig = Rig::new(nodes).map_err(|error| {
             source.error(Cause::Malformed, "nodes".to_owned(), error.to_string())
         })?;
-        Ok(Self { origin_m, rig, in_file, meshes, cameras, lights, ids, worlds, moves, morphs })
+        Ok(Self {
+            origin_m,
+            rig,
+            in_file,
+            meshes,
+            cameras,
+            lights,
+            skins,
+            ids,
+            worlds,
+            moves,
+            morphs,
+        })
     }
 
     /// Returns the id of a node of the file, if it is in the scene.
     pub(super) fn id_of(&self, in_file: usize) -> Option<RigNodeId> {
         self.ids.get(in_file).copied().flatten()
+    }
+
+    /// Returns the skin of a node, as an index in the file.
+    pub(super) fn skin(&self, node: RigNodeId) -> Option<usize> {
+        let place = self.skins.binary_search_by_key(&node.0, |(skinned, _)| skinned.0).ok()?;
+        self.skins.get(place).map(|(_, skin)| *skin)
     }
 
     /// Returns a node's world transform at rest.

@@ -3,19 +3,19 @@
 use glam::Vec3;
 use scene::{
     MaterialId, Mesh, SurfaceMesh, SurfaceVertex, Vertex, bounds_of_vertices, pack_normal,
-    pack_unorm,
+    pack_unorm, round_half_away,
 };
 
 use super::geometry::Geometry;
 
 /// Returns a number from -1 to 1 as a signed normalised integer.
 pub(super) fn snorm16(value: f32) -> i16 {
-    (value.clamp(-1.0, 1.0) * 32767.0).round() as i16
+    round_half_away(value.clamp(-1.0, 1.0) * 32767.0) as i16
 }
 
 /// Returns a number from 0 to 1 as an unsigned normalised integer.
 fn unorm16(value: f32) -> u16 {
-    (value.clamp(0.0, 1.0) * 65535.0).round() as u16
+    round_half_away(value.clamp(0.0, 1.0) * 65535.0) as u16
 }
 
 /// Returns both halves of a mesh. `base_colour` is the material's colour, for renderers without

@@ -6,7 +6,8 @@
 
 use std::collections::HashMap;
 
-use glam::Vec3;
+use foldhash::fast::RandomState;
+use glam::{DVec3, Vec3};
 
 /// The distance along an axis within which two positions count as equal, relative to the largest
 /// coordinate of either: two steps of single precision. Positions farther apart may be a feature,
@@ -17,36 +18,99 @@ const WELD_SHARE: f32 = 2.0 * f32::EPSILON;
 /// distance at their scale.
 const CELL: f64 = 4.0;
 
-/// A cell of positions whose largest coordinates have the same binary exponent.
+/// A cell of positions whose largest coordinates have the same binary exponent. One number is
+/// hashed faster than four.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
-struct Cell {
-    exponent: i32,
-    place: [i64; 3],
+struct Cell(u128);
+
+impl Cell {
+    fn new(exponent: i32, place: [i32; 3]) -> Self {
+        let [x, y, z] = place;
+        Self(bytemuck::cast([exponent, x, y, z]))
+    }
 }
 
 /// Moves each position to the first one that lies within its rounding.
 pub(super) fn weld(positions: &mut [Vec3]) {
-    // The first position of each cell, and for each position the next one in its cell.
-    let mut first_of_cell: HashMap<Cell, u32> = HashMap::with_capacity(positions.len() / 4);
-    let mut next_of: Vec<Option<u32>> = vec![None; positions.len()];
+    let mut cells = Cells {
+        first_of_cell: HashMap::with_capacity_and_hasher(
+            positions.len() / 4,
+            RandomState::default(),
+        ),
+        next_of: vec![None; positions.len()],
+    };
     for index in 0..positions.len() {
         let at = positions[index];
-        let near = cells_near(at).find_map(|cell| {
-            let mut candidate = first_of_cell.get(&cell).copied();
-            while let Some(number) = candidate {
-                let place = positions[number as usize];
-                if (place - at).abs().max_element() <= tolerance(at).max(tolerance(place)) {
-                    return Some(place);
-                }
-                candidate = next_of[number as usize];
-            }
-            None
-        });
-        match near {
+        let own = cell_of(at);
+        // Most vertices repeat a position. No other kept position is near it, since it would have
+        // been moved there.
+        if cells.find_in(own, positions, |place| bits(place) == bits(at)).is_some() {
+            continue;
+        }
+        match cells.find_near(at, positions) {
             Some(place) => positions[index] = place,
-            None => next_of[index] = first_of_cell.insert(cell_of(at), index as u32),
+            None => cells.next_of[index] = cells.first_of_cell.insert(own, index as u32),
         }
     }
+}
+
+/// The positions that were kept, by cell.
+struct Cells {
+    /// The last position of each cell. The hash is seeded, so a file cannot aim for collisions.
+    first_of_cell: HashMap<Cell, u32, RandomState>,
+    /// For each position the previous one in its cell.
+    next_of: Vec<Option<u32>>,
+}
+
+impl Cells {
+    /// Returns a position in a cell for which `is_wanted` returns true.
+    fn find_in(
+        &self,
+        cell: Cell,
+        positions: &[Vec3],
+        is_wanted: impl Fn(Vec3) -> bool,
+    ) -> Option<Vec3> {
+        let mut candidate = self.first_of_cell.get(&cell).copied();
+        while let Some(number) = candidate {
+            let place = positions[number as usize];
+            if is_wanted(place) {
+                return Some(place);
+            }
+            candidate = self.next_of[number as usize];
+        }
+        None
+    }
+
+    /// Returns a position that counts as equal. It is in one of at most two cells per axis, and of
+    /// two exponents if the largest coordinate is near a power of two.
+    fn find_near(&self, at: Vec3, positions: &[Vec3]) -> Option<Vec3> {
+        let own = tolerance(at);
+        let is_near = |place: Vec3| (place - at).abs().max_element() <= own.max(tolerance(place));
+        let largest = at.abs().max_element();
+        // The tolerances of near positions differ by less than a thousandth.
+        let reach = 1.125 * own;
+        for exponent in exponent_of(largest - reach)..=exponent_of(largest + reach) {
+            let offset = DVec3::splat(f64::from(reach));
+            let low = place_of(at.as_dvec3() - offset, exponent);
+            let high = place_of(at.as_dvec3() + offset, exponent);
+            for x in low[0]..=high[0] {
+                for y in low[1]..=high[1] {
+                    for z in low[2]..=high[2] {
+                        let cell = Cell::new(exponent, [x, y, z]);
+                        let found = self.find_in(cell, positions, is_near);
+                        if found.is_some() {
+                            return found;
+                        }
+                    }
+                }
+            }
+        }
+        None
+    }
+}
+
+fn bits(at: Vec3) -> [u32; 3] {
+    at.to_array().map(f32::to_bits)
 }
 
 /// Returns the distance within which another position counts as equal.
@@ -59,41 +123,69 @@ fn exponent_of(largest: f32) -> i32 {
     ((largest.to_bits() >> 23) & 0xff) as i32
 }
 
-/// Returns the index of the cell that holds a coordinate, for an exponent.
-fn place_of(coordinate: f64, exponent: i32) -> i64 {
-    // The largest number of this exponent is below 2^(exponent - 126).
-    let width = f64::from(WELD_SHARE) * CELL * f64::from(exponent - 126).exp2();
-    (coordinate / width).floor() as i64
+/// Returns the indices of the cell that holds a position, for an exponent. A position of this
+/// exponent is within 2^20 cells of the origin, and one of the next exponent within 2^21.
+fn place_of(at: DVec3, exponent: i32) -> [i32; 3] {
+    // The largest number of this exponent is below 2^(exponent - 126). All factors are powers of
+    // two, so the product is exact.
+    let cells_per_unit = power_of_two(126 - exponent) / (f64::from(WELD_SHARE) * CELL);
+    (at * cells_per_unit).to_array().map(floor)
+}
+
+/// Returns 2 to the power of an exponent from -1022 to 1023.
+fn power_of_two(exponent: i32) -> f64 {
+    f64::from_bits(((1023 + i64::from(exponent)) as u64) << 52)
+}
+
+/// Returns the greatest integer up to a number. On most targets this is faster than a call of the
+/// library's function.
+fn floor(number: f64) -> i32 {
+    let truncated = number as i32;
+    truncated.saturating_sub(i32::from(f64::from(truncated) > number))
 }
 
 fn cell_of(at: Vec3) -> Cell {
     let exponent = exponent_of(at.abs().max_element());
-    let place = at.to_array().map(|coordinate| place_of(f64::from(coordinate), exponent));
-    Cell { exponent, place }
-}
-
-/// Returns all cells that may hold a position equal to this one: at most two per axis, and cells of
-/// two exponents if the largest coordinate is near a power of two.
-fn cells_near(at: Vec3) -> impl Iterator<Item = Cell> {
-    let largest = at.abs().max_element();
-    let reach = 2.0 * tolerance(at);
-    (exponent_of(largest - reach)..=exponent_of(largest + reach)).flat_map(move |exponent| {
-        let along = at.to_array().map(|coordinate| {
-            let low = place_of(f64::from(coordinate) - f64::from(reach), exponent);
-            low..=place_of(f64::from(coordinate) + f64::from(reach), exponent)
-        });
-        let [across, up, deep] = along;
-        across.flat_map(move |x| {
-            let deep = deep.clone();
-            up.clone()
-                .flat_map(move |y| deep.clone().map(move |z| Cell { exponent, place: [x, y, z] }))
-        })
-    })
+    Cell::new(exponent, place_of(at.as_dvec3(), exponent))
 }
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
+
+    /// Returns coordinates of which many are within a few roundings of each other.
+    fn coordinate() -> impl Strategy<Value = f32> {
+        let base = proptest::sample::select(vec![0.0, 1.0, -1.0, 0.75, 2.0, 1.0e-40, 3.0e38]);
+        (base, -6..6_i32).prop_map(|(base, steps): (f32, i32)| {
+            f32::from_bits(base.to_bits().saturating_add_signed(steps))
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn positions_that_stay_are_apart_and_the_others_move_to_one_of_them(
+            given in prop::collection::vec(prop::array::uniform3(coordinate()), 0..60)
+        ) {
+            let given: Vec<Vec3> = given.into_iter().map(Vec3::from_array).collect();
+            let given: Vec<Vec3> = given.into_iter().filter(|at| at.is_finite()).collect();
+            let mut welded = given.clone();
+            weld(&mut welded);
+            let is_near = |a: Vec3, b: Vec3| {
+                (a - b).abs().max_element() <= tolerance(a).max(tolerance(b))
+            };
+            let mut kept: Vec<Vec3> = Vec::new();
+            for (from, to) in given.into_iter().zip(welded) {
+                if kept.iter().any(|&place| is_near(place, from)) {
+                    prop_assert!(kept.contains(&to) && is_near(from, to));
+                } else {
+                    prop_assert_eq!(bits(from), bits(to));
+                    kept.push(to);
+                }
+            }
+        }
+    }
 
     #[test]
     fn positions_within_rounding_become_the_first_of_them() {

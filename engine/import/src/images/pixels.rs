@@ -66,12 +66,46 @@ impl EncodedPixels {
 
     fn pixels(&self, encoded: &[u8], size: [u32; 2], limits: &Limits) -> Result<Vec<u8>, Reason> {
         let decoder = decoder(encoded, self.format, limits)?;
-        let pixels = DynamicImage::from_decoder(decoder).map(DynamicImage::into_rgba8);
-        let pixels = pixels.map_err(|error| undecodable(&error))?;
-        if <[u32; 2]>::from(pixels.dimensions()) != size {
+        if <[u32; 2]>::from(decoder.dimensions()) != size {
             return Err(Reason::malformed("its size is not what its head says"));
         }
-        Ok(pixels.into_raw())
+        let colour = decoder.color_type();
+        let channels = colour.channel_count();
+        if colour.bytes_per_pixel() > channels {
+            let pixels =
+                DynamicImage::from_decoder(decoder).map_err(|error| undecodable(&error))?;
+            return Ok(pixels.into_rgba8().into_raw());
+        }
+        let bytes = size.into_iter().map(u64::from).product::<u64>().saturating_mul(4);
+        let count = usize::try_from(bytes).map_err(|_| Reason::no_memory(bytes))?;
+        let mut pixels = vec![0; count];
+        // The decoded pixels fill the end of the result and are widened in place, which saves a
+        // copy of the image.
+        let start = count / 4 * usize::from(4 - channels);
+        let decoded = pixels.get_mut(start..).unwrap_or_default();
+        decoder.read_image(decoded).map_err(|error| undecodable(&error))?;
+        match channels {
+            1 => widen(&mut pixels, |grey: [u8; 1]| [grey[0], grey[0], grey[0], u8::MAX]),
+            2 => widen(&mut pixels, |grey: [u8; 2]| [grey[0], grey[0], grey[0], grey[1]]),
+            3 => widen(&mut pixels, |rgb: [u8; 3]| [rgb[0], rgb[1], rgb[2], u8::MAX]),
+            _ => {}
+        }
+        Ok(pixels)
+    }
+}
+
+/// Widens pixels of `N` bytes at the end of a list to four bytes, which fill it. Blocks are copied
+/// first, and no later pixel is overwritten: the wide pixels end before the next one to read.
+fn widen<const N: usize>(pixels: &mut [u8], to_rgba: impl Fn([u8; N]) -> [u8; 4]) {
+    const BLOCK: usize = 256;
+    let mut block = [[0; N]; BLOCK];
+    let count = pixels.len() / 4;
+    for start in (0..count).step_by(BLOCK) {
+        let end = count.min(start + BLOCK);
+        let given = &pixels[count * (4 - N) + start * N..count * (4 - N) + end * N];
+        block.as_flattened_mut()[..given.len()].copy_from_slice(given);
+        let wide = pixels[start * 4..end * 4].as_chunks_mut().0;
+        wide.iter_mut().zip(block).for_each(|(rgba, pixel)| *rgba = to_rgba(pixel));
     }
 }
 
@@ -93,5 +127,42 @@ fn undecodable(error: &image::ImageError) -> Reason {
     match error {
         image::ImageError::Limits(_) => Reason::beyond_limits(text),
         _ => Reason::damaged(text),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use image::{DynamicImage, ImageBuffer};
+
+    use super::*;
+
+    #[test]
+    fn pixels_of_any_channels_become_those_that_the_decoder_would_make() {
+        let size = [50, 11];
+        let bytes: Vec<u8> = (0..size[0] * size[1] * 8).map(|byte| (byte * 37) as u8).collect();
+        let wide: Vec<u16> = bytes.iter().map(|&byte| u16::from(byte) * 251).collect();
+        let count = |channels: usize| (size[0] * size[1]) as usize * channels;
+        let [width, height] = size;
+        let images = [
+            ImageBuffer::from_raw(width, height, bytes[..count(1)].to_vec())
+                .map(DynamicImage::ImageLuma8),
+            ImageBuffer::from_raw(width, height, bytes[..count(2)].to_vec())
+                .map(DynamicImage::ImageLumaA8),
+            ImageBuffer::from_raw(width, height, bytes[..count(3)].to_vec())
+                .map(DynamicImage::ImageRgb8),
+            ImageBuffer::from_raw(width, height, bytes[..count(4)].to_vec())
+                .map(DynamicImage::ImageRgba8),
+            ImageBuffer::from_raw(width, height, wide[..count(3)].to_vec())
+                .map(DynamicImage::ImageRgb16),
+        ];
+        for image in images {
+            let image = image.expect("as many bytes as pixels");
+            let mut png = Cursor::new(Vec::new());
+            image.write_to(&mut png, ImageFormat::Png).expect("a PNG");
+            let png = png.into_inner();
+            let (_, encoded) = EncodedPixels::read(&png, &Limits::default()).expect("a header");
+            let pixels = encoded.decode(&png, size, &Limits::default());
+            assert_eq!(pixels, Ok(image.to_rgba8().into_raw()), "{:?}", image.color());
+        }
     }
 }

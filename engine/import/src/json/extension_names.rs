@@ -4,19 +4,54 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
+use memchr::memmem;
 use serde::Deserializer;
 use serde::de::{DeserializeSeed, Error, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde_json::value::RawValue;
 
 /// The most names that are kept.
 const MOST: usize = 64;
 
+/// The key of the object whose keys are names of extensions, as it stands in the JSON.
+const EXTENSIONS: &[u8] = b"\"extensions\"";
+
 /// Returns the names of the extensions of objects outside of `extras`. The JSON has been read
 /// before, so its depth is limited.
+///
+/// Most JSON has few of these objects, so they are searched by their key. This is exact unless the
+/// JSON has `extras`, or spells letters as `\u0065`.
 pub(super) fn of(json: &[u8]) -> BTreeSet<String> {
+    let is_in_json = |text: &[u8]| memmem::find(json, text).is_some();
+    if is_in_json(b"\"extras\"") || is_in_json(b"\\u") { walk(json) } else { search(json) }
+}
+
+/// Reads all of the JSON.
+fn walk(json: &[u8]) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
-    let mut reader = serde_json::Deserializer::from_slice(json);
     let place = Place { names: &mut names, is_extensions: false };
-    let _is_there = place.deserialize(&mut reader);
+    let _is_there = place.deserialize(&mut serde_json::Deserializer::from_slice(json));
+    names
+}
+
+/// Reads only the values of the key.
+fn search(json: &[u8]) -> BTreeSet<String> {
+    let mut names = BTreeSet::new();
+    let finder = memmem::Finder::new(EXTENSIONS);
+    let mut rest = json;
+    while let Some(at) = finder.find(rest) {
+        let before = rest.get(..at).unwrap_or_default();
+        rest = rest.get(at + EXTENSIONS.len()..).unwrap_or_default();
+        // An escaped quote does not begin a key, and a text without a colon is a value.
+        let is_key = before.last() != Some(&b'\\');
+        let Some(value) = rest.trim_ascii_start().strip_prefix(b":").filter(|_| is_key) else {
+            continue;
+        };
+        let mut values = serde_json::Deserializer::from_slice(value).into_iter::<&RawValue>();
+        let Some(Ok(object)) = values.next() else { continue };
+        let place = Place { names: &mut names, is_extensions: true };
+        let _is_there = place.deserialize(&mut serde_json::Deserializer::from_str(object.get()));
+        rest = value.get(values.byte_offset()..).unwrap_or_default();
+    }
     names
 }
 
@@ -135,7 +170,10 @@ impl Visitor<'_> for Key {
 
 #[cfg(test)]
 mod tests {
-    use super::of;
+    use proptest::prelude::*;
+    use serde_json::{Map, Value, json};
+
+    use super::{of, search, walk};
 
     #[test]
     fn names_are_found_in_any_object_but_not_in_extras() {
@@ -147,5 +185,47 @@ mod tests {
         let names: Vec<String> = of(json).into_iter().collect();
         assert_eq!(names, ["A_root", "B_inner", "C_node", "E_texture"]);
         assert!(of(b"").is_empty() && of(b"[1, {\"extensions\": 5}]").is_empty());
+        let escaped = br#"{ "\u0065xtensions": { "A_spelled": 1 } }"#;
+        assert!(of(escaped).contains("A_spelled"));
+    }
+
+    /// Returns values in which keys and texts look like the searched key.
+    fn values() -> impl Strategy<Value = Value> {
+        let words = || {
+            let words =
+                ["extensions", "a", "\"extensions\"", "\\\"extensions", "extensions\\", "B"];
+            proptest::sample::select(words.to_vec())
+        };
+        let leaf = prop_oneof![
+            Just(Value::Null),
+            any::<bool>().prop_map(Value::from),
+            any::<f64>().prop_map(Value::from),
+            words().prop_map(Value::from),
+        ];
+        leaf.prop_recursive(6, 64, 4, move |inner| {
+            let entries = prop::collection::vec((words(), inner.clone()), 0..4);
+            let object = entries.prop_map(|entries| {
+                let entries = entries.into_iter().map(|(key, value)| (key.to_owned(), value));
+                Value::Object(Map::from_iter(entries))
+            });
+            prop_oneof![prop::collection::vec(inner, 0..4).prop_map(Value::Array), object]
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn a_search_finds_what_a_walk_finds(value in values()) {
+            for text in [value.to_string(), format!("{value:#}").replace(':', " :\n")] {
+                prop_assert_eq!(search(text.as_bytes()), walk(text.as_bytes()), "{}", text);
+            }
+        }
+    }
+
+    #[test]
+    fn a_search_keeps_as_many_names_as_a_walk() {
+        let node = |index: usize| json!({ "extensions": { format!("A_{index}"): {} } });
+        let text = json!({ "nodes": (0..100).map(node).collect::<Vec<_>>() }).to_string();
+        assert_eq!(search(text.as_bytes()).len(), super::MOST);
+        assert_eq!(search(text.as_bytes()), walk(text.as_bytes()));
     }
 }

@@ -8,11 +8,9 @@ use crate::error::{Fault, Reason};
 /// Returns true if a list may contain a list as an element: outside of extensions, glTF never does.
 pub(super) fn may_be_in(json: &[u8]) -> bool {
     // In an object, a list follows a colon.
-    let mut before = 0;
-    json.iter().filter(|byte| !byte.is_ascii_whitespace()).any(|&byte| {
-        let is_in_list = byte == b'[' && matches!(before, b'[' | b',');
-        before = byte;
-        is_in_list
+    memchr::memchr_iter(b'[', json).any(|at| {
+        let before = json.get(..at).unwrap_or_default().trim_ascii_end();
+        matches!(before.last(), Some(b'[' | b','))
     })
 }
 
