@@ -64,8 +64,8 @@ enum NodeDecision {
     /// Draw, and test the box.
     TestVisibleBox(Aabb),
     Test(Aabb),
-    /// Continue with the children. The proxy is given if the node may have a pull-up query.
-    Open(Option<Aabb>),
+    /// Continue with the children.
+    Open,
 }
 
 /// A visited node.
@@ -84,22 +84,28 @@ impl Walk<'_> {
     /// Fills `scratch` with draws and tests according to the history. As long as there are more
     /// tests than wished, or than `budget`, allows larger nodes and repeats the traversal.
     pub(crate) fn traverse(&mut self, scratch: &mut Scratch, budget: usize, stats: &mut PlanStats) {
+        let wished = budget.min(self.config.tests_wished as usize);
         loop {
-            self.run(scratch, stats);
             let is_last = budget == 0 || self.coarseness >= MAX_COARSENESS;
-            let wished = budget.min(self.config.tests_wished as usize);
-            if is_last || scratch.frontier().count() <= wished {
+            let most = if is_last { usize::MAX } else { wished };
+            if self.run(scratch, most, stats) {
                 break;
             }
             self.coarseness += 1;
         }
+        scratch.sort_draws();
+        scratch.sort_retests();
+        scratch.sort_tests();
         stats.coarsened = self.coarseness;
         scratch.keep_all();
     }
 
-    /// Visits the nodes in the frustum and sorts them into `scratch`, which is cleared first.
-    fn run(&self, scratch: &mut Scratch, stats: &mut PlanStats) {
+    /// Visits the nodes in the frustum and lists what becomes of them in `scratch`, which is
+    /// cleared first. Returns false as soon as there are more than `most` tests that decide about
+    /// draws: the lists are then incomplete.
+    fn run(&self, scratch: &mut Scratch, most: usize, stats: &mut PlanStats) -> bool {
         scratch.clear();
+        let mut deciding = 0;
         stats.visible = 0;
         stats.too_near = 0;
         if let Some(root) = self.hierarchy.root() {
@@ -122,16 +128,19 @@ impl Walk<'_> {
             if matches!(self.knowledge, Knowledge::Used(_)) {
                 scratch.visited.push(node);
             }
-            self.settle(&visit, scratch, stats);
+            let decision = self.decide(&visit, stats);
+            deciding += usize::from(matches!(decision, NodeDecision::Test(_)));
+            if deciding > most {
+                return false;
+            }
+            self.settle(&visit, decision, scratch);
         }
-        scratch.sort_draws();
-        scratch.sort_retests();
-        scratch.sort_tests();
+        true
     }
 
-    fn settle(&self, visit: &Visit, scratch: &mut Scratch, stats: &mut PlanStats) {
+    fn settle(&self, visit: &Visit, decision: NodeDecision, scratch: &mut Scratch) {
         let leaf = self.leaf(visit.node);
-        match self.decide(visit, stats) {
+        match decision {
             NodeDecision::Draw => scratch.draws.push(Draw { nearness: visit.nearness, leaf }),
             NodeDecision::Retest => scratch.retests.push(Retest {
                 nearness: visit.nearness,
@@ -160,7 +169,7 @@ impl Walk<'_> {
                 inherited: visit.inherited,
                 hidden_frames: self.hidden_frames(&visit.record),
             }),
-            NodeDecision::Open(proxy) => self.open(visit, proxy, scratch),
+            NodeDecision::Open => self.open(visit, scratch),
         }
     }
 
@@ -168,45 +177,45 @@ impl Walk<'_> {
         let is_leaf = visit.leaf_count == 1;
         if matches!(self.knowledge, Knowledge::Ignored) {
             stats.visible += u32::from(is_leaf);
-            return if is_leaf { NodeDecision::Draw } else { NodeDecision::Open(None) };
+            return if is_leaf { NodeDecision::Draw } else { NodeDecision::Open };
+        }
+        let record = &visit.record;
+        let is_visible = record.state == NodeState::Visible
+            && record.is_fresh(self.now, self.config.tuning.stale_frames);
+        if !is_leaf && !self.is_closed(visit, is_visible) {
+            return NodeDecision::Open;
         }
         let Some(proxy) = self.views.proxy(&visit.bounds, visit.masks) else {
             stats.too_near += u32::from(is_leaf);
-            return if is_leaf { NodeDecision::Draw } else { NodeDecision::Open(None) };
+            return if is_leaf { NodeDecision::Draw } else { NodeDecision::Open };
         };
-        let record = &visit.record;
-        let is_fresh = record.is_fresh(self.now, self.config.tuning.stale_frames);
-        match record.state {
-            NodeState::Visible if is_fresh && is_leaf => {
-                stats.visible += 1;
-                let is_box_enough = self.is_visible_box_enough(visit);
-                if is_box_enough && self.is_visible_box_due(visit) {
-                    NodeDecision::TestVisibleBox(proxy)
-                } else if !is_box_enough && self.is_visible_draw_due(visit) {
-                    NodeDecision::Retest
-                } else {
-                    NodeDecision::Draw
-                }
-            }
-            NodeState::Visible if is_fresh => {
-                // Where leaves are tested individually below a node that shows, a test of the node
-                // in place of its children needs no pull-up query beforehand. A node whose pull-up
-                // query failed would show again.
-                let may_close = self.has_leaf_tests || self.coarseness > 0;
-                let is_worth_it =
-                    may_close && (record.stable_queries == 0 || record.due <= self.now);
-                let is_closed = is_worth_it
-                    && self
-                        .children_hidden_since(visit)
-                        .is_some_and(|since| self.may_share(visit, self.now.since(since)));
-                if is_closed { NodeDecision::Test(proxy) } else { NodeDecision::Open(Some(proxy)) }
-            }
-            NodeState::Hidden if is_leaf || self.may_share(visit, record.hidden_frames()) => {
-                NodeDecision::Test(proxy)
-            }
-            _ if is_leaf || self.is_small(visit) => NodeDecision::Test(proxy),
-            _ => NodeDecision::Open(Some(proxy)),
+        if !is_leaf || !is_visible {
+            return NodeDecision::Test(proxy);
         }
+        stats.visible += 1;
+        let is_box_enough = self.is_visible_box_enough(visit);
+        if is_box_enough && self.is_visible_box_due(visit) {
+            NodeDecision::TestVisibleBox(proxy)
+        } else if !is_box_enough && self.is_visible_draw_due(visit) {
+            NodeDecision::Retest
+        } else {
+            NodeDecision::Draw
+        }
+    }
+
+    /// Returns true if an inner node is to be tested as one.
+    fn is_closed(&self, visit: &Visit, is_visible: bool) -> bool {
+        let record = &visit.record;
+        if is_visible {
+            // Where leaves are tested individually below a node that shows, a test of the node in
+            // place of its children needs no pull-up query beforehand.
+            let needs_no_query = self.has_leaf_tests || self.coarseness > 0;
+            // A node whose pull-up query failed would show again.
+            let may_hide = record.stable_queries == 0 || record.due <= self.now;
+            return needs_no_query && may_hide && self.may_close(visit);
+        }
+        let is_hidden = record.state == NodeState::Hidden;
+        is_hidden && self.may_share(visit, record.hidden_frames()) || self.is_small(visit)
     }
 
     /// Returns true if the next test of a visible leaf is a test of its box rather than of its own
@@ -249,7 +258,7 @@ impl Walk<'_> {
 
     /// Adds the children in the frustum to the waiting nodes, and requests a pull-up query of the
     /// node if all of them are hidden.
-    fn open(&self, visit: &Visit, proxy: Option<Aabb>, scratch: &mut Scratch) {
+    fn open(&self, visit: &Visit, scratch: &mut Scratch) {
         let Some(children) = self.hierarchy.children(NodeId(visit.node)) else {
             return;
         };
@@ -260,13 +269,13 @@ impl Walk<'_> {
         for child in children {
             self.push(child.0, above, scratch);
         }
-        let is_due = visit.record.state != NodeState::Hidden && visit.record.due <= self.now;
-        let (Some(proxy), true) = (proxy, is_due) else {
-            return;
-        };
-        let hidden = self.children_hidden_since(visit);
-        let is_pull_up = hidden.is_some_and(|since| self.may_share(visit, self.now.since(since)));
-        if is_pull_up {
+        let is_due = matches!(self.knowledge, Knowledge::Used(_))
+            && visit.record.state != NodeState::Hidden
+            && visit.record.due <= self.now;
+        if is_due
+            && self.may_close(visit)
+            && let Some(proxy) = self.views.proxy(&visit.bounds, visit.masks)
+        {
             scratch.tests.push(Candidate {
                 nearness: visit.nearness,
                 node: visit.node,
@@ -277,6 +286,12 @@ impl Walk<'_> {
                 hidden_frames: Some(0),
             });
         }
+    }
+
+    /// Returns true if all children of a node have been hidden long enough to test it as one.
+    fn may_close(&self, visit: &Visit) -> bool {
+        let hidden = self.children_hidden_since(visit);
+        hidden.is_some_and(|since| self.may_share(visit, self.now.since(since)))
     }
 
     /// Returns the frame since which all children of a node within the frustum have been hidden;
