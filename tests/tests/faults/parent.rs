@@ -2,7 +2,6 @@
 
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, Command, ExitCode, Stdio};
-use std::sync::Mutex;
 use std::sync::atomic::AtomicUsize;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
@@ -13,7 +12,7 @@ use tests::Driver;
 use tests::every_call::number_of;
 
 use crate::programs::ProgramKind;
-use crate::table::{Row, print};
+use crate::table::{Row, print_head};
 use crate::{Arguments, DriverName, plans};
 
 /// The time after which a child is ended. It measures its runs itself, on a busy machine, too.
@@ -34,12 +33,14 @@ pub fn run(arguments: &Arguments) -> ExitCode {
         }
     }
     let next = AtomicUsize::new(0);
-    let rows = Mutex::new(Vec::new());
+    let failed = AtomicUsize::new(0);
+    print_head();
     let work = || {
         while let Some((program, driver)) = benches.get(next.fetch_add(1, Relaxed)) {
             let number = benches.iter().filter(|(_, other)| other == driver).count();
             let row = measure(*program, *driver, arguments, number);
-            rows.lock().expect("no other thread has panicked").push(row);
+            row.print();
+            failed.fetch_add(row.failed, Relaxed);
         }
     };
     std::thread::scope(|scope| {
@@ -47,10 +48,7 @@ pub fn run(arguments: &Arguments) -> ExitCode {
             scope.spawn(work);
         }
     });
-    let mut rows = rows.into_inner().expect("no thread has panicked");
-    rows.sort_by(|a, b| a.name.cmp(&b.name));
-    print(&rows);
-    let failed: usize = rows.iter().map(|row| row.failed).sum();
+    let failed = failed.into_inner();
     println!("{failed} failed");
     if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

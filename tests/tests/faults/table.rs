@@ -27,26 +27,30 @@ pub struct Row {
     pub growth_kib: i64,
 }
 
-/// Writes the rows as a table of Markdown.
-pub fn print(rows: &[Row]) {
+/// Writes the head of a table of Markdown.
+pub fn print_head() {
     println!(
         "| program | calls | codes of calls | runs | right image | coarser shadows | named error | not reached | failed | ms per run | growth (KiB) |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|---|");
-    for row in rows {
-        let runs = row.survived + row.degraded + row.named + row.unreached + row.failed;
+}
+
+impl Row {
+    /// Writes the row.
+    pub fn print(&self) {
+        let runs = self.survived + self.degraded + self.named + self.unreached + self.failed;
         println!(
             "| {} | {} | {} | {runs} | {} | {} | {} | {} | {} | {:.0} | {} |",
-            row.name,
-            row.calls,
-            row.injected.len(),
-            row.survived,
-            row.degraded,
-            row.named,
-            row.unreached,
-            row.failed,
-            row.seconds * 1e3 / runs.max(1) as f64,
-            row.growth_kib,
+            self.name,
+            self.calls,
+            self.injected.len(),
+            self.survived,
+            self.degraded,
+            self.named,
+            self.unreached,
+            self.failed,
+            self.seconds * 1e3 / runs.max(1) as f64,
+            self.growth_kib,
         );
     }
 }
