@@ -84,7 +84,7 @@ impl Host {
             panic!("Run `ci/setup --tests` and `. ci/env` first: these tests need {driver:?}.")
         });
         // SAFETY: a physical device of this instance.
-        let needs = unsafe { Requirements::of(&instance, physical, purpose) };
+        let needs = unsafe { Requirements::of(&instance, physical, purpose) }.unwrap();
         needs.check().unwrap();
         let kept = needs.extensions().into_iter().filter(|name| !extensions.contains(name));
         let device = create_device(

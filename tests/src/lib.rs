@@ -8,6 +8,7 @@
 pub mod box_rays;
 pub mod counting;
 pub mod display;
+pub mod every_call;
 pub mod fault_injection;
 pub mod host_commands;
 pub mod host_copy;

@@ -184,7 +184,7 @@ pub(crate) unsafe fn require(
     // SAFETY: the caller's promise.
     let needs = unsafe {
         let adapter = Adapter::load(adapter)?;
-        Requirements::of(&adapter.instance, adapter.physical_device, purpose)
+        Requirements::of(&adapter.instance, adapter.physical_device, purpose)?
     };
     needs.check()?;
     let on = needs.features().structures();

@@ -5,7 +5,7 @@ use ash::vk;
 use crate::core::adapter::Adapter;
 use crate::core::address_space::explained;
 use crate::core::error::{Called, Error};
-use crate::core::instance::Instance;
+use crate::core::instance::{Instance, refusal};
 use crate::core::offer::Offer;
 #[cfg(feature = "window")]
 use crate::core::ownership;
@@ -21,13 +21,16 @@ impl Instance {
     pub fn adapters(&self) -> Result<Vec<Adapter>, Error> {
         // SAFETY: no contract beyond a valid instance.
         let devices = match unsafe { self.shared.raw.enumerate_physical_devices() } {
-            Err(vk::Result::ERROR_INITIALIZATION_FAILED) => return Err(explained(Error::NoDriver)),
+            Err(code @ vk::Result::ERROR_INITIALIZATION_FAILED) => {
+                return Err(refusal("vkEnumeratePhysicalDevices", code));
+            }
             other => other.called("vkEnumeratePhysicalDevices")?,
         };
         if devices.is_empty() {
-            return Err(explained(Error::NoDriver));
+            let found = "vkEnumeratePhysicalDevices lists no device".to_owned();
+            return Err(explained(Error::NoDriver(found)));
         }
-        Ok(devices.into_iter().map(|physical| self.read_adapter(physical)).collect())
+        devices.into_iter().map(|physical| self.read_adapter(physical)).collect()
     }
 
     /// Returns the adapter to use: `wanted` by its index or a part of its name, otherwise the best
@@ -73,12 +76,12 @@ impl Instance {
         best.ok_or_else(|| Error::CannotPresent(refused.join("; ")))
     }
 
-    fn read_adapter(&self, physical: vk::PhysicalDevice) -> Adapter {
+    fn read_adapter(&self, physical: vk::PhysicalDevice) -> Result<Adapter, Error> {
         let shared = &self.shared;
         // SAFETY: `physical` comes from this instance.
-        let offer = unsafe { Offer::read(&shared.raw, physical, shared.windows.as_ref()) };
+        let offer = unsafe { Offer::read(&shared.raw, physical, shared.windows.as_ref()) }?;
         // SAFETY: as above.
-        unsafe { Adapter::read(shared, physical, &offer) }
+        Ok(unsafe { Adapter::read(shared, physical, &offer) })
     }
 }
 

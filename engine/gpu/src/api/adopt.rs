@@ -90,7 +90,7 @@ impl Device {
         let physical = host.physical_device;
         let family = host.queue_family;
         // SAFETY: the caller promises that the handles belong together, here and below.
-        let mut offer = unsafe { Offer::of_family(&instance.raw, physical, family) };
+        let mut offer = unsafe { Offer::of_family(&instance.raw, physical, family) }?;
         offer.api_version = offer.api_version.min(host.api_version);
         offer.turn_on(host.extensions, host.features);
         // SAFETY: as above.

@@ -103,19 +103,23 @@ mod tests {
         assert_eq!(AddressSpace::parse(&limits("204800000"), ""), None);
     }
 
+    fn no_driver() -> Error {
+        Error::NoDriver("vkCreateInstance failed with ERROR_INCOMPATIBLE_DRIVER".to_owned())
+    }
+
     #[test]
     fn only_a_limit_without_room_for_a_driver_is_blamed() {
         let explained = |limit_bytes, used_bytes| {
             let space = Some(AddressSpace { limit_bytes, used_bytes });
-            AddressSpace::explain(space, Error::NoDriver)
+            AddressSpace::explain(space, no_driver())
         };
         let blamed = explained(200 << 20, 80 << 20);
         assert!(matches!(blamed, Error::AddressSpace { .. }), "{blamed}");
         let text = blamed.to_string();
         assert!(text.contains("200 MiB") && text.contains("80 MiB"), "{text}");
         assert!(text.contains("ulimit -v") && text.contains("found no driver"), "{text}");
-        assert!(matches!(explained(8 << 30, 80 << 20), Error::NoDriver), "there is room");
-        assert!(matches!(AddressSpace::explain(None, Error::NoDriver), Error::NoDriver));
+        assert!(matches!(explained(8 << 30, 80 << 20), Error::NoDriver(_)), "there is room");
+        assert!(matches!(AddressSpace::explain(None, no_driver()), Error::NoDriver(_)));
         let checked = |limit_mib: u64| {
             let limit_bytes = limit_mib << 20;
             AddressSpace { limit_bytes, used_bytes: 80 << 20 }.check()

@@ -245,7 +245,9 @@ impl Device {
         counter.fetch_add(1, Ordering::Relaxed);
         let bound = self.shared.wait_bound;
         match wait_bounded(self.raw(), timeline, tick, bound) {
-            Err(vk::Result::TIMEOUT) => Err(Error::Timeout { what, seconds: bound.as_secs_f64() }),
+            Err(vk::Result::TIMEOUT) => {
+                Err(Error::Timeout { what, call: "vkWaitSemaphores", seconds: bound.as_secs_f64() })
+            }
             other => other.called("vkWaitSemaphores"),
         }
     }
@@ -281,7 +283,8 @@ impl Device {
         };
         timeline.queue.locked(bound, submit).unwrap_or_else(|| {
             let what = "the frame before, which a hidden window or another user holds back";
-            Err(Error::Timeout { what, seconds: bound.as_secs_f64() })
+            let call = "waiting for the queue";
+            Err(Error::Timeout { what, call, seconds: bound.as_secs_f64() })
         })
     }
 

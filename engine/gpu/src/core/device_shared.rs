@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use ash::vk;
 use gpu_allocator::vulkan::Allocator;
@@ -119,10 +119,14 @@ impl DeviceShared {
             Ok(()) => {}
             // All work of a lost device is over (Vulkan specification, "Lost Device").
             Err(vk::Result::ERROR_DEVICE_LOST) => tracing::error!("the device was lost"),
-            Err(code) => {
-                tracing::error!("the GPU did not finish ({code:?}); the device is left as it is");
+            Err(code) if !self.is_reached(timeline.semaphore, newest) => {
+                tracing::error!(
+                    "the GPU did not finish (vkWaitSemaphores: {code:?}); the device is left as it \
+                     is"
+                );
                 return false;
             }
+            Err(_) => {}
         }
         // The engine does not wait for other queues of a host.
         if self.ownership == Ownership::Ours
@@ -132,6 +136,21 @@ impl DeviceShared {
             tracing::error!("vkDeviceWaitIdle failed with {code:?} while closing the device");
         }
         true
+    }
+
+    /// Returns true if the timeline reaches a tick within the bound of every wait. Asks again and
+    /// again: the call that waits has failed.
+    fn is_reached(&self, timeline: vk::Semaphore, tick: Tick) -> bool {
+        let began = Instant::now();
+        loop {
+            // SAFETY: the device's own timeline.
+            match unsafe { self.raw.get_semaphore_counter_value(timeline) } {
+                Ok(reached) if reached >= tick.0 => return true,
+                Err(vk::Result::ERROR_DEVICE_LOST) => return true,
+                _ if began.elapsed() >= self.wait_bound => return false,
+                _ => std::thread::sleep(Duration::from_millis(1)),
+            }
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! The errors of the GPU layer, each with the failed call, the code and the remedy.
 
 use ash::vk;
+use gpu_allocator::AllocationError;
 
 /// An error of the GPU layer. Its text is one sentence for the user of the machine.
 #[derive(Debug, thiserror::Error)]
@@ -12,9 +13,9 @@ pub enum Error {
     NoLoader(String),
     /// The loader is installed but found no driver.
     #[error(
-        "the Vulkan loader found no driver; install one (on Debian: apt install mesa-vulkan-drivers, which needs no GPU)"
+        "the Vulkan loader found no driver ({0}); install one (on Debian: apt install mesa-vulkan-drivers, which needs no GPU)"
     )]
-    NoDriver,
+    NoDriver(String),
     /// The process has too little address space for a driver, found before or after a failure of
     /// the loader.
     #[error(
@@ -228,7 +229,8 @@ pub enum Error {
     },
     /// The allocation of memory failed.
     #[error(
-        "no GPU memory for {what} ({size_bytes} bytes): {source}; use fewer or smaller objects and images"
+        "no GPU memory for {what} ({size_bytes} bytes): {}; use fewer or smaller objects and images",
+        failed_allocation(.source)
     )]
     Memory {
         /// The purpose of the memory.
@@ -236,7 +238,7 @@ pub enum Error {
         /// The requested size in bytes.
         size_bytes: u64,
         /// The error of the allocator.
-        source: gpu_allocator::AllocationError,
+        source: AllocationError,
     },
     /// The work was cancelled by its [`CancellationToken`](crate::CancellationToken). This is not a
     /// failure.
@@ -244,14 +246,16 @@ pub enum Error {
     Cancelled,
     /// The memory allocator could not be set up.
     #[error("the GPU memory allocator could not start: {0}")]
-    Allocator(gpu_allocator::AllocationError),
+    Allocator(AllocationError),
     /// The GPU did not finish in time.
     #[error(
-        "the GPU did not finish {what} within {seconds} s; it may hang, or the frame is too heavy for this device"
+        "the GPU did not finish {what} within {seconds} s ({call}: TIMEOUT); it may hang, or the frame is too heavy for this device"
     )]
     Timeout {
         /// The work that was waited for.
         what: &'static str,
+        /// The call that waited.
+        call: &'static str,
         /// The time waited.
         seconds: f64,
     },
@@ -308,6 +312,29 @@ fn broken_rule(current: u64, safe: u64, newest: u64, over: u64) -> String {
             "frame {current} cannot begin while `FrameNumbers::safe` is {safe}: all frames up to \
              {over} were over before, and `safe` must not fall, so it must be {over} or more"
         )
+    }
+}
+
+/// Returns the call and the code behind an error of the allocator, which keeps them as texts of its
+/// own.
+fn failed_allocation(error: &AllocationError) -> String {
+    match error {
+        AllocationError::OutOfMemory => {
+            "the heap is smaller, or vkAllocateMemory failed with ERROR_OUT_OF_DEVICE_MEMORY"
+                .to_owned()
+        }
+        AllocationError::FailedToMap(text) => {
+            let codes = [
+                vk::Result::ERROR_OUT_OF_HOST_MEMORY,
+                vk::Result::ERROR_OUT_OF_DEVICE_MEMORY,
+                vk::Result::ERROR_MEMORY_MAP_FAILED,
+                vk::Result::ERROR_UNKNOWN,
+            ];
+            let code = codes.into_iter().find(|code| code.to_string() == *text);
+            let code = code.map_or_else(|| text.clone(), |code| format!("{code:?}"));
+            format!("vkMapMemory failed with {code}")
+        }
+        other => other.to_string(),
     }
 }
 

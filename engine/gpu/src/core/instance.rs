@@ -245,10 +245,10 @@ fn extension_names(entry: &ash::Entry) -> Result<Vec<CString>, Error> {
 
 /// Returns the error that explains a failure of the loader. With a damaged manifest of a driver or
 /// a layer, a loader reports missing memory.
-fn refusal(call: &'static str, code: vk::Result) -> Error {
+pub(crate) fn refusal(call: &'static str, code: vk::Result) -> Error {
     let error = match code {
         vk::Result::ERROR_INCOMPATIBLE_DRIVER | vk::Result::ERROR_INITIALIZATION_FAILED => {
-            Error::NoDriver
+            Error::NoDriver(format!("{call} failed with {code:?}"))
         }
         vk::Result::ERROR_OUT_OF_HOST_MEMORY => Error::BadManifest { call, code },
         code => return Error::Vulkan { call, code },

@@ -4,6 +4,7 @@ use std::ffi::{CStr, CString};
 
 use ash::{ext, khr, vk};
 
+use crate::core::error::{Called, Error};
 use crate::core::features::{FeatureStructures, Features, KHR_SWAPCHAIN_MAINTENANCE1};
 use crate::core::window_system::WindowFunctions;
 
@@ -62,24 +63,26 @@ impl Offer {
     ///
     /// # Safety
     /// `physical` is of `instance`.
+    ///
+    /// # Errors
+    /// A failed call.
     pub(crate) unsafe fn read(
         instance: &ash::Instance,
         physical: vk::PhysicalDevice,
         windows: Option<&WindowFunctions>,
-    ) -> Self {
+    ) -> Result<Self, Error> {
         // SAFETY: the caller's promise, here and below.
         let families = unsafe { instance.get_physical_device_queue_family_properties(physical) };
         let family = families.iter().position(|family| family.queue_flags.contains(QUEUE_FLAGS));
         let family = family.map_or(u32::MAX, |index| index as u32);
         // SAFETY: as above.
-        let mut offer = unsafe { Self::of_family(instance, physical, family) };
+        let mut offer = unsafe { Self::of_family(instance, physical, family) }?;
         if offer.api_version < vk::API_VERSION_1_3 {
             // The feature structures must not be queried on such a device.
-            return offer;
+            return Ok(offer);
         }
         // SAFETY: as above.
-        let there = unsafe { instance.enumerate_device_extension_properties(physical) };
-        let there = there.unwrap_or_default();
+        let there = unsafe { extensions_of(instance, physical) }?;
         let names = there.iter().filter_map(|there| there.extension_name_as_c_str().ok());
         let names: Vec<_> = names.filter(|name| is_usable(name, windows)).collect();
         let mut structures = FeatureStructures::default();
@@ -90,18 +93,21 @@ impl Offer {
         structures.core = chain.features;
         offer.features = Features::from(&structures);
         offer.extensions = names.into_iter().map(CString::from).collect();
-        offer
+        Ok(offer)
     }
 
     /// Reads the offer of a physical device with no extension and no feature enabled.
     ///
     /// # Safety
     /// `physical` is of `instance`.
+    ///
+    /// # Errors
+    /// A failed call.
     pub(crate) unsafe fn of_family(
         instance: &ash::Instance,
         physical: vk::PhysicalDevice,
         family: u32,
-    ) -> Self {
+    ) -> Result<Self, Error> {
         // SAFETY: the caller's promise, here and below.
         let properties = unsafe { instance.get_physical_device_properties(physical) };
         // SAFETY: as above.
@@ -113,7 +119,7 @@ impl Offer {
             vk::FormatFeatureFlags::DEPTH_STENCIL_ATTACHMENT | vk::FormatFeatureFlags::TRANSFER_SRC;
         let of_family = families.get(family as usize);
         let of_family = of_family.filter(|family| family.queue_flags.contains(QUEUE_FLAGS));
-        Self {
+        Ok(Self {
             api_version: properties.api_version,
             queue_family: of_family.map(|_| family),
             timestamp_bits: of_family.map_or(0, |family| family.timestamp_valid_bits),
@@ -122,11 +128,11 @@ impl Offer {
             // SAFETY: as above.
             indexed_textures: unsafe { indexed_textures(instance, physical, &properties) },
             // SAFETY: as above.
-            capture: unsafe { capture_limits(instance, physical, &properties) },
+            capture: unsafe { capture_limits(instance, physical, &properties) }?,
             // SAFETY: as above.
             driver: unsafe { driver_of(instance, physical, &properties) },
             ..Self::default()
-        }
+        })
     }
 
     /// Adds the extensions and features that a host enabled. The host itself shows frames in
@@ -219,24 +225,37 @@ unsafe fn capture_limits(
     instance: &ash::Instance,
     physical: vk::PhysicalDevice,
     properties: &vk::PhysicalDeviceProperties,
-) -> CaptureLimits {
+) -> Result<CaptureLimits, Error> {
     // SAFETY: the caller's promise.
-    let there = unsafe { instance.enumerate_device_extension_properties(physical) };
-    let there = there.unwrap_or_default();
+    let there = unsafe { extensions_of(instance, physical) }?;
     let wanted = Ok(ext::transform_feedback::NAME);
     let has_extension = there.iter().any(|there| there.extension_name_as_c_str() == wanted);
     if properties.api_version < vk::API_VERSION_1_2 || !has_extension {
-        return CaptureLimits::default();
+        return Ok(CaptureLimits::default());
     }
     let mut feedback = vk::PhysicalDeviceTransformFeedbackPropertiesEXT::default();
     let mut chain = vk::PhysicalDeviceProperties2::default().push_next(&mut feedback);
     // SAFETY: the device supports the structure, because it has the extension.
     unsafe { instance.get_physical_device_properties2(physical, &mut chain) };
-    CaptureLimits {
+    Ok(CaptureLimits {
         patch_points: properties.limits.max_tessellation_patch_size,
         level: properties.limits.max_tessellation_generation_level,
         buffer_bytes: feedback.max_transform_feedback_buffer_size,
-    }
+    })
+}
+
+/// Returns the extensions of a device. A failure is an error, and not a device without extensions:
+/// what one read of an offer has, the next one must have, too.
+///
+/// # Safety
+/// `physical` is of `instance`.
+unsafe fn extensions_of(
+    instance: &ash::Instance,
+    physical: vk::PhysicalDevice,
+) -> Result<Vec<vk::ExtensionProperties>, Error> {
+    // SAFETY: the caller's promise.
+    unsafe { instance.enumerate_device_extension_properties(physical) }
+        .called("vkEnumerateDeviceExtensionProperties")
 }
 
 /// Returns true if the instance has the instance extension that a device extension depends on.

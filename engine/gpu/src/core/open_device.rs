@@ -115,7 +115,7 @@ pub(super) fn create_raw(
     queue_family: u32,
 ) -> Result<ash::Device, Error> {
     // SAFETY: the adapter is of this instance.
-    let offer = unsafe { Offer::read(&instance.raw, adapter.physical, instance.windows.as_ref()) };
+    let offer = unsafe { Offer::read(&instance.raw, adapter.physical, instance.windows.as_ref()) }?;
     let needs = Requirements::new(&adapter.name, &offer, &adapter.capabilities, Purpose::Renderer);
     let names = needs.extensions();
     let mut structures = needs.features().structures();

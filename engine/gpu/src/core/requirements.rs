@@ -23,7 +23,7 @@ use crate::core::offer::{Offer, QUEUE_FLAGS};
 /// # ) -> Result<ash::Device, Box<dyn std::error::Error>> {
 /// // SAFETY: the physical device is of this instance, which was made for Vulkan 1.3.
 /// let needs =
-///     unsafe { gpu::Requirements::of(instance, physical, gpu::Purpose::Executor) };
+///     unsafe { gpu::Requirements::of(instance, physical, gpu::Purpose::Executor) }?;
 /// needs.check()?;
 /// let queues = [vk::DeviceQueueCreateInfo::default()
 ///     .queue_family_index(needs.queue_family.unwrap_or_default())
@@ -69,18 +69,21 @@ impl Requirements {
     ///
     /// # Safety
     /// `physical` comes from `instance`, which is alive.
+    ///
+    /// # Errors
+    /// A failed call.
     pub unsafe fn of(
         instance: &ash::Instance,
         physical: vk::PhysicalDevice,
         purpose: Purpose,
-    ) -> Self {
+    ) -> Result<Self, Error> {
         // SAFETY: the caller's promise.
-        let offer = unsafe { Offer::read(instance, physical, None) };
+        let offer = unsafe { Offer::read(instance, physical, None) }?;
         let capabilities = Capabilities::of(&offer);
         // SAFETY: as above.
         let properties = unsafe { instance.get_physical_device_properties(physical) };
         let name = properties.device_name_as_c_str().unwrap_or_default().to_string_lossy();
-        Self::new(&name, &offer, &capabilities, purpose)
+        Ok(Self::new(&name, &offer, &capabilities, purpose))
     }
 
     /// Returns the extensions and features to enable on a device with `capabilities`, out of

@@ -58,6 +58,21 @@ impl WindowSystem {
         self.0 == khr::wayland_surface::NAME
     }
 
+    /// Returns the name of the call that makes a surface of this system, for errors.
+    #[cfg(feature = "window")]
+    pub(crate) fn surface_call(self) -> &'static str {
+        let calls = [
+            (khr::xcb_surface::NAME, "vkCreateXcbSurfaceKHR"),
+            (khr::xlib_surface::NAME, "vkCreateXlibSurfaceKHR"),
+            (khr::wayland_surface::NAME, "vkCreateWaylandSurfaceKHR"),
+            (khr::win32_surface::NAME, "vkCreateWin32SurfaceKHR"),
+            (khr::android_surface::NAME, "vkCreateAndroidSurfaceKHR"),
+            (ext::metal_surface::NAME, "vkCreateMetalSurfaceEXT"),
+        ];
+        let found = calls.into_iter().find(|(extension, _)| *extension == self.0);
+        found.map_or("creating a surface for the window", |(_, call)| call)
+    }
+
     /// Returns the extensions to request from an instance, out of the available ones in `there`.
     ///
     /// Also returns the device extensions for present fences whose instance extension is then

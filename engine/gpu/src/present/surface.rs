@@ -74,7 +74,7 @@ impl Surface {
         let made = unsafe {
             ash_window::create_surface(&instance.entry, &instance.raw, display, handle, None)
         };
-        let raw = made.called("creating a surface for the window")?;
+        let raw = made.called(system.surface_call())?;
         let instance = Arc::clone(instance);
         let is_wayland = system.is_wayland();
         let shared = SurfaceShared { instance, functions, raw, is_wayland, window };

@@ -23,7 +23,7 @@ impl GraphDevice {
     /// closure, which adds what the engine needs beside.
     pub fn new(host: &HostInstance, physical: vk::PhysicalDevice) -> Result<Self, Box<dyn Error>> {
         // SAFETY: made from one another.
-        let needs = unsafe { Requirements::of(&host.raw, physical, Purpose::Executor) };
+        let needs = unsafe { Requirements::of(&host.raw, physical, Purpose::Executor) }?;
         needs.check()?;
         let queue_family = needs.queue_family.ok_or("no queue family for graphics")?;
         let instance = Instance::try_from_entry(host.entry.clone(), host.raw.handle())?;

@@ -34,7 +34,7 @@ impl AshDevice {
         let instance = HostInstance::new(&[])?;
         let physical = instance.find(wanted)?;
         // SAFETY: made from one another.
-        let needs = unsafe { Requirements::of(&instance.raw, physical, purpose) };
+        let needs = unsafe { Requirements::of(&instance.raw, physical, purpose) }?;
         needs.check()?;
         let queue_family = needs.queue_family.ok_or("no queue family for graphics")?;
         let raw = create_device(&instance.raw, physical, queue_family, &needs)?;

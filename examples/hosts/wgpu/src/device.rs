@@ -26,7 +26,7 @@ impl WgpuDevice {
     /// needs beside.
     pub fn new(host: &HostInstance, physical: vk::PhysicalDevice) -> Result<Self, Box<dyn Error>> {
         // SAFETY: made from one another.
-        let needs = unsafe { Requirements::of(&host.raw, physical, Purpose::Executor) };
+        let needs = unsafe { Requirements::of(&host.raw, physical, Purpose::Executor) }?;
         needs.check()?;
         let adapter = adapter(host, physical)?;
         let counts = wgpu::Features::MULTI_DRAW_INDIRECT_COUNT & adapter.features();

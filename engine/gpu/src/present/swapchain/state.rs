@@ -304,7 +304,8 @@ impl SwapchainState {
     /// far as possible.
     pub(super) fn settle(&mut self, error: Error) -> Result<PresentSkipped, Error> {
         match error {
-            Error::Vulkan { code: vk::Result::ERROR_DEVICE_LOST, .. } => {
+            Error::Vulkan { call, code: code @ vk::Result::ERROR_DEVICE_LOST } => {
+                tracing::error!("{call} failed with {code:?} while a frame was presented");
                 Ok(PresentSkipped::DeviceLost)
             }
             Error::Vulkan { code: vk::Result::ERROR_SURFACE_LOST_KHR, .. } => {

@@ -1,0 +1,154 @@
+//! The plan of faults, and what happened since it was installed.
+
+use std::collections::{BTreeSet, HashMap};
+use std::sync::{Mutex, PoisonError};
+
+use ash::vk;
+
+use super::calls::NAMES;
+use super::codes::{INVENTED, codes_of};
+use crate::window_fixture::Random;
+
+/// The number of a call in [`NAMES`].
+pub type CallNumber = usize;
+
+pub(super) type Function = unsafe extern "system" fn();
+
+/// The time for which a fault lasts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lasts {
+    /// One call.
+    Once,
+    /// All later calls of the function; of a lost device, all calls that can report the loss.
+    Forever,
+}
+
+/// A call that fails.
+#[derive(Clone, Copy, Debug)]
+pub struct Fault {
+    /// The function.
+    pub call: CallNumber,
+    /// The number of the call of the function, from 0.
+    pub nth: usize,
+    /// The code that it returns.
+    pub code: vk::Result,
+    /// The time for which it fails.
+    pub lasts: Lasts,
+}
+
+/// A second fault, in the clean-up or recovery after the first.
+#[derive(Clone, Copy, Debug)]
+pub struct NextFault {
+    /// The number of calls of any function between the first fault and this one.
+    pub after: usize,
+    /// The choice among the codes of the function that is called then.
+    pub seed: u64,
+}
+
+/// The faults of a run.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FaultPlan {
+    /// The first fault.
+    pub first: Option<Fault>,
+    /// The second fault.
+    pub second: Option<NextFault>,
+}
+
+#[derive(Default)]
+pub(super) struct State {
+    plan: FaultPlan,
+    counts: HashMap<CallNumber, usize>,
+    first_fired: Option<usize>,
+    pub(super) trace: Vec<CallNumber>,
+    pub(super) fired: Vec<(CallNumber, vk::Result)>,
+    pub(super) asked: BTreeSet<String>,
+    pub(super) real: Vec<Option<Function>>,
+    pub(super) others: HashMap<&'static str, Function>,
+    pub(super) devices: Vec<vk::Device>,
+}
+
+impl State {
+    pub(super) fn install(&mut self, plan: FaultPlan) {
+        self.plan = plan;
+        self.counts.clear();
+        self.first_fired = None;
+        self.trace.clear();
+        self.fired.clear();
+    }
+
+    pub(super) fn stop(&mut self) {
+        self.plan = FaultPlan::default();
+    }
+
+    /// Counts a call, and returns its code if it must fail.
+    pub(super) fn due(&mut self, call: CallNumber) -> Option<vk::Result> {
+        let count = self.counts.entry(call).or_default();
+        let nth = *count;
+        *count += 1;
+        let place = self.trace.len();
+        self.trace.push(call);
+        let code = self.first(call, nth).or_else(|| self.second(call, place))?;
+        self.first_fired.get_or_insert(place);
+        self.fired.push((call, code));
+        Some(code)
+    }
+
+    fn first(&self, call: CallNumber, nth: usize) -> Option<vk::Result> {
+        let Fault { call: wanted, nth: from, code, lasts } = self.plan.first?;
+        let is_here = call == wanted && nth == from;
+        let is_later = lasts == Lasts::Forever
+            && self.first_fired.is_some()
+            && if code == vk::Result::ERROR_DEVICE_LOST {
+                codes_of(call).contains(&code)
+            } else {
+                call == wanted
+            };
+        (is_here || is_later).then_some(code)
+    }
+
+    fn second(&self, call: CallNumber, place: usize) -> Option<vk::Result> {
+        let NextFault { after, seed } = self.plan.second?;
+        if place != self.first_fired? + 1 + after {
+            return None;
+        }
+        let codes = codes_of(call);
+        let choice = Random::new(seed).below(codes.len() as u32 + 1) as usize;
+        Some(codes.get(choice).copied().unwrap_or(INVENTED))
+    }
+}
+
+static STATE: Mutex<Option<State>> = Mutex::new(None);
+
+pub(super) fn with_state<R>(use_it: impl FnOnce(&mut State) -> R) -> R {
+    let mut state = STATE.lock().unwrap_or_else(PoisonError::into_inner);
+    use_it(state.get_or_insert_with(|| State { real: vec![None; NAMES.len()], ..State::default() }))
+}
+
+/// Returns the real function of a call.
+///
+/// # Safety
+/// `F` is the type of the function.
+pub(super) unsafe fn real<F: Copy>(call: CallNumber) -> F {
+    // SAFETY: as the caller promises.
+    unsafe { typed(with_state(|state| state.real[call])) }
+}
+
+/// Returns the real function that has a replacement of its own.
+///
+/// # Safety
+/// `F` is the type of the function.
+pub(super) unsafe fn real_other<F: Copy>(name: &str) -> F {
+    // SAFETY: as the caller promises.
+    unsafe { typed(with_state(|state| state.others.get(name).copied())) }
+}
+
+/// Returns a function by its type.
+///
+/// # Safety
+/// `F` is the type of the function.
+unsafe fn typed<F: Copy>(function: Option<Function>) -> F {
+    let function = function.expect("a function that was asked for");
+    assert_eq!(size_of::<F>(), size_of::<Function>());
+    // SAFETY: both are function pointers, and the caller vouches for the type.
+    unsafe { std::mem::transmute_copy(&function) }
+}

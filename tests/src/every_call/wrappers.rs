@@ -1,0 +1,71 @@
+//! The wrappers, one for each number of arguments.
+
+use std::mem::transmute;
+
+use ash::vk;
+
+use super::device;
+use super::state::{Function, real, with_state};
+
+/// The number of a call, as a value whose type carries it.
+pub(super) struct Index<const N: usize>;
+
+/// Defines functions that make the wrapper of a function of some type.
+macro_rules! arities {
+    ($($wrap:ident ($($argument:ident: $kind:ident),+);)+) => {$(
+        pub(super) fn $wrap<const N: usize, $($kind),+>(
+            _: Index<N>,
+            _: Option<unsafe extern "system" fn($($kind),+) -> vk::Result>,
+        ) -> Function {
+            unsafe extern "system" fn wrapper<const N: usize, $($kind),+>(
+                $($argument: $kind),+
+            ) -> vk::Result {
+                type Real<$($kind),+> = unsafe extern "system" fn($($kind),+) -> vk::Result;
+                // SAFETY: the caller passes valid arguments for the function of this number.
+                answer(N, || unsafe { real::<Real<$($kind),+>>(N)($($argument),+) })
+            }
+            let wrapper: unsafe extern "system" fn($($kind),+) -> vk::Result =
+                wrapper::<N, $($kind),+>;
+            // SAFETY: both are function pointers, and the caller knows the type by the name.
+            unsafe { transmute::<unsafe extern "system" fn($($kind),+) -> vk::Result, Function>(wrapper) }
+        }
+    )+};
+}
+
+arities! {
+    wrap_1(a: A);
+    wrap_2(a: A, b: B);
+    wrap_3(a: A, b: B, c: C);
+    wrap_4(a: A, b: B, c: C, d: D);
+    wrap_5(a: A, b: B, c: C, d: D, e: E);
+    wrap_6(a: A, b: B, c: C, d: D, e: E, f: F);
+    wrap_7(a: A, b: B, c: C, d: D, e: E, f: F, g: G);
+    wrap_8(a: A, b: B, c: C, d: D, e: E, f: F, g: G, h: H);
+}
+
+/// Counts a call, and returns the injected code, or the code of the real call.
+pub(super) fn answer(number: usize, real: impl FnOnce() -> vk::Result) -> vk::Result {
+    let Some(code) = with_state(|state| state.due(number)) else { return real() };
+    if code == vk::Result::ERROR_DEVICE_LOST {
+        device::finish();
+    }
+    if !is_executed_too(number, code) {
+        return code;
+    }
+    match real() {
+        vk::Result::SUCCESS => code,
+        other => other,
+    }
+}
+
+/// Returns true for codes of calls that have done their work: outputs are written, and semaphores
+/// of a present are waited for.
+fn is_executed_too(number: usize, code: vk::Result) -> bool {
+    match code {
+        vk::Result::INCOMPLETE | vk::Result::SUBOPTIMAL_KHR => true,
+        vk::Result::ERROR_OUT_OF_DATE_KHR | vk::Result::ERROR_SURFACE_LOST_KHR => {
+            super::name_of(number) == "vkQueuePresentKHR"
+        }
+        _ => false,
+    }
+}

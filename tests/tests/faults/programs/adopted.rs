@@ -1,0 +1,34 @@
+//! A program on the device of a host. The calls of the host itself do not fail.
+
+use std::sync::{Arc, Mutex};
+
+use gpu::{HostDevice, Purpose};
+use tests::every_call;
+use tests::host_device::Host;
+
+use super::{Outcome, Program, Stage};
+
+impl Program {
+    /// Draws on the device and the queue of a host, and returns the last image.
+    pub(super) fn draw_for_host(&self, stage: &Stage) -> Outcome {
+        let host = Host::new(stage.driver, Purpose::Renderer);
+        let outcome = self.draw_on(&host);
+        host.finish();
+        every_call::forget_devices();
+        outcome
+    }
+
+    fn draw_on(&self, host: &Host) -> Outcome {
+        let entry = every_call::entry();
+        // SAFETY: handles of the host, which outlive the engine's device.
+        let instance = unsafe { ash::Instance::load(entry.static_fn(), host.instance.handle()) };
+        // SAFETY: as above.
+        let device = unsafe { ash::Device::load(instance.fp_v1_0(), host.device.handle()) };
+        every_call::watch(host.device.handle());
+        let queue = host.share_queue(Arc::new(Mutex::new(())));
+        let description =
+            HostDevice { entry, instance, device, queue: Some(queue), ..host.describe() };
+        let device = host.try_adopt(description)?;
+        self.walk(&device)
+    }
+}
