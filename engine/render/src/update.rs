@@ -4,7 +4,7 @@
 use std::collections::HashSet;
 use std::time::Duration;
 
-use cull::{Aabb, LeafRange, NodeId, ObjectId};
+use cull::{Aabb, LeafRange, ObjectId};
 use scene::MeshId;
 
 /// The work of an update.
@@ -37,13 +37,7 @@ pub(crate) struct UpdateScratch {
     pub(crate) gone: ObjectSet,
     /// The skinned meshes that get an object.
     pub(crate) taken: HashSet<MeshId>,
-    /// The moves that the hierarchy does not have yet.
     pub(crate) moves: Vec<(ObjectId, Aabb)>,
-    /// The node of the leaf of each move, with the place of the move in `moves`.
-    pub(crate) order: Vec<(NodeId, u32)>,
-    /// The objects that moved, which keep their draws.
-    pub(crate) moved: Vec<ObjectId>,
-    /// The objects that came or went.
     pub(crate) changed: Vec<ObjectId>,
     pub(crate) reordered: Vec<LeafRange>,
 }

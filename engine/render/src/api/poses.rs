@@ -96,6 +96,7 @@ impl Renderer {
             })?;
         } else if let Some(object) = object {
             scratch.moves.push((object, in_world));
+            scratch.changed.push(object);
         }
         Ok(true)
     }

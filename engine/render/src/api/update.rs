@@ -206,6 +206,7 @@ impl Renderer {
             ObjectChange::Move { object, transform } => {
                 self.passes.gpu_scene.geometry.place(*object, transform);
                 scratch.moves.push((*object, bounds));
+                scratch.changed.push(*object);
                 Ok(None)
             }
             ObjectChange::Remove { object } => {
@@ -225,31 +226,18 @@ impl Renderer {
         }
     }
 
-    /// Refits the hierarchy to the moves that were collected. Sorts them into the order of their
-    /// leaves first, which is the order of the memory for all that follows.
+    /// Refits the hierarchy to the moves that were collected.
     fn move_all(&mut self, scratch: &mut UpdateScratch) -> Result<(), HierarchyError> {
-        let UpdateScratch { moves, order, moved, .. } = scratch;
-        let hierarchy = self.scene.parts_mut().hierarchy;
-        for (place, (object, _)) in (0..).zip(&*moves) {
-            order.extend(hierarchy.node_of(*object).map(|node| (node, place)));
+        if scratch.moves.is_empty() {
+            return Ok(());
         }
-        order.sort_unstable();
-        let sorted = order.drain(..).map(|(_, place)| moves[place as usize]);
-        let outcome = hierarchy.refit(sorted.inspect(|(object, _)| moved.push(*object)));
-        moves.clear();
-        outcome
+        self.scene.parts_mut().hierarchy.refit(scratch.moves.drain(..))
     }
 
     /// Marks the leaves of all changed objects, where they are now.
     fn mark_dirty(&mut self, scratch: &mut UpdateScratch) {
         let geometry = &mut self.passes.gpu_scene.geometry;
         let ScenePartsMut { hierarchy, leaves, .. } = self.scene.parts_mut();
-        for object in scratch.moved.drain(..) {
-            geometry.find_lights(hierarchy, object);
-            if let Some(leaf) = hierarchy.leaf_of(object) {
-                leaves.mark_moved(leaf);
-            }
-        }
         for object in scratch.changed.drain(..) {
             geometry.find_lights(hierarchy, object);
             if let Some(leaf) = hierarchy.leaf_of(object) {

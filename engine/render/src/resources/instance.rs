@@ -3,8 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Affine3A, Mat3A, Vec3A};
 
-/// An object in the form that vertex shaders read; mirrors `instance.glsl`. It is one cache line.
-#[repr(C, align(64))]
+/// An object in the form that vertex shaders read; mirrors `instance.glsl`.
+#[repr(C)]
 #[derive(Clone, Copy, Default, Pod, Zeroable)]
 pub(crate) struct Instance {
     pub(crate) rows: [[f32; 4]; 3],
