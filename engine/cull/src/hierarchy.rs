@@ -38,26 +38,18 @@ pub struct Hierarchy {
     generation: Generation,
     /// The generation since which each node has had its meaning.
     births: Vec<Generation>,
-    /// The generation since which each id has belonged to its object, by id; [`ABSENT`] for a free
-    /// id.
+    /// The generation since which each id has belonged to its object, by id.
     arrivals: Vec<Generation>,
     journal: journal::Journal,
     boxes: box_log::BoxLog,
     worn: rebuild_subtrees::Worn,
-    stale: refit::Stale,
+    /// The nodes that a refit must update; empty between refits.
+    stale: node_set::NodeSet,
     search: occupancy::Search,
     /// Subtrees to rebuild; kept for its memory.
     chosen: Vec<u32>,
     work: HierarchyWork,
     whole: api::whole::WholeObjects,
-}
-
-/// The arrival of a free id: no generation has this number.
-const ABSENT: Generation = Generation(u32::MAX);
-
-/// Returns the arrival of an object that comes with `generation`.
-fn arrival(bounds: &Aabb, generation: Generation) -> Generation {
-    if bounds.is_empty() { ABSENT } else { generation }
 }
 
 impl Hierarchy {
@@ -73,14 +65,14 @@ impl Hierarchy {
         Ok(Self {
             id: HierarchyId::default(),
             births: vec![generation; topology.nodes.len()],
-            arrivals: boxes.iter().map(|bounds| arrival(bounds, generation)).collect(),
+            arrivals: vec![generation; topology.leaf_objects.len()],
             topology,
             nodes,
             generation,
             journal: journal::Journal::default(),
             boxes: box_log::BoxLog::default(),
             worn: rebuild_subtrees::Worn::default(),
-            stale: refit::Stale::default(),
+            stale: node_set::NodeSet::default(),
             search: occupancy::Search::default(),
             chosen: Vec::new(),
             work: HierarchyWork::default(),
@@ -139,7 +131,7 @@ impl Hierarchy {
     #[must_use]
     #[inline]
     pub fn contains(&self, object: ObjectId) -> bool {
-        self.arrivals.get(object.0 as usize).is_some_and(|arrival| *arrival != ABSENT)
+        refit::occupied(&self.topology, &self.nodes, object).is_ok()
     }
 
     /// Returns the node of an object's leaf.
@@ -173,7 +165,7 @@ impl Hierarchy {
     #[must_use]
     pub fn children(&self, node: NodeId) -> Option<[NodeId; 2]> {
         let links = self.topology.nodes.get(node.0 as usize)?;
-        (links.leaf_count > 1).then(|| self.topology.children(node.0).map(NodeId))
+        (links.leaf_count > 1).then(|| links.children(node.0).map(NodeId))
     }
 
     /// Returns the parent of a node; `None` for the root or a foreign id.

@@ -62,8 +62,8 @@ pub(super) fn topology(boxes: &[Aabb]) -> Result<Topology, HierarchyError> {
     }
     if !free.is_empty() {
         let first = topology.nodes.len() as u32;
-        if let Some(right) = topology.rights.get_mut(root as usize) {
-            *right = first;
+        if let Some(root) = topology.nodes.get_mut(root as usize) {
+            root.right = first;
         }
         append(&mut topology, &free, &balanced(free.len() as u32), root);
     }
@@ -78,7 +78,7 @@ fn balanced(leaves: u32) -> Topology {
     while let Some((leaves, parent, is_right)) = waiting.pop() {
         let node = topology.push_inner(parent, leaves.len() as u32);
         if is_right {
-            topology.rights[parent as usize] = node;
+            topology.nodes[parent as usize].right = node;
         }
         if leaves.len() == 1 {
             topology.object_nodes[leaves.start as usize] = node;

@@ -82,7 +82,7 @@ impl Chunks {
         while let Some((cells, parent, is_right)) = waiting.pop() {
             let places = self.places(&cells);
             if is_right {
-                topology.rights[parent as usize] = topology.nodes.len() as u32;
+                topology.nodes[parent as usize].right = topology.nodes.len() as u32;
             }
             if places.len() <= OBJECTS_PER_CHUNK || cells.len() == 1 {
                 let objects = &self.objects[places];
@@ -130,12 +130,12 @@ pub(super) fn append(topology: &mut Topology, objects: &[u32], part: &Topology, 
     let level = topology.nodes.get(parent as usize).map_or(0, |links| links.level + 1);
     let inside = |node: u32, outside: u32| if node == NO_NODE { outside } else { node + first };
     topology.nodes.extend(part.nodes.iter().map(|links| Links {
+        right: inside(links.right, NO_NODE),
         parent: inside(links.parent, parent),
         first_leaf: links.first_leaf + first_leaf,
         leaf_count: links.leaf_count,
         level: links.level + level,
     }));
-    topology.rights.extend(part.rights.iter().map(|right| inside(*right, NO_NODE)));
     for local in &part.leaf_objects {
         let object = objects[local.0 as usize];
         topology.leaf_objects.push(ObjectId(object));
@@ -158,7 +158,7 @@ mod tests {
                 assert_eq!(topology.object_nodes[object.0 as usize], node);
                 continue;
             }
-            let children = topology.children(node);
+            let children = links.children(node);
             let [left, right] = children.map(|child| topology.nodes[child as usize]);
             for child in [left, right] {
                 assert_eq!((child.parent, child.level), (node, links.level + 1));

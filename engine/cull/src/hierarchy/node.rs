@@ -5,8 +5,7 @@ use glam::{Vec3, Vec4};
 use crate::geom::bounds::Aabb;
 
 /// The box of a node and two sums, in two vectors: a refit unites millions of boxes, and a vector
-/// that was just stored can be loaded again without a stall. It lies in one cache line.
-#[repr(align(32))]
+/// that was just stored can be loaded again without a stall.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
     /// The least corner, and the sum of the half areas of all inner nodes of the subtree (square

@@ -1,4 +1,5 @@
-//! A set of nodes as one bit per node, emptied in the order of the nodes' memory without sorting.
+//! A set of nodes as one bit per node, emptied from the greatest node down: children come before
+//! their parents, in the order of their memory and without sorting.
 
 const WORD_BITS: u32 = u64::BITS;
 
@@ -28,25 +29,22 @@ impl NodeSet {
         self.summary[(word / WORD_BITS) as usize] |= 1 << (word % WORD_BITS);
     }
 
-    /// Removes all nodes, and calls `each` with every one, the least first.
-    pub(super) fn drain(&mut self, mut each: impl FnMut(u32)) {
-        for (group, summary) in self.summary.iter_mut().enumerate() {
-            for place in places_of(std::mem::take(summary)) {
+    /// Removes all nodes, the greatest first. `each` gets every node and may return a smaller node
+    /// to insert.
+    pub(super) fn drain_down(&mut self, mut each: impl FnMut(u32) -> Option<u32>) {
+        for group in (0..self.summary.len()).rev() {
+            while let Some(place) = self.summary[group].checked_ilog2() {
                 let word = group as u32 * WORD_BITS + place;
-                let bits = std::mem::take(&mut self.words[word as usize]);
-                places_of(bits).for_each(|place| each(word * WORD_BITS + place));
+                while let Some(bit) = self.words[word as usize].checked_ilog2() {
+                    self.words[word as usize] &= !(1 << bit);
+                    if let Some(smaller) = each(word * WORD_BITS + bit) {
+                        self.insert(smaller);
+                    }
+                }
+                self.summary[group] &= !(1 << place);
             }
         }
     }
-}
-
-/// Returns the places of the bits that are set, the lowest first.
-fn places_of(mut bits: u64) -> impl Iterator<Item = u32> {
-    std::iter::from_fn(move || {
-        let place = (bits != 0).then(|| bits.trailing_zeros())?;
-        bits &= bits - 1;
-        Some(place)
-    })
 }
 
 #[cfg(test)]
@@ -54,13 +52,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nodes_come_once_and_in_their_order() {
+    fn nodes_come_from_the_greatest_down_with_those_that_are_inserted_on_the_way() {
         let mut set = NodeSet::default();
         set.grow(20_000);
         [19_999, 5, 64, 4_096, 65, 5].into_iter().for_each(|node| set.insert(node));
         let mut drained = Vec::new();
-        set.drain(|node| drained.push(node));
-        assert_eq!(drained, [5, 64, 65, 4_096, 19_999]);
-        set.drain(|node| unreachable!("{node} is still in the set"));
+        set.drain_down(|node| {
+            drained.push(node);
+            (node > 64).then_some(node / 2)
+        });
+        let halves = [19_999, 9_999, 4_999, 4_096, 2_499, 2_048, 1_249, 1_024, 624, 512, 312];
+        assert_eq!(drained[..halves.len()], halves);
+        assert!(drained.is_sorted_by(|a, b| a > b), "{drained:?}");
+        assert_eq!(drained.last(), Some(&5));
+        set.drain_down(|node| unreachable!("{node} is still in the set"));
     }
 }

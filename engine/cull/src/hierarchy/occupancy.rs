@@ -37,20 +37,18 @@ pub(super) fn occupy(
     Ok(leaf)
 }
 
-/// Updates the ancestors of a leaf, and calls `touched` with each, its number of leaves and its new
-/// data.
+/// Updates the ancestors of a leaf and calls `touched` with each and its new data.
 pub(super) fn refit_above(
     topology: &Topology,
     nodes: &mut Nodes,
     leaf: u32,
-    mut touched: impl FnMut(&Wear, u32, u32, &Node),
+    mut touched: impl FnMut(&Wear, u32, &Node),
 ) {
     let mut node = topology.nodes[leaf as usize].parent;
     while node != NO_NODE {
-        let data = nodes.update(node, topology.rights[node as usize]);
-        let links = &topology.nodes[node as usize];
-        touched(&nodes.wear, node, links.leaf_count, &data);
-        node = links.parent;
+        let data = nodes.update(topology, node);
+        touched(&nodes.wear, node, &data);
+        node = topology.nodes[node as usize].parent;
     }
 }
 
@@ -95,7 +93,7 @@ fn free_leaf(
         }
         let is_free = |child: &u32| nodes.all[*child as usize].free() > 0;
         search.extend(
-            topology.children(node).iter().filter(|c| is_free(c)).map(|c| waiting(growth, *c)),
+            links.children(node).iter().filter(|c| is_free(c)).map(|c| waiting(growth, *c)),
         );
     }
     None

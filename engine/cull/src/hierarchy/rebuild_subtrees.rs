@@ -23,13 +23,13 @@ pub(super) struct Worn {
 }
 
 impl Worn {
-    /// Notes a refitted node above `leaves` leaves, now with `data`, if its rebuild may be
-    /// worthwhile.
+    /// Notes a refitted node, now with `data`, if its rebuild may be worthwhile.
     #[inline]
-    pub(super) fn consider(&mut self, wear: &Wear, node: u32, leaves: u32, data: &Node) {
+    pub(super) fn consider(&mut self, topology: &Topology, wear: &Wear, node: u32, data: &Node) {
+        let leaves = topology.nodes[node as usize].leaf_count;
         let is_size = (LEAVES_MIN..=LEAVES_PER_UPDATE).contains(&leaves);
         if is_size && wear.excess(node, data).is_some() {
-            self.is_candidate.resize(wear.len(), false);
+            self.is_candidate.resize(topology.nodes.len(), false);
             if !std::mem::replace(&mut self.is_candidate[node as usize], true) {
                 self.candidates.push(node);
             }
@@ -73,7 +73,7 @@ impl Worn {
 pub(super) fn last_subtree(topology: &Topology, most_leaves: u32) -> u32 {
     let mut node = 0;
     while topology.nodes[node as usize].leaf_count > most_leaves.max(1) {
-        node = topology.rights[node as usize];
+        node = topology.nodes[node as usize].right;
     }
     node
 }
@@ -124,7 +124,7 @@ pub(super) fn rebuild_subtree(
     let mut above = top.parent;
     while above != NO_NODE {
         topology.nodes[above as usize].leaf_count += more.len() as u32;
-        nodes.update(above, topology.rights[above as usize]);
+        nodes.update(topology, above);
         above = topology.nodes[above as usize].parent;
     }
     Ok(change)
@@ -133,12 +133,12 @@ pub(super) fn rebuild_subtree(
 /// Replaces the links below `root`, whose own links were `top`, by the links of `built`. `objects`
 /// maps the object indices of `built` to object ids.
 fn splice(topology: &mut Topology, root: u32, top: &Links, built: &Topology, objects: &[ObjectId]) {
-    let inside = |local: u32, outside: u32| if local == NO_NODE { outside } else { local + root };
-    for (node, right) in (root as usize..).zip(&built.rights) {
-        topology.rights[node] = inside(*right, NO_NODE);
-    }
     for (node, links) in (root..).zip(&built.nodes) {
+        let inside = |local: u32, outside: u32| {
+            if local == NO_NODE { outside } else { local + root }
+        };
         topology.nodes[node as usize] = Links {
+            right: inside(links.right, NO_NODE),
             parent: inside(links.parent, top.parent),
             first_leaf: top.first_leaf + links.first_leaf,
             leaf_count: links.leaf_count,

@@ -52,9 +52,8 @@ impl Nodes {
         };
         // Children follow their parents.
         for node in (root..links.end(root)).rev() {
-            let right = topology.rights[node as usize];
-            if right != NO_NODE {
-                self.update(node, right);
+            if !topology.nodes[node as usize].is_leaf() {
+                self.update(topology, node);
             }
             self.wear.reset(node, &self.all[node as usize]);
         }
@@ -65,11 +64,11 @@ impl Nodes {
         self.all[node as usize] = Node::leaf(bounds);
     }
 
-    /// Computes an inner node from its children, of which `right` is the second, and returns its
-    /// data.
+    /// Computes an inner node from its children, and returns its data.
     #[inline]
-    pub(super) fn update(&mut self, node: u32, right: u32) -> Node {
-        let above = Node::above(&self.all[node as usize + 1], &self.all[right as usize]);
+    pub(super) fn update(&mut self, topology: &Topology, node: u32) -> Node {
+        let [left, right] = topology.nodes[node as usize].children(node);
+        let above = Node::above(&self.all[left as usize], &self.all[right as usize]);
         self.all[node as usize] = above;
         above
     }
@@ -82,90 +81,36 @@ impl Nodes {
     }
 }
 
-/// The nodes that a refit must update; empty between refits.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Stale {
-    leaves: NodeSet,
-    /// The ancestors of these leaves, each before the nodes below it.
-    ancestors: Vec<Ancestor>,
-    /// The ancestors of the leaf that was found last, from the root down.
-    path: Vec<Ancestor>,
-}
-
-/// A node above a moved leaf.
-#[derive(Clone, Copy, Debug)]
-struct Ancestor {
-    node: u32,
-    right: u32,
-    /// The first node that is not below it.
-    end: u32,
-}
-
-impl Stale {
-    /// Lists the ancestors of the leaves, and removes the leaves.
-    ///
-    /// Descends from the root in the order of the memory and reads the right children alone: a
-    /// climb from each leaf would wait for the memory at each step.
-    fn find_ancestors(&mut self, rights: &[u32]) {
-        let Self { leaves, ancestors, path } = self;
-        path.clear();
-        leaves.drain(|leaf| {
-            while path.last().is_some_and(|last| last.end <= leaf) {
-                path.pop();
-            }
-            let mut node = 0;
-            let mut end = rights.len() as u32;
-            if let Some(last) = path.last() {
-                // What is left of a node on the path is its right side.
-                node = last.right;
-                end = last.end;
-            }
-            while node != leaf {
-                let right = rights[node as usize];
-                let ancestor = Ancestor { node, right, end };
-                ancestors.push(ancestor);
-                path.push(ancestor);
-                if leaf < right {
-                    node += 1;
-                    end = right;
-                } else {
-                    node = right;
-                }
-            }
-        });
-    }
-}
-
 /// Sets the boxes of `moved` objects and then updates their ancestors, the deepest first. Logs the
-/// moves, and calls `touched` with every ancestor, its number of leaves and its new data. Leaves
-/// `stale` empty.
+/// moves, and calls `touched` with every ancestor and its new data. Leaves `stale` empty.
 ///
-/// Each step knows all its nodes before it begins, and goes through the memory in its order. So the
-/// processor can fetch many nodes at once.
+/// The ancestors are found on the way: each updated node puts its parent into the set.
 pub(super) fn refit(
     topology: &Topology,
     nodes: &mut Nodes,
-    stale: &mut Stale,
+    stale: &mut NodeSet,
     log: &mut BoxLog,
     moved: impl IntoIterator<Item = (ObjectId, Aabb)>,
-    mut touched: impl FnMut(&Wear, u32, u32, &Node),
+    mut touched: impl FnMut(&Wear, u32, &Node),
 ) -> Result<(), HierarchyError> {
-    stale.leaves.grow(nodes.all.len());
+    stale.grow(nodes.all.len());
     let outcome = moved.into_iter().try_for_each(|(object, target)| {
         check(object.0 as usize, &target)?;
         let node = occupied(topology, nodes, object)?;
         let moved = &mut nodes.all[node as usize];
         log.push(BoxChange { object, before: moved.bounds(), after: target });
         *moved = Node::leaf(target);
-        stale.leaves.insert(node);
+        stale.insert(node);
         Ok(())
     });
-    stale.find_ancestors(&topology.rights);
-    for Ancestor { node, right, end } in stale.ancestors.drain(..).rev() {
-        let data = nodes.update(node, right);
-        // A tree with n leaves has 2n - 1 nodes.
-        touched(&nodes.wear, node, (end - node).div_ceil(2), &data);
-    }
+    stale.drain_down(|node| {
+        let links = &topology.nodes[node as usize];
+        if !links.is_leaf() {
+            let data = nodes.update(topology, node);
+            touched(&nodes.wear, node, &data);
+        }
+        (links.parent != NO_NODE).then_some(links.parent)
+    });
     outcome
 }
 

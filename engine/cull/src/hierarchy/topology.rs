@@ -7,9 +7,10 @@ use crate::ids::ObjectId;
 /// The parent of the root, and the right child of a leaf.
 pub(crate) const NO_NODE: u32 = u32::MAX;
 
-/// The links of a node to other nodes but its children.
+/// The links of a node to other nodes. The left child of an inner node is the next node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Links {
+    pub(crate) right: u32,
     pub(crate) parent: u32,
     pub(crate) first_leaf: u32,
     /// 1 for a leaf, more for an inner node.
@@ -21,6 +22,12 @@ impl Links {
     #[inline]
     pub(crate) const fn is_leaf(&self) -> bool {
         self.leaf_count == 1
+    }
+
+    /// Returns the children of an inner node, whose index is `node`.
+    #[inline]
+    pub(crate) const fn children(&self, node: u32) -> [u32; 2] {
+        [node + 1, self.right]
     }
 
     /// Returns the first node that is not in the subtree of `node`: a binary tree with n leaves has
@@ -41,9 +48,6 @@ pub(crate) enum Split {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Topology {
     pub(crate) nodes: Vec<Links>,
-    /// The right child of each node; [`NO_NODE`] for a leaf. A refit reads nothing else of the
-    /// shape.
-    pub(crate) rights: Vec<u32>,
     pub(crate) leaf_objects: Vec<ObjectId>,
     /// The node of each object's leaf.
     pub(crate) object_nodes: Vec<u32>,
@@ -60,9 +64,10 @@ impl Topology {
             let node = topology.nodes.len() as u32;
             // The left child directly follows its parent, so any other is a right child.
             if parent != NO_NODE && node != parent + 1 {
-                topology.rights[parent as usize] = node;
+                topology.nodes[parent as usize].right = node;
             }
             let mut links = Links {
+                right: NO_NODE,
                 parent,
                 first_leaf: topology.leaf_objects.len() as u32,
                 leaf_count: 0,
@@ -80,7 +85,6 @@ impl Topology {
                 }
             }
             topology.nodes.push(links);
-            topology.rights.push(NO_NODE);
         }
         // Children follow their parents, so backwards every count is complete when it is used.
         for node in (1..topology.nodes.len()).rev() {
@@ -90,17 +94,10 @@ impl Topology {
         topology
     }
 
-    /// Returns the children of an inner node. The left child is the next node.
-    #[inline]
-    pub(crate) fn children(&self, node: u32) -> [u32; 2] {
-        [node + 1, self.rights[node as usize]]
-    }
-
     /// Creates an empty shape with memory for `leaves` leaves, and no node for any object.
     pub(crate) fn with_capacity(leaves: usize, object_count: usize) -> Self {
         Self {
             nodes: Vec::with_capacity(2 * leaves),
-            rights: Vec::with_capacity(2 * leaves),
             leaf_objects: Vec::with_capacity(leaves),
             object_nodes: vec![NO_NODE; object_count],
         }
@@ -111,29 +108,27 @@ impl Topology {
     pub(crate) fn push_inner(&mut self, parent: u32, leaf_count: u32) -> u32 {
         let level = self.nodes.get(parent as usize).map_or(0, |links| links.level + 1);
         let first_leaf = self.leaf_objects.len() as u32;
-        self.nodes.push(Links { parent, first_leaf, leaf_count, level });
-        self.rights.push(NO_NODE);
+        self.nodes.push(Links { right: NO_NODE, parent, first_leaf, leaf_count, level });
         self.nodes.len() as u32 - 1
     }
 
     /// The memory per leaf and its two nodes (bytes).
     pub(crate) const BYTES_PER_LEAF: usize =
-        2 * (size_of::<Links>() + size_of::<u32>()) + size_of::<ObjectId>() + size_of::<u32>();
+        2 * size_of::<Links>() + size_of::<ObjectId>() + size_of::<u32>();
 
     /// Reserves memory for [`Topology::add_leaves`].
     pub(crate) fn try_reserve(&mut self, leaves: usize) -> Result<(), TryReserveError> {
         self.nodes.try_reserve_exact(2 * leaves)?;
-        self.rights.try_reserve_exact(2 * leaves)?;
         self.leaf_objects.try_reserve_exact(leaves)?;
         self.object_nodes.try_reserve_exact(leaves)
     }
 
     /// Adds uninitialised entries for more leaves and their nodes.
     pub(crate) fn add_leaves(&mut self, count: usize) {
-        let none = Links { parent: NO_NODE, first_leaf: 0, leaf_count: 1, level: 0 };
+        let none =
+            Links { right: NO_NODE, parent: NO_NODE, first_leaf: 0, leaf_count: 1, level: 0 };
         let leaf_count = self.leaf_objects.len() + count;
         self.nodes.resize(self.nodes.len() + 2 * count, none);
-        self.rights.resize(self.nodes.len(), NO_NODE);
         self.leaf_objects.resize(leaf_count, ObjectId(u32::MAX));
         self.object_nodes.resize(leaf_count, NO_NODE);
     }
@@ -178,7 +173,7 @@ mod tests {
                 .count();
             assert_eq!(leaves as u32, links.leaf_count);
             if !links.is_leaf() {
-                let [left, right] = topology.children(number as u32);
+                let [left, right] = links.children(number as u32);
                 assert_eq!(topology.nodes[left as usize].end(left), right);
                 assert_eq!(topology.nodes[right as usize].end(right), end);
             }

@@ -40,11 +40,6 @@ impl Wear {
         Self { built: vec![0.0; nodes] }
     }
 
-    /// Returns the number of nodes.
-    pub(super) fn len(&self) -> usize {
-        self.built.len()
-    }
-
     /// The memory per node (bytes).
     pub(super) const BYTES: usize = size_of::<f32>();
 

@@ -181,7 +181,7 @@ impl Ingest<'_> {
         if self.is_leaf(node) {
             return 0;
         }
-        let children = self.topology.children(node);
+        let children = self.topology.nodes[node as usize].children(node);
         let is_hidden = |child| self.history.record(child).state == NodeState::Hidden;
         if children.into_iter().all(is_hidden) {
             self.history.record(node).stable_queries.saturating_add(1)
@@ -237,7 +237,7 @@ impl Ingest<'_> {
         if self.is_leaf(node) {
             return;
         }
-        let children = self.topology.children(node);
+        let children = self.topology.nodes[node as usize].children(node);
         let since = children
             .map(|child| self.history.record(child))
             .iter()

@@ -149,7 +149,7 @@ impl History {
         if links.is_leaf() || self.record(node).state != NodeState::Visible {
             return;
         }
-        let parts = topology.children(node).map(|child| self.record(child).since);
+        let parts = links.children(node).map(|child| self.record(child).since);
         let since = parts.into_iter().max().unwrap_or(FrameStamp::NEVER);
         if let Some(record) = self.record_mut(node) {
             record.state = NodeState::Hidden;

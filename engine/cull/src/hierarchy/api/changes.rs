@@ -7,8 +7,7 @@ use super::super::refit::{Nodes, refit};
 use super::super::topology::Topology;
 use super::super::wear::{LEAVES_OF_WHOLE, LEAVES_PER_UPDATE};
 use super::super::{
-    ABSENT, Hierarchy, HierarchyError, MAX_OBJECTS, arrival, build, error, occupancy,
-    rebuild_subtrees,
+    Hierarchy, HierarchyError, MAX_OBJECTS, build, error, occupancy, rebuild_subtrees,
 };
 use crate::geom::bounds::Aabb;
 use crate::ids::{Generation, LeafRange, NodeId, ObjectId};
@@ -43,9 +42,9 @@ impl Hierarchy {
         let Self { topology, nodes, stale, boxes, worn, work, .. } = self;
         let moved = moved.into_iter().inspect(|_| work.placed_leaves += 1);
         let mut refitted = 0;
-        let outcome = refit(topology, nodes, stale, boxes, moved, |wear, node, leaves, data| {
+        let outcome = refit(topology, nodes, stale, boxes, moved, |wear, node, data| {
             refitted += 1;
-            worn.consider(wear, node, leaves, data);
+            worn.consider(topology, wear, node, data);
         });
         work.refitted_nodes += refitted;
         outcome
@@ -59,7 +58,6 @@ impl Hierarchy {
     pub fn remove(&mut self, object: ObjectId) -> Result<(), HierarchyError> {
         let before = self.node_of(object).map_or(Aabb::EMPTY, |node| self.bounds(node));
         let node = occupancy::vacate(&self.topology, &mut self.nodes, object)?;
-        self.arrivals[object.0 as usize] = ABSENT;
         self.boxes.push(BoxChange { object, before, after: Aabb::EMPTY });
         self.refit_above(node);
         self.list_whole();
@@ -265,11 +263,10 @@ impl Hierarchy {
         self.work.rebuilt_leaves += boxes.len() as u64;
         let generation = self.begin_generation();
         self.births = vec![generation; self.topology.nodes.len()];
-        self.arrivals.resize(boxes.len(), ABSENT);
-        for (before, bounds) in self.arrivals.iter_mut().zip(boxes) {
-            if bounds.is_empty() || *before == ABSENT {
-                *before = arrival(bounds, generation);
-            }
+        self.arrivals.resize(boxes.len(), generation);
+        let leaves = change.moved_from.iter().zip(&self.topology.leaf_objects);
+        for (_, object) in leaves.filter(|(moved_from, _)| **moved_from == NEW_LEAF) {
+            self.arrivals[object.0 as usize] = generation;
         }
         self.note(generation, Change::Restructured(Box::new(change)));
         Ok(generation)
@@ -294,7 +291,9 @@ impl Hierarchy {
     #[must_use]
     pub fn is_same_object_since(&self, object: ObjectId, generation: Generation) -> bool {
         let arrived = self.arrivals.get(object.0 as usize);
-        generation <= self.generation && arrived.is_some_and(|arrived| *arrived <= generation)
+        self.contains(object)
+            && generation <= self.generation
+            && arrived.is_some_and(|arrived| *arrived <= generation)
     }
 
     /// Returns the number of changes of boxes so far, for [`Hierarchy::box_changes_since`].
@@ -318,9 +317,9 @@ impl Hierarchy {
     fn refit_above(&mut self, leaf: u32) {
         let Self { topology, nodes, worn, work, .. } = self;
         work.placed_leaves += 1;
-        occupancy::refit_above(topology, nodes, leaf, |wear, node, leaves, data| {
+        occupancy::refit_above(topology, nodes, leaf, |wear, node, data| {
             work.refitted_nodes += 1;
-            worn.consider(wear, node, leaves, data);
+            worn.consider(topology, wear, node, data);
         });
     }
 
@@ -337,7 +336,7 @@ impl Hierarchy {
         self.work.rebuilt_leaves += u64::from(leaves.count);
         let generation = self.begin_generation();
         self.births.resize(self.topology.nodes.len(), generation);
-        self.arrivals.extend(more.iter().map(|bounds| arrival(bounds, generation)));
+        self.arrivals.resize(self.topology.leaf_objects.len(), generation);
         let end = root as usize + change.after.len();
         if let Some(births) = self.births.get_mut(root as usize..end) {
             births.fill(generation);
@@ -350,13 +349,14 @@ impl Hierarchy {
     /// Returns the number of a new change. After 2^32 changes the numbers start again: no history
     /// and no result is older than that.
     fn begin_generation(&mut self) -> Generation {
-        self.generation = Generation(self.generation.0 + 1);
-        if self.generation == ABSENT {
-            self.generation = Generation(1);
-            self.births.fill(self.generation);
-            let there = self.arrivals.iter_mut().filter(|arrival| **arrival != ABSENT);
-            there.for_each(|arrival| *arrival = self.generation);
-            self.journal.clear();
+        match self.generation.0.checked_add(1) {
+            Some(next) => self.generation = Generation(next),
+            None => {
+                self.generation = Generation(1);
+                self.births.fill(self.generation);
+                self.arrivals.fill(self.generation);
+                self.journal.clear();
+            }
         }
         self.generation
     }
