@@ -33,6 +33,7 @@ pub fn run(arguments: &Arguments) -> ExitCode {
         }
     }
     let next = AtomicUsize::new(0);
+    let injected = AtomicUsize::new(0);
     let failed = AtomicUsize::new(0);
     print_head();
     let work = || {
@@ -40,6 +41,7 @@ pub fn run(arguments: &Arguments) -> ExitCode {
             let number = benches.iter().filter(|(_, other)| other == driver).count();
             let row = measure(*program, *driver, arguments, number);
             row.print();
+            injected.fetch_add(row.runs() - row.unreached, Relaxed);
             failed.fetch_add(row.failed, Relaxed);
         }
     };
@@ -49,8 +51,10 @@ pub fn run(arguments: &Arguments) -> ExitCode {
         }
     });
     let failed = failed.into_inner();
-    println!("{failed} failed");
-    if failed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    let injected = injected.into_inner();
+    println!("{injected} runs with faults, {failed} failed");
+    // A run without its fault shows nothing, nor does a program that the driver cannot run.
+    if failed == 0 && injected > 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
 /// Executes the runs of one of `number` programs on a driver.

@@ -36,9 +36,14 @@ pub fn print_head() {
 }
 
 impl Row {
+    /// Returns the number of runs.
+    pub fn runs(&self) -> usize {
+        self.survived + self.degraded + self.named + self.unreached + self.failed
+    }
+
     /// Writes the row.
     pub fn print(&self) {
-        let runs = self.survived + self.degraded + self.named + self.unreached + self.failed;
+        let runs = self.runs();
         println!(
             "| {} | {} | {} | {runs} | {} | {} | {} | {} | {} | {:.0} | {} |",
             self.name,

@@ -115,11 +115,12 @@ impl DeviceShared {
             return is_over;
         };
         // vkDeviceWaitIdle has no bound, so the timeline is waited for first.
+        let began = Instant::now();
         match wait_bounded(&self.raw, timeline.semaphore, newest, self.wait_bound) {
             Ok(()) => {}
             // All work of a lost device is over (Vulkan specification, "Lost Device").
             Err(vk::Result::ERROR_DEVICE_LOST) => tracing::error!("the device was lost"),
-            Err(code) if !self.is_reached(timeline.semaphore, newest) => {
+            Err(code) if !self.is_reached(timeline.semaphore, newest, began) => {
                 tracing::error!(
                     "the GPU did not finish (vkWaitSemaphores: {code:?}); the device is left as it \
                      is"
@@ -138,10 +139,9 @@ impl DeviceShared {
         true
     }
 
-    /// Returns true if the timeline reaches a tick within the bound of every wait. Asks again and
-    /// again: the call that waits has failed.
-    fn is_reached(&self, timeline: vk::Semaphore, tick: Tick) -> bool {
-        let began = Instant::now();
+    /// Returns true if the timeline reaches a tick within the bound of every wait, counted from
+    /// `began`. Asks again and again: the call that waits has failed, or its time is over.
+    fn is_reached(&self, timeline: vk::Semaphore, tick: Tick, began: Instant) -> bool {
         loop {
             // SAFETY: the device's own timeline.
             match unsafe { self.raw.get_semaphore_counter_value(timeline) } {
