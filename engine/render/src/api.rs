@@ -18,6 +18,7 @@ mod object;
 mod poses;
 #[cfg(feature = "window")]
 mod present;
+mod recover;
 mod render;
 mod section;
 mod shadows;

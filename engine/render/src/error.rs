@@ -126,6 +126,21 @@ pub enum Error {
     /// A frame has no view.
     #[error("a frame needs a view, or there is nothing to draw: name at least one `ViewRequest`")]
     NoView,
+    /// The device of a renderer is lost, and the renderer does not keep its scene.
+    #[error(
+        "the renderer does not keep its scene, so it cannot draw it on another device: call `Renderer::keep_scene` when it is created, or create another renderer"
+    )]
+    SceneNotKept,
+    /// A scene is to be kept that the renderer was not created from.
+    #[error(
+        "the scene to keep has other meshes or objects than the renderer: give the scene that the renderer was created from, before the first change"
+    )]
+    OtherScene,
+    /// A view was last drawn on a device that is lost.
+    #[error(
+        "the view was last drawn on a device that is lost: render a frame of it on the present device first"
+    )]
+    ViewOfLostDevice,
     /// An object was made by another renderer.
     #[error("{thing} was made by another renderer: each renderer uses only what it made itself")]
     ForeignRenderer {

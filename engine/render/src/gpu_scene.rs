@@ -3,10 +3,11 @@
 use ::shadows::ShadowMethod;
 use cull::{CullView, Hierarchy, Strategy};
 use gpu::{Device, Frame};
-use occlusion::CulledScene;
+use occlusion::{CulledScene, LeafTable};
 use scene::{Light, Scene, TransparentId};
 
 use crate::error::Error;
+use crate::kept_scene::KeptScene;
 use crate::resources::geometry::Geometry;
 use crate::resources::skinned_meshes::{Skinned, SkinnedMeshes};
 use crate::resources::volume_meshes::VolumeMeshes;
@@ -59,6 +60,25 @@ impl GpuScene {
         }
         cancellation.check()?;
         Ok(Self { geometry, light: scene.light, skinned_meshes, transparent })
+    }
+
+    /// Brings a scene that was uploaded as the kept one began into the state that it has in `lost`.
+    /// The next upload of changes completes it.
+    pub(crate) fn restore(
+        &mut self,
+        lost: &Self,
+        kept: &KeptScene,
+        hierarchy: &Hierarchy,
+        leaves: &mut LeafTable,
+    ) -> Result<(), Error> {
+        self.light = lost.light;
+        if let (Some(transparent), Some(lost)) = (&mut self.transparent, &lost.transparent) {
+            transparent.restore(lost);
+        }
+        if let (Some(skinned), Some(lost)) = (&mut self.skinned_meshes, &lost.skinned_meshes) {
+            skinned.restore(lost);
+        }
+        self.geometry.restore(&lost.geometry, kept, hierarchy, leaves)
     }
 
     /// Returns the fragments of transparent objects, if fragments are sorted.

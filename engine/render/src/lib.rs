@@ -47,6 +47,7 @@ mod executor_choice;
 mod flares;
 mod gpu_scene;
 mod host_overlay;
+mod kept_scene;
 mod last_frame;
 pub mod passes;
 mod render_view;

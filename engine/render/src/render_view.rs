@@ -23,9 +23,21 @@ impl RendererId {
     }
 }
 
+/// The number of devices that a renderer lost before its present one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct DeviceGeneration(u32);
+
+impl DeviceGeneration {
+    pub(crate) fn next(self) -> Self {
+        Self(self.0.wrapping_add(1))
+    }
+}
+
 /// A view of a scene with its own visibility history. A scene may have several views.
 pub struct RenderView {
     pub(crate) renderer: RendererId,
+    /// The device on which the rings of the view lie.
+    pub(crate) generation: DeviceGeneration,
     pub(crate) visibility: OcclusionState,
     /// The viewpoint of the newest frame.
     pub(crate) seen_from: Option<CullView>,
@@ -37,11 +49,37 @@ pub struct RenderView {
 }
 
 impl RenderView {
-    pub(crate) fn new(renderer: RendererId, visibility: OcclusionState) -> Self {
-        let counts = SampleCounts::default();
-        let flares = FlareCounts::default();
-        let pointer = Pointer::default();
-        Self { renderer, visibility, seen_from: None, shown_tick: None, counts, pointer, flares }
+    pub(crate) fn new(
+        renderer: RendererId,
+        generation: DeviceGeneration,
+        visibility: OcclusionState,
+    ) -> Self {
+        Self {
+            renderer,
+            generation,
+            visibility,
+            seen_from: None,
+            shown_tick: None,
+            counts: SampleCounts::default(),
+            pointer: Pointer::default(),
+            flares: FlareCounts::default(),
+        }
+    }
+
+    /// Begins anew on another device, without history. What the view watches stays the same; the
+    /// answers of the lost device are never read.
+    pub(crate) fn follow_device(
+        &mut self,
+        generation: DeviceGeneration,
+        visibility: OcclusionState,
+    ) {
+        self.generation = generation;
+        self.visibility = visibility;
+        self.seen_from = None;
+        self.shown_tick = None;
+        self.counts.forget_ring();
+        self.pointer.forget_ring();
+        self.flares.forget_ring();
     }
 
     /// Returns the plan of the newest frame.

@@ -11,8 +11,8 @@ use gpu::{
 };
 use occlusion::{
     AntumbraMethod, CostModel, CulledScene, CullingSetup, DriverAssumption, DriverQuirks,
-    FrameTimes, LeafTableInfo, Method, MethodConstructor, MethodSupport, OcclusionPasses, Rect,
-    ShaderSet,
+    FrameTimes, LeafTableInfo, Method, MethodConstructor, MethodSupport, OcclusionPasses,
+    OcclusionState, Rect, ShaderSet,
 };
 use scene::{LensFlare, Scene};
 
@@ -22,7 +22,8 @@ use crate::debug::visible_set::{SceneRevision, SeenLeaves};
 use crate::error::Error;
 use crate::executor_choice::decide;
 use crate::gpu_scene::{GpuScene, GpuSceneOptions};
-use crate::render_view::{RenderView, RendererId};
+use crate::kept_scene::KeptScene;
+use crate::render_view::{DeviceGeneration, RenderView, RendererId};
 use crate::resources::limits::{check_leaves, check_memory};
 use crate::resources::object_bounds::{check_hierarchy, object_bounds};
 use crate::resources::spare_capacity::SpareCapacity;
@@ -172,6 +173,11 @@ impl RendererOptions {
 /// A scene on a device, with the passes that draw it.
 pub struct Renderer {
     pub(crate) id: RendererId,
+    pub(crate) generation: DeviceGeneration,
+    /// The options that the renderer was created with.
+    pub(crate) options: RendererOptions,
+    /// What another device would need, if it is kept.
+    pub(crate) kept: Option<Box<KeptScene>>,
     pub(crate) device: Device,
     pub(crate) frames: FrameRing,
     pub(crate) scene: CulledScene,
@@ -192,12 +198,8 @@ pub struct Renderer {
     pub(crate) shown_tick: Option<Tick>,
     pub(crate) pass_times: Vec<PassTime>,
     pub(crate) frame_times: FrameTimes,
-    cull_config: CullConfig,
-    /// The threshold in samples, for the cullers of all views.
-    threshold_samples: u32,
-    pub(crate) samples: SampleCount,
+    /// The usable options of transparency.
     pub(crate) transparency: TransparencyOptions,
-    pub(crate) query_budget: usize,
     pub(crate) query_shares: QueryShares,
 }
 
@@ -261,8 +263,6 @@ impl Renderer {
         let mut passes = SceneRenderer::new(device, &shaders, gpu_scene, target, shadows)?;
         options.cancellation.check()?;
         let draws = hierarchy.leaf_objects().len() as u64;
-        let threshold_samples = options.threshold_samples;
-
         let setup = decide(&mut passes, &occlusion_passes, &shaders, draws, options)?;
         let meshes = LeafTableInfo {
             mesh_draws: passes.gpu_scene.geometry.mesh_draws().clone(),
@@ -277,6 +277,8 @@ impl Renderer {
         frame_times.enable(&mut frames)?;
         Ok(Self {
             id,
+            generation: DeviceGeneration::default(),
+            kept: None,
             device: device.clone(),
             frames,
             scene: scene.with_setup(setup),
@@ -293,11 +295,8 @@ impl Renderer {
             shown_tick: None,
             pass_times: Vec::new(),
             frame_times,
-            cull_config: options.cull_config,
-            threshold_samples,
-            samples: options.samples,
             transparency: options.transparency,
-            query_budget: options.query_budget,
+            options: options.clone(),
             query_shares: QueryShares::default(),
         })
     }
@@ -307,9 +306,14 @@ impl Renderer {
     /// # Errors
     /// A failed call.
     pub fn new_view(&self) -> Result<RenderView, Error> {
-        let mut culler = Culler::with_testers(self.cull_config, self.testers());
-        culler.set_sample_threshold(self.threshold_samples);
-        Ok(RenderView::new(self.id, self.scene.view_of(culler)?))
+        Ok(RenderView::new(self.id, self.generation, self.new_visibility()?))
+    }
+
+    /// Creates the rings of a view, without history.
+    pub(crate) fn new_visibility(&self) -> Result<OcclusionState, Error> {
+        let mut culler = Culler::with_testers(self.options.cull_config, self.testers());
+        culler.set_sample_threshold(self.options.threshold_samples);
+        Ok(self.scene.view_of(culler)?)
     }
 
     /// Returns the given or measured costs on this device; `None` without a cost model.
@@ -337,7 +341,7 @@ impl Renderer {
     /// Returns `wanted`, a strategy that the device supports, or a replacement for it if the driver
     /// cannot be trusted with its tests.
     pub(crate) fn usable(&self, wanted: Strategy) -> Strategy {
-        self.testers().counting(self.threshold_samples).strategy(wanted)
+        self.testers().counting(self.options.threshold_samples).strategy(wanted)
     }
 
     /// Returns a sentence for each broken assumption about the driver, with its replacement. Empty
@@ -359,7 +363,8 @@ impl Renderer {
     pub(crate) fn method(&self, strategy: Strategy) -> Result<usize, Error> {
         let place = self.methods.iter().position(|method| method.strategies().contains(&strategy));
         let place = place.ok_or(Error::NoMethod(strategy))?;
-        let needs_depths = self.samples != SampleCount::One && strategy != Strategy::FRUSTUM;
+        let needs_depths =
+            self.options.samples != SampleCount::One && strategy != Strategy::FRUSTUM;
         if needs_depths && !self.device.capabilities().has(OptionalFeature::SampleDepths) {
             return Err(Error::SampleDepths {
                 device: self.device.adapter().name.clone(),
@@ -369,7 +374,7 @@ impl Renderer {
         let support = MethodSupport {
             scene: &self.scene,
             size: self.size(),
-            threshold_samples: self.threshold_samples,
+            threshold_samples: self.options.threshold_samples,
         };
         self.methods[place].supports(strategy, &support)?;
         Ok(place)
@@ -377,13 +382,13 @@ impl Renderer {
 
     /// Returns true if strategies that are called exact draw every visible object.
     pub(crate) fn is_exact(&self) -> bool {
-        self.threshold_samples == 0
+        self.options.threshold_samples == 0
     }
 
     /// Returns the number of samples up to which a test counts as hidden
     /// ([`RendererOptions::threshold_samples`]).
     pub fn threshold_samples(&self) -> u32 {
-        self.threshold_samples
+        self.options.threshold_samples
     }
 
     /// Returns the device that the renderer draws on.
@@ -398,7 +403,7 @@ impl Renderer {
 
     /// Returns the number of samples per pixel.
     pub fn samples(&self) -> SampleCount {
-        self.samples
+        self.options.samples
     }
 
     /// Returns the hierarchy over the scene's objects.

@@ -9,7 +9,7 @@ mod edge_on;
 mod exactness;
 mod explain;
 mod far_away;
-mod feature_soup;
+pub(crate) mod feature_soup;
 mod finish;
 mod hzb;
 mod ideal;

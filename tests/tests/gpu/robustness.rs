@@ -5,4 +5,5 @@ mod limits;
 mod misuse;
 mod nothing_to_do;
 mod object_pairs;
+mod recovery;
 mod self_test;

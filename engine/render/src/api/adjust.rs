@@ -25,7 +25,7 @@ impl Renderer {
         } else {
             Target::multisampled
         };
-        let target = create(&self.device, size, self.samples, "target")?;
+        let target = create(&self.device, size, self.options.samples, "target")?;
         if let Some(volumes) = &mut self.passes.pipelines.volumes {
             volumes.resize(&self.device, size)?;
         }

@@ -18,17 +18,19 @@ impl Renderer {
         let surfaces = self.passes.gpu_scene.geometry.surfaces.as_mut();
         let surfaces = surfaces.ok_or(Error::NoSurfacesForEnvironment)?;
         let before = std::mem::replace(&mut surfaces.environment, texture);
-        if before.is_there() == environment.is_some() {
-            return Ok(());
-        }
-        match self.passes.recompiled(&self.shaders, &self.passes.shadows) {
-            Ok(pipelines) => self.passes.pipelines = pipelines,
-            Err(error) => {
-                if let Some(surfaces) = &mut self.passes.gpu_scene.geometry.surfaces {
-                    surfaces.environment = before;
+        if before.is_there() != environment.is_some() {
+            match self.passes.recompiled(&self.shaders, &self.passes.shadows) {
+                Ok(pipelines) => self.passes.pipelines = pipelines,
+                Err(error) => {
+                    if let Some(surfaces) = &mut self.passes.gpu_scene.geometry.surfaces {
+                        surfaces.environment = before;
+                    }
+                    return Err(error.into());
                 }
-                return Err(error.into());
             }
+        }
+        if let Some(kept) = &mut self.kept {
+            kept.environment = Some(environment.cloned());
         }
         Ok(())
     }

@@ -3,7 +3,7 @@
 use cull::{Camera, CullView, DetailPolicy};
 
 use crate::debug::settled_counts::SettledCounts;
-use crate::error::Error;
+use crate::error::{Error, FOREIGN_VIEW};
 use crate::render_view::RenderView;
 use crate::renderer::Renderer;
 
@@ -54,7 +54,9 @@ impl Renderer {
         views: &[DetailView<'_>],
         policy: &DetailPolicy,
     ) -> Result<u32, Error> {
-        views.iter().try_for_each(|view| self.check_view(view.state))?;
+        for view in views {
+            self.check_renderer(view.state.renderer, FOREIGN_VIEW)?;
+        }
         let seen = views
             .iter()
             .map(|view| (self.view_of(&view.camera), Some(view.state.counts.settled())));
@@ -63,7 +65,7 @@ impl Renderer {
     }
 
     fn choose_levels(&mut self, views: &[SeenView<'_>], policy: &DetailPolicy) -> u32 {
-        let samples_per_pixel = self.samples.count();
+        let samples_per_pixel = self.options.samples.count();
         let geometry = &mut self.passes.gpu_scene.geometry;
         if !geometry.lods.are_any() {
             return 0;

@@ -30,6 +30,7 @@ impl Renderer {
         for (index, mesh) in meshes.iter().enumerate() {
             geometry.check_mesh(mesh).map_err(|reason| Error::Mesh { index, reason })?;
         }
+        let kept = self.kept.as_ref().map(|_| meshes.clone());
         let mut added = Vec::with_capacity(meshes.len());
         for mesh in meshes {
             match geometry.add_mesh(mesh, self.scene.parts_mut().leaves) {
@@ -42,6 +43,9 @@ impl Renderer {
             }
         }
         self.passes.edges.take(&self.passes.gpu_scene.geometry, &added);
+        if let (Some(all), Some(meshes)) = (&mut self.kept, kept) {
+            all.meshes.extend(added.iter().copied().zip(meshes));
+        }
         Ok(added)
     }
 
@@ -60,6 +64,9 @@ impl Renderer {
         }
         for mesh in meshes {
             geometry.remove_mesh(*mesh, self.scene.parts_mut().leaves);
+            if let Some(kept) = &mut self.kept {
+                kept.meshes.remove(mesh);
+            }
         }
         Ok(())
     }

@@ -96,7 +96,7 @@ impl Renderer {
         let method = &mut methods[method];
         plan_views(
             &mut self.query_shares,
-            self.query_budget,
+            self.options.query_budget,
             &mut **method,
             scene,
             targets,
@@ -154,7 +154,7 @@ impl Renderer {
             (AttachmentSchedule::ViewFromAbove, has_debug),
             (AttachmentSchedule::Outline, self.outlined_bounds().is_some()),
         ];
-        let colour = match (self.samples, targets, scene_image) {
+        let colour = match (self.options.samples, targets, scene_image) {
             (SampleCount::One, ..) => ColourEnd::Read,
             (_, [_], None) if !has_debug => ColourEnd::Averaged,
             _ => ColourEnd::Read,
@@ -185,9 +185,12 @@ impl Renderer {
         }
         let method = self.method(request.strategy)?;
         for target in targets.iter_mut() {
-            self.check_view(target.state)?;
+            self.check_renderer(target.state.renderer, FOREIGN_VIEW)?;
             self.check_area(target.rect)?;
             self.check_visible(request.strategy, target.visible)?;
+            if target.state.generation != self.generation {
+                target.state.follow_device(self.generation, self.new_visibility()?);
+            }
             target.state.follow_frames_in_flight(&self.scene)?;
         }
         for image in request.image.into_iter().chain(scene_image) {
@@ -230,7 +233,7 @@ impl Renderer {
     /// With several samples, a surface is shaded in the middle of a pixel, where the depth is not
     /// known.
     fn map_uses(&self) -> MapUses {
-        if self.debug_overlay.is_empty() && self.samples == SampleCount::One {
+        if self.debug_overlay.is_empty() && self.options.samples == SampleCount::One {
             MapUses::ShadedView
         } else {
             MapUses::Anywhere
@@ -289,9 +292,10 @@ impl Renderer {
         Ok(CullView { section: self.passes.section.planes, ..view })
     }
 
-    /// Refuses a view of another renderer.
+    /// Refuses a view of another renderer, and a view whose rings lie on a lost device.
     pub(crate) fn check_view(&self, state: &RenderView) -> Result<(), Error> {
-        self.check_renderer(state.renderer, FOREIGN_VIEW)
+        self.check_renderer(state.renderer, FOREIGN_VIEW)?;
+        if state.generation == self.generation { Ok(()) } else { Err(Error::ViewOfLostDevice) }
     }
 
     /// Refuses an object of another renderer.

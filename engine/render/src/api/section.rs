@@ -67,7 +67,7 @@ impl Renderer {
             None
         } else {
             let size = self.size();
-            let samples = self.samples;
+            let samples = self.options.samples;
             let target = Target::with_stencil(&self.device, size, samples, "target")?;
             Some(std::mem::replace(&mut self.passes.target, target))
         };

@@ -52,6 +52,9 @@ impl Renderer {
             }
         }
         for ((id, place), texture) in added.iter().zip(textures) {
+            if let Some(kept) = &mut self.kept {
+                kept.textures.insert(*id, texture.clone());
+            }
             let texture = surfaces.textures.ready(texture);
             let levels = surfaces.levels_by_cpu(*place, &texture);
             geometry.uploads.push_texture(*id, texture, *place, levels);
@@ -79,6 +82,9 @@ impl Renderer {
         for texture in textures {
             geometry.uploads.cancel_texture(*texture);
             surfaces.remove_texture(*texture);
+            if let Some(kept) = &mut self.kept {
+                kept.textures.remove(texture);
+            }
         }
         Ok(())
     }

@@ -7,7 +7,7 @@ use gpu::{Access, MemoryBarrier};
 use occlusion::{BucketId, ObjectRenderer, Rect};
 
 use crate::debug::visible_set::{SeenLeaves, VISIBLE_SET, VisibleSet};
-use crate::error::Error;
+use crate::error::{Error, FOREIGN_VIEW};
 use crate::passes::SeenIo;
 use crate::render_view::RenderView;
 use crate::renderer::Renderer;
@@ -27,7 +27,7 @@ impl Renderer {
         viewpoint: impl Into<Viewpoint>,
         area: Rect,
     ) -> Result<VisibleSet, Error> {
-        self.check_view(state)?;
+        self.check_renderer(state.renderer, FOREIGN_VIEW)?;
         let viewpoint = viewpoint.into();
         let target = ViewRequest { state: &mut *state, viewpoint, visible: None, rect: area };
         // The Antumbra strategy may leave out visible objects if there is a threshold, or if no

@@ -36,6 +36,11 @@ impl SceneRevision {
         Self { renderer, changes: 0 }
     }
 
+    /// Returns true if nothing has changed since the renderer was created.
+    pub(crate) fn is_first(&self) -> bool {
+        self.changes == 0
+    }
+
     pub(crate) fn advance(&mut self) {
         self.changes = self.changes.wrapping_add(1);
     }

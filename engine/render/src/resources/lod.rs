@@ -11,12 +11,14 @@ use scene::{LodLevel, MeshId, Scene};
 pub const DETAIL_OBJECTS_A_CALL: usize = 2048;
 
 /// The coarser levels of all meshes. Their draws follow the draws of the meshes.
+#[derive(Clone)]
 pub(crate) struct LodTable {
     of_mesh: Vec<Option<MeshForms>>,
     /// The object to visit next.
     next: usize,
 }
 
+#[derive(Clone)]
 struct MeshForms {
     /// The draw of the first coarser level.
     first: u32,

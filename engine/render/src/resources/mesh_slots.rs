@@ -43,6 +43,7 @@ impl MeshPlace {
     }
 }
 
+#[derive(Clone)]
 struct MeshSlot {
     residency: Residency,
     /// The number of objects that have the mesh.
@@ -51,6 +52,7 @@ struct MeshSlot {
 }
 
 /// The places of all meshes.
+#[derive(Clone)]
 pub(crate) struct MeshSlots {
     slots: Vec<MeshSlot>,
     ids: SpareRanges,
@@ -103,6 +105,16 @@ impl MeshSlots {
 
     pub(crate) fn residency(&self, mesh: MeshId) -> Residency {
         self.slots.get(mesh.0 as usize).map_or(Residency::Free, |slot| slot.residency)
+    }
+
+    /// Returns the number of meshes of the scene that the slots were made for.
+    pub(crate) fn of_scene(&self) -> usize {
+        self.slots.iter().filter(|slot| slot.residency != Residency::Free).count()
+    }
+
+    /// Returns the place of a mesh.
+    pub(crate) fn place(&self, mesh: MeshId) -> Option<&MeshPlace> {
+        self.slots.get(mesh.0 as usize).map(|slot| &slot.place)
     }
 
     /// Returns the existing meshes with their places.

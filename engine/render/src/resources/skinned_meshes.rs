@@ -200,6 +200,13 @@ impl SkinnedMeshes {
         }
     }
 
+    /// Sets the pose that each mesh has in `lost`, skinned meshes of the same scene.
+    pub(crate) fn restore(&mut self, lost: &Self) {
+        for (number, lost) in (0..).zip(&lost.all).filter(|(_, lost)| lost.pose_count > 0) {
+            self.set_pose(SkinnedMeshId(number), &lost.joints, &lost.weights, lost.bounds);
+        }
+    }
+
     /// Changes the number of frames in flight.
     pub(crate) fn set_frames_in_flight(&mut self, device: &Device, frames_in_flight: usize) {
         self.written = written_ring(device, frames_in_flight);

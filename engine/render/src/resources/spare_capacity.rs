@@ -99,16 +99,26 @@ impl SpareRanges {
         }
     }
 
+    /// Returns the free ranges between and behind the allocated ones; some may be empty.
+    fn free_ranges(&self) -> impl Iterator<Item = Range<u32>> {
+        let mut begin = 0;
+        let end = self.ranges.initial_range().end;
+        let taken = self.ranges.allocated_ranges().chain(std::iter::once(end..end));
+        taken.map(move |taken| std::mem::replace(&mut begin, taken.end)..taken.start)
+    }
+
     /// Returns the length of the longest free range.
     fn largest_free(&self) -> u64 {
-        let all = self.ranges.initial_range().clone();
-        let mut end = 0;
-        let mut largest = 0;
-        for taken in self.ranges.allocated_ranges() {
-            largest = largest.max(taken.start - end);
-            end = taken.end;
-        }
-        u64::from(largest.max(all.end - end))
+        self.free_ranges().map(|free| u64::from(free.end - free.start)).max().unwrap_or_default()
+    }
+}
+
+impl Clone for SpareRanges {
+    /// Returns ranges of which the same are allocated.
+    fn clone(&self) -> Self {
+        let mut same = Self::behind(self.what, self.ranges.initial_range().end, 0);
+        self.free_ranges().for_each(|free| same.free(free));
+        same
     }
 }
 
@@ -129,7 +139,10 @@ mod tests {
         assert!(error.contains("at most 12"), "{error}");
         assert_eq!(ranges.take(3).unwrap(), 0..3);
         ranges.free(b);
-        assert_eq!(ranges.take(20).unwrap(), 10..30);
+        let mut same = ranges.clone();
+        assert_eq!((same.take(17).unwrap(), same.largest_free()), (10..27, 3));
+        assert_eq!(ranges.take(17).unwrap(), 10..27);
+        assert_eq!(ranges.take(1).unwrap(), 3..4);
     }
 
     #[test]

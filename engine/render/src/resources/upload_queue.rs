@@ -98,6 +98,11 @@ impl UploadQueue {
         }
     }
 
+    /// Sets the highest number of bytes per frame, except for a single row of a texture.
+    pub(crate) fn set_frame_bytes(&mut self, frame_bytes: usize) {
+        self.frame_bytes = frame_bytes.max(1);
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.queue.is_empty()
     }

@@ -202,6 +202,16 @@ impl Transparent {
         Ok(self.sorted.len() as u32)
     }
 
+    /// Gives each object the place and the box that it has in `lost`, transparent objects of the
+    /// same scene.
+    pub(crate) fn restore(&mut self, lost: &Self) {
+        for (object, lost) in self.objects.iter_mut().zip(&lost.objects) {
+            object.object = lost.object;
+            object.own_bounds = lost.own_bounds;
+            object.bounds = lost.bounds;
+        }
+    }
+
     /// Changes an object and returns its box, if it exists.
     pub(crate) fn change(
         &mut self,

@@ -13,22 +13,22 @@ use tests::run_on_all;
 use tests::shapes::{coloured_cubes, cube, surface_of};
 use tests::walk::images_that_differ;
 
-const SIZE: [u32; 2] = [160, 90];
+pub(crate) const SIZE: [u32; 2] = [160, 90];
 const COLOURS: u32 = 4;
 /// The mesh with holes.
 const HOLES: u32 = 1;
 const GLASS: u32 = COLOURS;
 /// The skinned mesh.
 const SOFT: u32 = COLOURS + 1;
-const FRAMES: u32 = 8;
-const LAMPS: u32 = 40;
+pub(crate) const FRAMES: u32 = 8;
+pub(crate) const LAMPS: u32 = 40;
 
 fn object(mesh: u32, low: Vec3, size: Vec3) -> Object {
     let transform = Affine3A::from_scale_rotation_translation(size, Quat::IDENTITY, low);
     Object { mesh: MeshId(mesh), transform, tint: u32::MAX }
 }
 
-fn lamp(number: u32, frame: u32) -> PunctualLight {
+pub(crate) fn lamp(number: u32, frame: u32) -> PunctualLight {
     let turn = number as f32 * 0.7 + frame as f32 * 0.2;
     let spot = LightKind::Spot { inner_rad: 0.3, outer_rad: 0.8 };
     PunctualLight {
@@ -44,7 +44,7 @@ fn lamp(number: u32, frame: u32) -> PunctualLight {
 
 /// Returns walls with doors, one behind the other and some with holes, objects between them, and a
 /// skinned mesh at the side.
-fn scene() -> Scene {
+pub(crate) fn scene() -> Scene {
     let mut objects = vec![object(SOFT, vec3(1.0, -1.0, -4.0), vec3(2.0, 2.0, 0.5))];
     for wall in 0..4_u32 {
         let z = -5.5 - 3.0 * wall as f32;
@@ -102,7 +102,7 @@ fn pane(number: u32) -> Object {
     )
 }
 
-fn camera(frame: u32) -> Camera {
+pub(crate) fn camera(frame: u32) -> Camera {
     let time = frame as f32 * 0.4;
     Camera {
         eye: vec3(2.0 * time.sin(), 0.3, -0.4 * frame as f32),
@@ -114,7 +114,7 @@ fn camera(frame: u32) -> Camera {
 }
 
 /// Moves everything to its place in a frame.
-fn live(renderer: &mut Renderer, scene: &Scene, frame: u32) {
+pub(crate) fn live(renderer: &mut Renderer, scene: &Scene, frame: u32) {
     for number in (frame % 3..LAMPS).step_by(3) {
         renderer.set_light(LightId(number), lamp(number, frame)).unwrap();
     }

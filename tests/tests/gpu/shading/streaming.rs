@@ -46,7 +46,9 @@ struct Stream {
 impl Stream {
     fn new(device: &Device, kind: Kind) -> Self {
         let scene = first_scene(kind);
-        let renderer = Renderer::new(device, &scene, &options_of(kind, spare(kind))).unwrap();
+        let scene = Arc::new(scene);
+        let mut renderer = Renderer::new(device, &scene, &options_of(kind, spare(kind))).unwrap();
+        renderer.keep_scene(Arc::clone(&scene)).unwrap();
         let ids = (0..).map(ObjectId);
         let prepared = |(number, mesh): (usize, &Mesh)| {
             let surface = scene.surfaces.as_ref().map(|all| all.meshes[number].clone());
@@ -194,6 +196,21 @@ impl Stream {
         self.remove_materials();
     }
 
+    /// Goes on on another device, as after the loss of the first. What was still being uploaded is
+    /// there at once.
+    fn recover(&mut self, device: &Device) {
+        let is_uploading = self.renderer.is_uploading();
+        let before = (!is_uploading).then(|| self.draw());
+        self.renderer.recover(device).unwrap();
+        self.images = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
+        assert!(self.meshes.keys().all(|id| self.renderer.is_resident(*id)));
+        assert!(!self.renderer.is_uploading());
+        if let Some(before) = before {
+            self.frame -= 1;
+            assert_eq!(pixels_that_differ(&before, &self.draw()), 0, "{:?}", self.kind);
+        }
+    }
+
     /// Draws a frame with and without culling, checks that both look the same, and returns the
     /// image.
     fn draw(&mut self) -> Vec<u8> {
@@ -307,6 +324,9 @@ fn stream(device: &Device, kind: Kind, rounds: u32) -> Stream {
         stream.add(&mut random);
         (0..random.below(3)).for_each(|_| drop(stream.draw()));
         (0..1 + random.below(2)).for_each(|_| stream.remove(&mut random));
+        if round % 8 == 3 {
+            stream.recover(device);
+        }
         if round % 8 == 7 {
             stream.compare(device);
         }

@@ -108,24 +108,9 @@ impl BindlessTextures {
         &mut self,
         texture: &PreparedTexture,
     ) -> Result<(TextureId, TexturePlace), Error> {
-        let encoding = texture.encoding();
-        let sampler = texture.sampler();
-        let size = texture.image().size;
-        let blocks = self.blocks(texture);
-        let page = Page { size, encoding, sampler, layers: Vec::new(), spare: 1, blocks };
         let id = self.ids.take(1)?;
-        match self.add_image(&page) {
-            Ok(TextureNumber(number)) => {
-                let bit = bit_of(encoding);
-                let has_two_channels = texture.image().has_two_channels();
-                let place = TexturePlace { page: number as usize, layer: 0, bit, has_two_channels };
-                let there = (id.start - self.of_scene) as usize;
-                self.places.resize(self.places.len().max(there + 1), None);
-                if let Some(there) = self.places.get_mut(there) {
-                    *there = Some(place);
-                }
-                Ok((TextureId(id.start), place))
-            }
+        match self.place_again(TextureId(id.start), texture) {
+            Ok(place) => Ok((TextureId(id.start), place)),
             Err(error) => {
                 self.ids.free(id);
                 // The numbers of removed textures become free once their frames are over.
@@ -139,10 +124,34 @@ impl BindlessTextures {
         }
     }
 
-    fn add_image(&mut self, page: &Page) -> Result<TextureNumber, Error> {
-        let mut image = self.table.create(&self.sampling.array_info("texture that came", page))?;
+    /// Creates the image of a texture whose id is taken.
+    pub(crate) fn place_again(
+        &mut self,
+        id: TextureId,
+        texture: &PreparedTexture,
+    ) -> Result<TexturePlace, Error> {
+        let encoding = texture.encoding();
+        let sampler = texture.sampler();
+        let size = texture.image().size;
+        let blocks = self.blocks(texture);
+        let page = Page { size, encoding, sampler, layers: Vec::new(), spare: 1, blocks };
+        let mut image = self.table.create(&self.sampling.array_info("texture that came", &page))?;
         image.announce();
-        Ok(self.table.add(image)?)
+        let TextureNumber(number) = self.table.add(image)?;
+        let bit = bit_of(encoding);
+        let has_two_channels = texture.image().has_two_channels();
+        let place = TexturePlace { page: number as usize, layer: 0, bit, has_two_channels };
+        let there = id.0.saturating_sub(self.of_scene) as usize;
+        self.places.resize(self.places.len().max(there + 1), None);
+        if let Some(there) = self.places.get_mut(there) {
+            *there = Some(place);
+        }
+        Ok(place)
+    }
+
+    /// Takes over from `lost`, textures of the same scene, which ids are taken.
+    pub(crate) fn restore(&mut self, lost: &Self) {
+        self.ids.clone_from(&lost.ids);
     }
 
     /// Refuses to remove a texture that was not added later or does not exist. Materials are not

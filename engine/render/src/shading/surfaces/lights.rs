@@ -223,6 +223,12 @@ impl LightTable {
         }
     }
 
+    /// Takes over from `lost`, a table of the same scene, which lights do not exist.
+    pub(crate) fn restore_free(&mut self, lost: &Self) {
+        self.is_free.clone_from(&lost.is_free);
+        self.free.clone_from(&lost.free);
+    }
+
     /// Offers a light for reuse, unless it is surplus, since it would not shine.
     fn offer(&mut self, light: LightId) {
         if let Some(Some(place)) = self.places.get(light.0 as usize) {

@@ -192,6 +192,22 @@ impl MaterialSlots {
         room
     }
 
+    /// Takes over the materials of `lost`, materials of the same scene. The places of all textures
+    /// must be known.
+    pub(crate) fn restore(&mut self, lost: &Self) {
+        let Self { table, slots, ids, dirty } = self;
+        let gone = slots.iter_mut().filter_map(|slot| slot.material.take());
+        gone.for_each(|material| table.free(&material));
+        for (number, slot) in (0..).zip(&lost.slots) {
+            if let Some(material) = &slot.material {
+                table.set(number, material);
+                dirty.mark_dirty(number);
+            }
+        }
+        slots.clone_from(&lost.slots);
+        ids.clone_from(&lost.ids);
+    }
+
     /// Notes that a mesh has another material.
     pub(crate) fn count_user(&mut self, before: u32, now: u32) {
         if let Some(slot) = self.slots.get_mut(before as usize) {

@@ -1,5 +1,7 @@
 //! A scene's surfaces in GPU memory.
 
+mod api;
+
 use cull::{Aabb, Hierarchy, HierarchyError, ObjectId};
 use gpu::{Buffer, BufferSlice, Device, Frame, vk};
 use scene::{

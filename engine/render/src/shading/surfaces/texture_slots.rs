@@ -19,7 +19,7 @@ pub(crate) struct TexturePlace {
 }
 
 /// A page for textures of one size, encoding and sampler.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct SparePage {
     room: TextureCapacity,
     page: usize,
@@ -27,7 +27,7 @@ struct SparePage {
 }
 
 /// The pages that are kept for added textures, and the textures on them.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct TextureSlots {
     pages: Vec<SparePage>,
     ids: SpareRanges,
@@ -90,6 +90,11 @@ impl TextureSlots {
             }
         }
         Err(full)
+    }
+
+    /// Returns the place of an added texture.
+    pub(crate) fn place(&self, texture: TextureId) -> Option<TexturePlace> {
+        removable(texture, self.of_scene, &self.places).ok()
     }
 
     /// Refuses to remove a texture that was not added later or does not exist. Materials are not

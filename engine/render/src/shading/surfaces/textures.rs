@@ -108,6 +108,29 @@ impl SurfaceTextures {
         }
     }
 
+    /// Takes over from `lost`, textures of the same scene in the same storage, which places are
+    /// taken. Separate images are created again by [`SurfaceTextures::place_again`].
+    pub(crate) fn restore(&mut self, lost: &Self) {
+        match (self, lost) {
+            (Self::Pages { slots, .. }, Self::Pages { slots: lost, .. }) => slots.clone_from(lost),
+            (Self::Images(images), Self::Images(lost)) => images.restore(lost),
+            (Self::Pages { .. }, Self::Images(_)) | (Self::Images(_), Self::Pages { .. }) => {}
+        }
+    }
+
+    /// Returns the place of a texture that was added before the device was lost: its old place on
+    /// a page, or that of a new image.
+    pub(crate) fn place_again(
+        &mut self,
+        id: TextureId,
+        texture: &PreparedTexture,
+    ) -> Result<Option<TexturePlace>, Error> {
+        match self {
+            Self::Pages { slots, .. } => Ok(slots.place(id)),
+            Self::Images(images) => images.place_again(id, texture).map(Some),
+        }
+    }
+
     /// Refuses to remove a texture that was not added later or does not exist. Materials are not
     /// checked.
     pub(crate) fn check_removal(&self, texture: TextureId) -> Result<(), TextureError> {

@@ -1,0 +1,3 @@
+//! The calls of a scene's surfaces that only some programs need.
+
+mod restore;

@@ -1,0 +1,180 @@
+//! A renderer that goes on on another device shows what it would have shown without the loss.
+
+use std::sync::Arc;
+
+use cull::{ObjectId, SectionMode, SectionPlane, SectionPlanes, Strategy};
+use glam::{Affine3A, DVec3, Quat, Vec3, vec3};
+use gpu::{Device, DeviceOptions, Readback};
+use render::{
+    EdgeMode, EdgeOptions, Error, FrameRequest, LightShadow, ObjectOutline, RenderView, Renderer,
+    RendererOptions, SpareCapacity,
+};
+use scene::{LensFlare, LightId, MeshId, Object, ObjectChange, Scene};
+use shadows::{ShadowMethod, ShadowOptions};
+use tests::walk::images_that_differ;
+use tests::{Driver, open};
+
+use crate::culling::feature_soup::{SIZE, camera, lamp, live, scene};
+
+/// Room for objects that are added.
+const SPARE: usize = 6;
+
+/// A renderer with a view, and the image of its newest frame.
+struct Film {
+    renderer: Renderer,
+    view: RenderView,
+}
+
+impl Film {
+    fn new(device: &Device, scene: &Arc<Scene>) -> Self {
+        let options = RendererOptions {
+            size: SIZE,
+            spare_objects: SPARE,
+            spare: SpareCapacity { lights: 3, ..Default::default() },
+            ..Default::default()
+        };
+        let mut renderer = Renderer::new(device, scene, &options).unwrap();
+        renderer.keep_scene(Arc::clone(scene)).unwrap();
+        Self { view: renderer.new_view().unwrap(), renderer }
+    }
+
+    fn frame(&mut self, strategy: Strategy, number: u32) -> Readback {
+        let image = Readback::new(self.renderer.device(), SIZE).unwrap();
+        let request = FrameRequest::new(strategy, camera(number));
+        let request = FrameRequest { image: Some(&image), ..request };
+        self.renderer.render(&mut self.view, request).unwrap();
+        self.renderer.wait_idle(&mut self.view).unwrap();
+        image
+    }
+}
+
+/// A change of a renderer, with what it is about.
+type Setting = (&'static str, fn(&mut Renderer));
+
+const SETTINGS: [Setting; 9] = [
+    ("exposure and objects", |renderer| {
+        renderer.set_exposure(0.6);
+        let gone = ObjectChange::Remove { object: ObjectId(7) };
+        let object = Object {
+            mesh: MeshId(2),
+            transform: Affine3A::from_scale_rotation_translation(
+                vec3(0.5, 2.0, 0.5),
+                Quat::from_rotation_y(0.3),
+                vec3(-1.0, -1.0, -3.0),
+            ),
+            tint: 0xFF40_90FF,
+        };
+        let add = ObjectChange::Add { object };
+        renderer.update(&[gone, add, add]).unwrap();
+        renderer.update(&[ObjectChange::Remove { object: ObjectId(9) }]).unwrap();
+    }),
+    ("lights", |renderer| {
+        renderer.remove_lights(&[LightId(3)]).unwrap();
+        let added = renderer.add_lights(&[lamp(3, 9), lamp(5, 7), lamp(7, 4)]).unwrap();
+        renderer.remove_lights(&added[1..2]).unwrap();
+    }),
+    ("shadow maps", |renderer| {
+        let options = ShadowOptions { method: ShadowMethod::Maps, ..*renderer.shadows() };
+        renderer.set_shadows(options).unwrap();
+        let dark = LightShadow { is_cast: false, penumbra_m: 0.1 };
+        renderer.set_light_shadow(LightId(6), Some(dark)).unwrap();
+    }),
+    ("flares", |renderer| {
+        let flare = LensFlare::of_light(&lamp(1, 0)).unwrap();
+        renderer.set_flares(&[flare]).unwrap();
+    }),
+    ("edges", |renderer| {
+        renderer
+            .set_edges(EdgeOptions { mode: EdgeMode::ShadedWithHiddenDashed, ..Default::default() })
+            .unwrap();
+        renderer.set_flares(&[]).unwrap();
+    }),
+    ("outlines", |renderer| {
+        let outline = ObjectOutline {
+            objects: vec![ObjectId(2)],
+            colour: [0.9, 0.2, 0.1],
+            width_pixels: 3.0,
+        };
+        renderer.set_outlined(&[outline]).unwrap();
+        renderer.outline(Some(ObjectId(1))).unwrap();
+    }),
+    ("frames in flight", |renderer| renderer.set_frames_in_flight(3).unwrap()),
+    ("shadow volumes", |renderer| {
+        let options = ShadowOptions { method: ShadowMethod::Volumes, ..*renderer.shadows() };
+        renderer.set_shadows(options).unwrap();
+    }),
+    ("section planes", |renderer| {
+        let plane = SectionPlane::new(DVec3::new(0.2, 1.0, 0.1), 0.7).unwrap();
+        renderer
+            .set_section(SectionPlanes::new(&[plane], SectionMode::default()).unwrap())
+            .unwrap();
+        renderer.set_edges(EdgeOptions::default()).unwrap();
+    }),
+];
+
+/// Returns a second device of the same driver.
+fn another(instance: &gpu::Instance, device: &Device) -> Device {
+    let adapter = instance.pick_adapter(Some(&device.adapter().name)).unwrap();
+    Device::new(instance, &adapter, &DeviceOptions::default()).unwrap()
+}
+
+#[test]
+fn the_images_after_a_recovery_are_those_without_the_loss() {
+    for driver in Driver::ALL {
+        let (instance, device) = open(driver);
+        let scene = Arc::new(scene());
+        let mut lost = Film::new(&device, &scene);
+        let mut twin = Film::new(&device, &scene);
+        for (number, (name, set)) in (0..).zip(SETTINGS) {
+            for film in [&mut lost, &mut twin] {
+                set(&mut film.renderer);
+                live(&mut film.renderer, &scene, number);
+            }
+            for frame in 0..3 {
+                drop(lost.frame(Strategy::ANTUMBRA, frame));
+                drop(twin.frame(Strategy::ANTUMBRA, frame));
+            }
+            let next = another(&instance, &device);
+            lost.renderer.recover(&next).unwrap();
+            for frame in [3, 4] {
+                let found = lost.frame(Strategy::ANTUMBRA, frame);
+                let expected = twin.frame(Strategy::FRUSTUM, frame);
+                let wrong = images_that_differ(&found, &expected);
+                assert_eq!(wrong, 0, "{name} on {driver:?}, frame {frame}");
+            }
+        }
+        let messages = {
+            let log = instance.validation_log().clone();
+            drop((lost, twin, device, instance));
+            log.drain()
+        };
+        assert!(messages.is_empty(), "{driver:?}: {messages:#?}");
+    }
+}
+
+#[test]
+fn what_cannot_recover_says_so_and_goes_on() {
+    let (instance, device) = open(Driver::Lavapipe);
+    let scene = Arc::new(scene());
+    let mut film = Film::new(&device, &scene);
+    let mut plain = Renderer::new(&device, &scene, &RendererOptions::default()).unwrap();
+    assert!(!plain.keeps_scene());
+    assert!(matches!(plain.recover(&device), Err(Error::SceneNotKept)));
+    let other = Arc::new(Scene { objects: scene.objects[1..].to_vec(), ..(*scene).clone() });
+    assert!(matches!(plain.keep_scene(other), Err(Error::OtherScene)));
+    let transform = Affine3A::from_translation(Vec3::ONE);
+    plain.update(&[ObjectChange::Move { object: ObjectId(1), transform }]).unwrap();
+    assert!(matches!(plain.keep_scene(Arc::clone(&scene)), Err(Error::OtherScene)));
+    drop(plain);
+    drop(film.frame(Strategy::ANTUMBRA, 0));
+    let next = another(&instance, &device);
+    film.renderer.recover(&next).unwrap();
+    let stale = film.renderer.finish(&mut film.view).map(drop);
+    assert!(matches!(stale, Err(Error::ViewOfLostDevice)));
+    let old = Readback::new(&device, SIZE).unwrap();
+    let request = FrameRequest::new(Strategy::ANTUMBRA, camera(1));
+    let request = FrameRequest { image: Some(&old), ..request };
+    let refused = film.renderer.render(&mut film.view, request).unwrap_err().to_string();
+    assert!(refused.contains("different `Device`s"), "{refused}");
+    drop(film.frame(Strategy::ANTUMBRA, 1));
+}
