@@ -107,6 +107,7 @@ mod frames;
 mod margin;
 mod options;
 mod pacer;
+mod recovery_schedule;
 mod refresh_clock;
 mod statistics;
 mod time;
@@ -117,6 +118,7 @@ pub use options::{
     PresentReports, Presentation, PresentationMode, REFRESH_PERIOD, Refresh,
 };
 pub use pacer::Pacer;
+pub use recovery_schedule::{RecoveryRules, RecoverySchedule, Retry};
 pub use statistics::{
     Distribution, FrameStatistics, HISTOGRAM_BINS, HITCH_NEIGHBOURS, Histogram, HitchRule,
     MAX_STATISTICS_FRAMES, Summary,

@@ -59,9 +59,7 @@ pub fn run(
     let instance = open_instance(options.asked.device.validation, None)?;
     let adapter = pick_adapter(&instance, &options.asked.device.choice())?;
     progress.stage(&format!("opening {}", adapter.name));
-    let device_options =
-        DeviceOptions { pipeline_cache: pipeline_cache_file(), ..Default::default() };
-    let device = Device::new(&instance, &adapter, &device_options)?;
+    let device = open_device(&instance, &adapter)?;
     let mut walked = walk_on(&device, options, progress, signals)?;
     // The layers also report while everything is destroyed.
     drop(device);
@@ -131,6 +129,15 @@ pub fn wanted(choice: &DeviceChoice) -> Option<String> {
         DeviceChoice::Index(index) => Some(index.to_string()),
         DeviceChoice::Name(name) => Some(name.clone()),
     }
+}
+
+/// Opens a device, with the file of compiled pipelines.
+///
+/// # Errors
+/// A device that cannot be opened.
+pub fn open_device(instance: &Instance, adapter: &Adapter) -> Result<Device, RunError> {
+    let options = DeviceOptions { pipeline_cache: pipeline_cache_file(), ..Default::default() };
+    Ok(Device::new(instance, adapter, &options)?)
 }
 
 /// Returns the file of compiled pipelines: in the user's cache folder, if there is one.

@@ -16,6 +16,8 @@ pub enum Blame {
     User,
     /// The machine: it lacks something or failed; exit code 1.
     Machine,
+    /// The device, which was lost; exit code 1, unless the program goes on on another.
+    LostDevice,
     /// No one: the work was given up because the program is to end.
     Nobody,
 }
@@ -40,6 +42,11 @@ impl RunError {
         Self { blame: Blame::Machine, message: message.to_string() }
     }
 
+    /// Creates the error of a device that was lost.
+    pub fn lost_device(message: impl ToString) -> Self {
+        Self { blame: Blame::LostDevice, message: message.to_string() }
+    }
+
     /// Creates the error of work given up because the program is to end, which is not a failure.
     pub fn given_up() -> Self {
         Self { blame: Blame::Nobody, message: "it was given up".to_owned() }
@@ -56,7 +63,7 @@ impl RunError {
     pub fn exit_code(&self) -> u8 {
         match self.blame {
             Blame::User => 2,
-            Blame::Machine => 1,
+            Blame::Machine | Blame::LostDevice => 1,
             Blame::Nobody => 0,
         }
     }
@@ -99,6 +106,7 @@ impl From<gpu::Error> for RunError {
             | gpu::Error::CannotCompare { .. }
             | gpu::Error::ShaderCompile { .. } => Self::user(error),
             gpu::Error::Cancelled => Self::given_up(),
+            error if error.is_device_lost() => Self::lost_device(error),
             _ => Self::machine(error),
         }
     }

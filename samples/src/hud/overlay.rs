@@ -47,19 +47,60 @@ struct Letters {
     set: TextureSet,
     /// The texture's id in the triangles, once the renderer has assigned one.
     id: Option<TextureId>,
+    /// The whole texture, for another device.
+    whole: Piece,
+}
+
+impl Letters {
+    fn new(device: &Device, whole: Piece) -> Result<Self, render::Error> {
+        let texture = DynamicTexture::new(device, whole.size, "HUD letters")?;
+        let set = TextureSet::new(device, &texture, "HUD letters")?;
+        Ok(Self { texture, set, id: None, whole })
+    }
 }
 
 /// A rectangle of the texture of letters.
+#[derive(Clone)]
 struct Piece {
     origin: [u32; 2],
     size: [u32; 2],
     pixels: Vec<[u8; 4]>,
 }
 
+impl Piece {
+    /// Copies a piece into this one, which contains it.
+    fn copy(&mut self, piece: &Piece) {
+        let [width, _] = self.size.map(|side| side as usize);
+        let [x, y] = piece.origin.map(|place| place as usize);
+        let row_length = piece.size[0].max(1) as usize;
+        for (row, pixels) in piece.pixels.chunks(row_length).enumerate() {
+            let begin = (y + row) * width + x;
+            if let Some(there) = self.pixels.get_mut(begin..begin + pixels.len()) {
+                there.copy_from_slice(pixels);
+            }
+        }
+    }
+}
+
 impl HudOverlay {
     /// Creates an overlay that draws nothing.
     pub fn new(device: &Device) -> Self {
         Self { device: device.clone(), state: RefCell::default() }
+    }
+
+    /// Creates an overlay on another device that draws the same.
+    ///
+    /// # Errors
+    /// Not enough device memory for the letters.
+    pub fn on(&self, device: &Device) -> Result<Self, render::Error> {
+        let other = self.state.borrow();
+        let mut state =
+            State { primitives: other.primitives.clone(), scale: other.scale, ..State::default() };
+        if let Some(letters) = &other.letters {
+            state.pieces.push(letters.whole.clone());
+            state.letters = Some(Letters::new(device, letters.whole.clone())?);
+        }
+        Ok(Self { device: device.clone(), state: RefCell::new(state) })
     }
 
     /// Returns the overlay for a frame request, unless there is nothing to draw.
@@ -94,19 +135,21 @@ impl State {
     fn take(&mut self, device: &Device, delta: &ImageDelta) -> Result<(), render::Error> {
         let ImageData::Color(image) = &delta.image;
         let size = image.size.map(|side| side as u32);
+        let origin = delta.pos.unwrap_or_default().map(|side| side as u32);
+        let pixels = image.pixels.iter().map(egui::Color32::to_array).collect();
+        let piece = Piece { origin, size, pixels };
+        if let (Some(letters), Some(_)) = (&mut self.letters, delta.pos) {
+            letters.whole.copy(&piece);
+        }
         if delta.pos.is_none() {
-            let texture = DynamicTexture::new(device, size, "HUD letters")?;
-            let set = TextureSet::new(device, &texture, "HUD letters")?;
-            let old = self.letters.replace(Letters { texture, set, id: None });
+            let old = self.letters.replace(Letters::new(device, piece.clone())?);
             let old = old.and_then(|old| old.id);
             if let (Some(renderer), Some(id)) = (&mut self.renderer, old) {
                 renderer.remove_user_texture(id);
             }
             self.pieces.clear();
         }
-        let origin = delta.pos.unwrap_or_default().map(|side| side as u32);
-        let pixels = image.pixels.iter().map(egui::Color32::to_array).collect();
-        self.pieces.push(Piece { origin, size, pixels });
+        self.pieces.push(piece);
         Ok(())
     }
 }

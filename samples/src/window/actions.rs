@@ -58,6 +58,8 @@ pub enum Action {
     DepthComplexity,
     /// Switches timing of all GPU passes.
     TimePasses,
+    /// Goes on on the next device that can show the scene, or on the same one opened again.
+    AnotherDevice,
     /// Takes a screenshot.
     Screenshot,
     /// Starts recording the camera's path, or ends it and writes the file.
@@ -93,7 +95,7 @@ pub enum Action {
 }
 
 /// The keys: their names, descriptions and actions, in the order of [`GROUPS`].
-pub const KEYS: [(&str, &str, Action); 27] = [
+pub const KEYS: [(&str, &str, Action); 28] = [
     ("O", "list of scenes", Action::ListScenes),
     ("Ctrl+O", "open a file by its path", Action::OpenPath),
     ("F11", "full screen", Action::FullScreen),
@@ -119,6 +121,7 @@ pub const KEYS: [(&str, &str, Action); 27] = [
     ("F4", "detail by visible samples", Action::DetailBySamples),
     ("F", "frames in flight", Action::NextFramesInFlight),
     ("P", "present mode", Action::NextPresentMode),
+    ("F6", "another device", Action::AnotherDevice),
     ("K", "screenshot", Action::Screenshot),
     ("R", "record the path", Action::Record),
 ];
@@ -129,7 +132,7 @@ pub const GROUPS: [(&str, usize); 5] = [
     ("Culling", 4),
     ("Explanations", 6),
     ("Light", 3),
-    ("Pictures and frames", 7),
+    ("Pictures and frames", 8),
 ];
 
 /// Additional keys for scenes from files. Digits select their cameras.
@@ -208,6 +211,7 @@ impl Action {
                 ("wireframe", None) => Self::Wireframe,
                 ("depth_complexity", None) => Self::DepthComplexity,
                 ("time_passes", None) => Self::TimePasses,
+                ("another_device", None) => Self::AnotherDevice,
                 ("screenshot", None) => Self::Screenshot,
                 ("record", None) => Self::Record,
                 ("hud", None) => Self::Hud,
@@ -238,7 +242,7 @@ impl Action {
     }
 }
 
-const NAMES: [&str; 33] = [
+const NAMES: [&str; 34] = [
     "strategy",
     "frames_in_flight",
     "present_mode",
@@ -256,6 +260,7 @@ const NAMES: [&str; 33] = [
     "wireframe",
     "depth_complexity",
     "time_passes",
+    "another_device",
     "screenshot",
     "record",
     "hud",

@@ -7,3 +7,4 @@ mod hands;
 mod identify;
 mod lighting;
 mod page;
+mod recover;

@@ -80,6 +80,11 @@ pub struct Comparison {
 }
 
 impl Comparison {
+    /// Forgets the images of a lost device; the results so far stay.
+    pub fn forget_images(&mut self) {
+        self.pairs.clear();
+    }
+
     /// Begins to compare frames of `renderer`.
     ///
     /// # Errors

@@ -3,8 +3,10 @@
 
 use std::path::Path;
 use std::rc::Rc;
+use std::thread;
 
-use antumbra::gpu::{Device, DeviceOptions, Readback};
+use antumbra::gpu::{Device, Readback};
+use antumbra::pacing::{RecoverySchedule, Retry, Time};
 
 use super::actions::Action;
 use super::failures::{check_log, first_error};
@@ -16,7 +18,7 @@ use super::show::ShowOptions;
 use super::source::SceneSource;
 use bench::progress::LoadingBar;
 use bench::run;
-use bench::run_error::RunError;
+use bench::run_error::{Blame, RunError};
 use bench::signals::Signals;
 use bench::terminal::shown;
 
@@ -36,26 +38,29 @@ pub fn run(
 ) -> Result<(), RunError> {
     let instance = run::open_instance(options.validation, None)?;
     let adapter = instance.pick_adapter(run::wanted(&options.device).as_deref())?;
-    let device_options =
-        DeviceOptions { pipeline_cache: run::pipeline_cache_file(), ..Default::default() };
-    let device = Device::new(&instance, &adapter, &device_options)?;
-    let drawn = draw(&device, source, options, files, signals);
-    drop(device);
+    let device = run::open_device(&instance, &adapter)?;
+    let reopen = || {
+        let adapter = instance.pick_adapter(run::wanted(&options.device).as_deref())?;
+        run::open_device(&instance, &adapter)
+    };
+    let drawn = draw(device, &reopen, source, options, files, signals);
     let log = instance.validation_log().clone();
     drop(instance);
     first_error([drawn, check_log(&log)])
 }
 
 fn draw(
-    device: &Device,
+    device: Device,
+    reopen: &dyn Fn() -> Result<Device, RunError>,
     source: &SceneSource,
     options: &ShowOptions,
     files: Files,
     signals: &Signals,
 ) -> Result<(), RunError> {
     let size = [options.size.width, options.size.height];
-    check_options(device, options, size)?;
-    let loader = SceneLoader { device, options, size, cancellation: signals.cancellation() };
+    check_options(&device, options, size)?;
+    let cancellation = signals.cancellation();
+    let loader = SceneLoader { device: &device, options, size, cancellation };
     let loaded = match source {
         SceneSource::File { .. } => {
             let bar = LoadingBar::for_terminal();
@@ -70,11 +75,42 @@ fn draw(
         tracing::info!("{hint}");
     }
     if let Some(file) = &options.fly_out {
-        return fly_out::run(device, options, loaded, file, signals);
+        return fly_out::run(&device, options, loaded, file, signals);
     }
-    let mut session = Session::new(device, options, files, loaded)?;
-    let drawn = draw_frames(&loader, &mut session, signals);
+    let mut session = Session::new(&device, options, files, loaded)?;
+    let mut drawn = draw_frames(&loader, &mut session, signals);
+    let mut recovery = RecoverySchedule::default();
+    while let Err(error) = &drawn
+        && error.blame == Blame::LostDevice
+        && let Retry::At(at) = recovery.lost(session.clock.now())
+    {
+        tracing::warn!("{error}; the scene is drawn on another device");
+        drawn = go_on(&mut session, &mut recovery, at, reopen).and_then(|device| {
+            let cancellation = signals.cancellation();
+            let loader = SceneLoader { device: &device, options, size, cancellation };
+            draw_frames(&loader, &mut session, signals)
+        });
+    }
     first_error([drawn, session.finish(options)])
+}
+
+/// Opens another device at the time `at`, or later, and goes on on it.
+fn go_on(
+    session: &mut Session,
+    recovery: &mut RecoverySchedule,
+    mut at: Time,
+    reopen: &dyn Fn() -> Result<Device, RunError>,
+) -> Result<Device, RunError> {
+    loop {
+        thread::sleep(at.since(session.clock.now()));
+        let recovered = reopen().and_then(|device| session.recover(&device).map(|()| device));
+        let error = match recovered {
+            Ok(device) => return Ok(device),
+            Err(error) => error,
+        };
+        let Retry::At(next) = recovery.failed(session.clock.now()) else { return Err(error) };
+        at = next;
+    }
 }
 
 fn draw_frames(
@@ -87,14 +123,19 @@ fn draw_frames(
     let image = options.out.as_ref().map(|_| Readback::new(device, size)).transpose()?;
     let image = image.map(Rc::new);
     tracing::info!("the frames begin");
-    for frame in 0..options.frames.unwrap_or(1) {
+    for frame in session.frame()..options.frames.unwrap_or(1) {
         if signals.received().is_some() {
             break;
         }
         let mut has_acted = false;
         while let Some(action) = session.next_scripted() {
-            if action == Action::Quit {
-                return Ok(());
+            match action {
+                Action::Quit => return Ok(()),
+                // As after a loss.
+                Action::AnotherDevice => {
+                    return Err(RunError::lost_device("a script asks for another device"));
+                }
+                _ => {}
             }
             session.act(action)?;
             if let Some(LightingRequest { source, action }) = session.take_lighting_request() {
@@ -108,7 +149,10 @@ fn draw_frames(
         let seconds = if frame == 0 { 0.0 } else { FRAME_SECONDS };
         session.draw(&Steering::default(), seconds, image.as_ref())?;
         if let (Some(image), Some(folder)) = (&image, &options.out) {
-            device.wait_idle()?;
+            if let Err(error) = device.wait_idle() {
+                session.repeat_frame();
+                return Err(error.into());
+            }
             let path = folder.join(format!("frame_{frame:05}.png"));
             // A lost image is reported at the end; later images are still written.
             let _kept = session.screenshots.write(image, &path);

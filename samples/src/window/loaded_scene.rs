@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::path::Path;
+use std::sync::Arc;
 
 use antumbra::glam::Vec3;
 use antumbra::gpu::{CancellationToken, Device};
@@ -11,7 +12,7 @@ use antumbra::shadows::ShadowOptions;
 use antumbra::{cull, import, methods, render, scene};
 use scenes::{Courtyard, Daylight, GeneratedScene, Hour, Routes};
 
-use super::scene_view::SceneView;
+use super::scene_view::{SceneOfFile, SceneView};
 use super::show::ShowOptions;
 use super::source::{FileSource, SceneSource};
 use crate::hud::{HudLevel, PANEL_SHARE};
@@ -87,7 +88,9 @@ impl SceneLoader<'_> {
             shadows: ShadowOptions::default(),
             ..self.renderer_options()?
         };
-        let renderer = Renderer::new(self.device, &scene, &renderer_options)?;
+        let scene = Arc::new(scene);
+        let mut renderer = Renderer::new(self.device, &scene, &renderer_options)?;
+        renderer.keep_scene(scene)?;
         let camera = cull::Camera {
             eye: Vec3::ZERO,
             forward: Vec3::NEG_Z,
@@ -126,7 +129,9 @@ impl SceneLoader<'_> {
             },
             ..self.renderer_options()?
         };
+        let scene = Arc::new(scene);
         let mut renderer = Renderer::new(self.device, &scene, &renderer_options)?;
+        renderer.keep_scene(Arc::clone(&scene))?;
         if let Some(daylight) = &daylight {
             show_hour(&mut renderer, daylight)?;
         }
@@ -145,7 +150,9 @@ impl SceneLoader<'_> {
     /// Creates the courtyard, which has moving parts.
     fn courtyard(&self, hour: Hour) -> Result<LoadedScene, RunError> {
         let Courtyard { scene, daylight, motion, camera } = scenes::courtyard(hour);
+        let scene = Arc::new(scene);
         let mut renderer = Renderer::new(self.device, &scene, &self.renderer_options()?)?;
+        renderer.keep_scene(Arc::clone(&scene))?;
         show_hour(&mut renderer, &daylight)?;
         let scene_view = SceneView::still(&scene.name, camera).with_names(&scene);
         let scene_view = scene_view.with_motion(motion);
@@ -176,11 +183,13 @@ impl SceneLoader<'_> {
         let hierarchy = scene_file::hierarchy(&imported.scene, progress_fn)?;
         scene_file::report_progress(progress_fn, "uploading it to the device", None)?;
         let renderer_options = self.renderer_options()?;
-        let renderer =
+        let mut renderer =
             Renderer::with_hierarchy(self.device, &imported.scene, hierarchy, &renderer_options)
                 .map_err(|error| RunError::from(error).about(file))?;
         let covered = if self.options.hud == HudLevel::Off { 0.0 } else { PANEL_SHARE };
-        let mut scene_view = SceneView::of_file(file, imported, settings, self.size, covered)?;
+        let SceneOfFile { scene, mut scene_view } =
+            SceneView::of_file(file, imported, settings, self.size, covered)?;
+        renderer.keep_scene(Arc::new(scene))?;
         scene_view.notes.extend(renderer.degradations().texts());
         scene_view.notes.extend(renderer.driver_quirks());
         Ok(LoadedScene { renderer, scene_view, daylight: None, lit: None })

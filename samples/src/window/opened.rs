@@ -6,8 +6,9 @@ use std::time::Duration;
 
 use antumbra::gpu::{
     CancellationToken, DisplayLink, Fallback, Instance, PresentMode, PresentResult, PresentSkipped,
+    Surface,
 };
-use antumbra::pacing::{PacedFrameId, Step, Time};
+use antumbra::pacing::{PacedFrameId, RecoverySchedule, Step, Time};
 use egui::ViewportId;
 use winit::event::WindowEvent;
 use winit::event_loop::ActiveEventLoop;
@@ -42,6 +43,13 @@ pub(super) struct Opened {
     pub(super) arrivals: PendingScenes,
     pub(super) session: Session,
     pub(super) screen: Screen,
+    pub(super) surface: Surface,
+    /// The refresh period of the window's monitor, if it is known.
+    pub(super) refresh: Option<Duration>,
+    /// The decision when to open another device after a loss.
+    pub(super) recovery: RecoverySchedule,
+    /// The time at which another device is opened, while the present one is lost.
+    pub(super) recovers_at: Option<Time>,
     pub(super) window: Arc<Window>,
     pub(super) instance: Instance,
     pub(super) pointer: Pointer,
@@ -101,6 +109,10 @@ impl Opened {
             arrivals,
             session,
             screen,
+            surface,
+            refresh,
+            recovery: RecoverySchedule::default(),
+            recovers_at: None,
             window,
             instance,
             pointer: Pointer::default(),
@@ -134,7 +146,8 @@ impl Opened {
         matches!(event, WindowEvent::MouseInput { .. }) && self.session.hud.is_on_list(self.cursor)
     }
 
-    /// Runs one iteration of the loop, and returns the next step.
+    /// Runs one iteration of the loop, and returns the next step. After the loss of the device it
+    /// goes on on another one.
     pub(super) fn turn(
         &mut self,
         input: &Input,
@@ -144,6 +157,21 @@ impl Opened {
         if self.is_gone || self.display.is_lost() {
             return Ok(Next::End);
         }
+        let turned = match self.recovers_at {
+            Some(at) if now < at => return Ok(Next::At(at)),
+            Some(_) => self.recover(options).map(|()| Next::Now),
+            None => self.draw_next(input, options, now),
+        };
+        turned.or_else(|error| self.plan_recovery(error))
+    }
+
+    /// Carries out what waits, and draws a frame if its time has come.
+    fn draw_next(
+        &mut self,
+        input: &Input,
+        options: &ShowOptions,
+        now: Time,
+    ) -> Result<Next, RunError> {
         if self.arrivals.look(&mut self.session)? {
             self.next_layout = now;
         }
@@ -224,7 +252,7 @@ impl Opened {
         match shown {
             PresentResult::Not(PresentSkipped::WindowGone) => Ok(Next::End),
             PresentResult::Not(reason @ PresentSkipped::DeviceLost) => {
-                Err(RunError::machine(reason))
+                Err(RunError::lost_device(reason))
             }
             PresentResult::Not(PresentSkipped::NoArea) => {
                 self.not_before = now.after(HIDDEN_INTERVAL);
@@ -251,6 +279,7 @@ impl Opened {
                 let action = self.pointer.toggle_capture();
                 self.point(Some(action));
             }
+            Action::AnotherDevice => self.change_device(options)?,
             Action::PresentMode(mode) => self.set_mode(mode),
             Action::NextPresentMode => {
                 let at = PresentMode::ALL.iter().position(|m| *m == self.screen.wanted_mode());
@@ -291,12 +320,12 @@ impl Opened {
 
     /// Writes the remaining files, and destroys the window and its objects.
     pub(super) fn close(self, options: &ShowOptions) -> Result<(), RunError> {
-        let Self { arrivals, session, mut screen, window, instance, .. } = self;
+        let Self { arrivals, session, mut screen, surface, window, instance, .. } = self;
         // Pending loads are cancelled before the device is destroyed.
         drop(arrivals);
         tracing::info!("{}", super::page_text::in_short(&screen.facts()));
         let finished = session.finish(options);
-        drop((screen, window));
+        drop((screen, surface, window));
         let log = instance.validation_log().clone();
         drop(instance);
         first_error([finished, check_log(&log)])

@@ -75,6 +75,22 @@ impl PendingScenes {
         Ok(())
     }
 
+    /// Begins again, on another device, to load what was being loaded on a lost one.
+    pub fn restart(
+        &mut self,
+        device: &Device,
+        options: &ShowOptions,
+        size: [u32; 2],
+    ) -> Result<(), RunError> {
+        if let Some(loading) = self.loading.take() {
+            let source = loading.source().clone();
+            // The thread ends before another one begins.
+            drop(loading);
+            self.loading = Some(Loading::start(device, &source, options, size)?);
+        }
+        Ok(())
+    }
+
     /// Begins to generate the current scene with lights, for an action that requires them. If this
     /// is already in progress, the action replaces the previous one.
     pub fn load_lit(

@@ -95,6 +95,14 @@ struct Life {
     is_paused: bool,
 }
 
+/// A scene that was read from a file, and its view.
+pub struct SceneOfFile {
+    /// The scene.
+    pub scene: Scene,
+    /// Its cameras and its motion.
+    pub scene_view: SceneView,
+}
+
 impl SceneView {
     /// Creates the view of a scene without motion.
     pub fn still(name: &str, start: Camera) -> Self {
@@ -147,7 +155,7 @@ impl SceneView {
         settings: &FileSource,
         size: [u32; 2],
         covered: f32,
-    ) -> Result<Self, RunError> {
+    ) -> Result<SceneOfFile, RunError> {
         let names = MeshNames::of(&imported.scene);
         let detail = settings.detail_pixels.map(|pixels| Detail::new(&imported.scene, pixels));
         let detail =
@@ -186,7 +194,7 @@ impl SceneView {
         let hint = driven.filter(|_| is_never_clear);
         let hint = hint.map(|(_, camera)| how_to_look(&camera.name, cameras.len()));
         let crossing_m = (bounds.max - bounds.min).length() / CROSSING_S;
-        Ok(Self {
+        let scene_view = Self {
             name: file.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
             start,
             speed_m: if crossing_m.is_normal() { crossing_m } else { WALKING_M },
@@ -198,7 +206,8 @@ impl SceneView {
             overview: around,
             life: Some(Life { animator, cameras, clips, seconds, is_paused: false }),
             motion: None,
-        })
+        };
+        Ok(SceneOfFile { scene, scene_view })
     }
 
     /// Returns the camera of a path in a frame of `size` pixels; `None` while the user steers.

@@ -37,6 +37,16 @@ impl Screenshots {
         self.pending.push(Pending { image, tick, path });
     }
 
+    /// Gives up the images that a lost device was drawing;
+    /// [`finish`](Self::finish) reports them.
+    pub fn give_up(&mut self) {
+        let count = self.pending.drain(..).count() as u32;
+        if count > 0 {
+            let reason = "the device was lost before it was drawn".to_owned();
+            self.lost.get_or_insert(Lost { count: 0, reason }).count += count;
+        }
+    }
+
     /// Writes the images that can be read; returns the newest written file.
     ///
     /// # Errors

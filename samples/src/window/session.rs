@@ -49,6 +49,8 @@ pub struct Session {
     pub(super) strategy: Strategy,
     /// The number of the next frame.
     pub(super) frame: u32,
+    /// The number of the frame whose time has begun.
+    pub(super) begun: Option<u32>,
     pub(super) fly: FlyCamera,
     pub(super) scene_view: SceneView,
     /// The lights of the scene that change with the hour.
@@ -136,6 +138,7 @@ impl Session {
             history,
             strategy: options.strategy,
             frame: 0,
+            begun: None,
             fly: FlyCamera::new(start, scene_view.speed_m),
             scene_view,
             daylight,
@@ -246,6 +249,11 @@ impl Session {
         self.fly.camera()
     }
 
+    /// Draws the newest frame again with the next call, because its image was lost.
+    pub fn repeat_frame(&mut self) {
+        self.frame = self.begun.unwrap_or(self.frame);
+    }
+
     /// Draws the next frame, `seconds` after the last one, and copies it to `image`, if there is
     /// one. Each frame is copied to a single buffer, from which a screenshot is written, too. So
     /// before reusing a buffer, a caller must wait for its frame and call [`Session::after_frame`].
@@ -260,6 +268,9 @@ impl Session {
     ) -> Result<Tick, RunError> {
         let scope = self.begin_scope("render");
         let began = scope.began;
+        // A frame that a lost device did not finish shows the same moment again.
+        let is_repeated = self.begun.replace(self.frame) == Some(self.frame);
+        let seconds = if is_repeated { 0.0 } else { seconds };
         self.follow_selection()?;
         // Decisions do not change while the culling is frozen, so the scene must not change either.
         if self.frozen.is_none() {

@@ -124,6 +124,18 @@ impl Trace {
         })
     }
 
+    /// Goes on on another device. The frames that the lost one had in flight have no times.
+    ///
+    /// # Errors
+    /// A failed call.
+    pub fn follow_device(&mut self, device: &Device) -> Result<(), gpu::Error> {
+        let clocks = device.clocks()?;
+        self.device = device.clone();
+        self.calibration = clocks.as_ref().map_or(Calibration::UNKNOWN, Calibration::read);
+        self.submitted.clear();
+        Ok(())
+    }
+
     /// Adds an event of the CPU.
     pub fn cpu(&mut self, name: &'static str, from: Time, to: Time) {
         let took_ns = to.since(from).as_nanos() as f64;

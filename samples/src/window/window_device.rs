@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use antumbra::gpu;
-use antumbra::gpu::{Device, DeviceOptions, DisplayLink, Instance, Surface, WindowSystem};
+use antumbra::gpu::{Device, DisplayLink, Instance, Surface, WindowSystem};
 use winit::dpi::PhysicalSize;
 use winit::event_loop::ActiveEventLoop;
 use winit::window::Window;
@@ -63,9 +63,7 @@ impl WindowDevice {
         let surface = Surface::new(&instance, Arc::clone(&window) as Arc<dyn gpu::Window>)?;
         let wanted = run::wanted(options.device);
         let adapter = instance.pick_adapter_for(&surface, wanted.as_deref())?;
-        let device_options =
-            DeviceOptions { pipeline_cache: run::pipeline_cache_file(), ..Default::default() };
-        let device = Device::new(&instance, &adapter, &device_options)?;
+        let device = run::open_device(&instance, &adapter)?;
         let monitor = window.current_monitor();
         let rate = monitor.and_then(|monitor| monitor.refresh_rate_millihertz());
         let refresh = rate

@@ -4,11 +4,10 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use antumbra::Camera;
-use antumbra::gpu::{Device, DeviceOptions};
 use antumbra::import::{LoadOptions, ScenePlace};
 use bench::choices::DeviceChoice;
 use bench::outputs::{OutputFile, Outputs, write_file};
-use bench::run::{open_instance, pick_adapter, pipeline_cache_file};
+use bench::run::{open_device, open_instance, pick_adapter};
 use bench::run_error::RunError;
 use bench::scene_file;
 use bench::terminal::Ending;
@@ -67,9 +66,7 @@ fn carry_out(
     let instance = open_instance(arguments.validation, None)?;
     let adapter =
         pick_adapter(&instance, arguments.device.as_ref().unwrap_or(&DeviceChoice::Best))?;
-    let device_options =
-        DeviceOptions { pipeline_cache: pipeline_cache_file(), ..DeviceOptions::default() };
-    let device = Device::new(&instance, &adapter, &device_options)?;
+    let device = open_device(&instance, &adapter)?;
     let Model { document, path } = model(arguments)?;
     let mut report = begin_report(&document, &adapter.name);
     let WorkshopArguments { size, msaa, .. } = *arguments;

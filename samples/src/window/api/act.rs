@@ -96,6 +96,7 @@ impl Session {
             | Action::OpenPath
             | Action::FullScreen
             | Action::CaptureMouse
+            | Action::AnotherDevice
             | Action::Quit => {}
         }
         Ok(())

@@ -1,0 +1,91 @@
+//! Going on on another device, after the loss of the present one.
+
+use antumbra::gpu::{Adapter, Device};
+use antumbra::pacing::{Retry, Time};
+use bench::run;
+use bench::run_error::{Blame, RunError};
+
+use super::super::opened::{Next, Opened};
+use super::super::screen::Screen;
+use super::super::session::Session;
+use super::super::show::ShowOptions;
+
+impl Session {
+    /// Goes on on another device. The scene, its state and the history of the user stay; images
+    /// that the lost device was drawing are given up.
+    ///
+    /// # Errors
+    /// A device that does not take the scene, or fails. The session is as before then.
+    pub fn recover(&mut self, device: &Device) -> Result<(), RunError> {
+        let overlay = self.overlay.on(device)?;
+        self.renderer.recover(device)?;
+        if let Some(trace) = &mut self.trace {
+            trace.follow_device(device)?;
+        }
+        self.overlay = overlay;
+        self.screenshots.give_up();
+        if let Some(comparison) = &mut self.comparison {
+            comparison.forget_images();
+        }
+        self.is_page_stale = true;
+        Ok(())
+    }
+}
+
+impl Opened {
+    /// Opens another device for the window after a loss, and goes on on it.
+    pub(crate) fn recover(&mut self, options: &ShowOptions) -> Result<(), RunError> {
+        let wanted = run::wanted(&options.device);
+        let adapter = self.instance.pick_adapter_for(&self.surface, wanted.as_deref())?;
+        self.go_on(&adapter, options)?;
+        self.session.tell(format!("the device was lost; now on {}", adapter.name));
+        Ok(())
+    }
+
+    /// Goes on on the next device that can present to the window, or on the same one opened again.
+    /// A device that does not take the scene is refused with a message.
+    pub(crate) fn change_device(&mut self, options: &ShowOptions) -> Result<(), RunError> {
+        let adapters = self.instance.adapters()?;
+        let present = &self.session.renderer().device().adapter().name;
+        let at = adapters.iter().position(|adapter| adapter.name == *present).unwrap_or_default();
+        let in_turn = (1..=adapters.len()).map(|step| (at + step) % adapters.len());
+        let fits = |index: usize| {
+            self.instance.pick_adapter_for(&self.surface, Some(&index.to_string())).ok()
+        };
+        let Some(adapter) = in_turn.filter_map(fits).next() else { return Ok(()) };
+        match self.go_on(&adapter, options) {
+            Ok(()) => self.session.tell(format!("now on {}", adapter.name)),
+            Err(error) if error.blame == Blame::LostDevice => return Err(error),
+            Err(error) => self.session.refuse(format!("not on {}: {error}", adapter.name)),
+        }
+        Ok(())
+    }
+
+    fn go_on(&mut self, adapter: &Adapter, options: &ShowOptions) -> Result<(), RunError> {
+        let device = run::open_device(&self.instance, adapter)?;
+        self.session.recover(&device)?;
+        let size = self.session.renderer().size();
+        self.arrivals.restart(&device, options, size)?;
+        // The window's images follow with the next frame, once the former device is closed.
+        self.screen = Screen::new(&device, &self.surface, options.screen(), self.refresh)?;
+        self.fallback = None;
+        self.recovers_at = None;
+        self.next_layout = Time::ZERO;
+        Ok(())
+    }
+
+    /// Decides when to try to go on after an error. Errors other than a lost device end the
+    /// program, but not while one is replaced: then they may pass.
+    pub(crate) fn plan_recovery(&mut self, error: RunError) -> Result<Next, RunError> {
+        let now = self.clock_now();
+        let retry = match self.recovers_at {
+            Some(_) => self.recovery.failed(now),
+            None if error.blame == Blame::LostDevice => self.recovery.lost(now),
+            None => Retry::GiveUp,
+        };
+        let Retry::At(at) = retry else { return Err(error) };
+        tracing::warn!("{error}; the scene will be drawn on another device");
+        self.recovers_at = Some(at);
+        Ok(Next::At(at))
+    }
+}
