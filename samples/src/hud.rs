@@ -21,10 +21,7 @@ pub mod style;
 #[cfg(test)]
 mod tests;
 
-use egui::{
-    ClippedPrimitive, Context, Event, FontDefinitions, FullOutput, RawInput, Rect, TexturesDelta,
-    Ui, vec2,
-};
+use egui::{ClippedPrimitive, Context, Event, FullOutput, RawInput, Rect, TexturesDelta, Ui, vec2};
 use notices::Notices;
 
 pub use layout::{Measures, PANEL_SHARE, Room};

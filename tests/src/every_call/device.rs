@@ -7,7 +7,7 @@ use std::mem::transmute;
 use ash::vk;
 
 use super::replaced;
-use super::state::{Function, real, real_other, with_state};
+use super::state::{Function, State, real, real_other, with_state};
 use super::wrappers::answer;
 
 /// A function that replaces a real one in a way of its own.
@@ -53,6 +53,7 @@ unsafe extern "system" fn create_device(
     made: *mut vk::Device,
 ) -> vk::Result {
     let number = super::number_of(CREATE).expect("the registry has it");
+    with_state(State::note_new_device);
     // SAFETY: as above.
     let create =
         || unsafe { real_other::<vk::PFN_vkCreateDevice>(CREATE)(physical, info, callbacks, made) };

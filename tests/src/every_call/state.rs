@@ -19,7 +19,8 @@ pub(super) type Function = unsafe extern "system" fn();
 pub enum Lasts {
     /// One call.
     Once,
-    /// All later calls of the function; of a lost device, all calls that can report the loss.
+    /// All later calls of the function; of a lost device, all calls that can report the loss, until
+    /// another device is created.
     Forever,
 }
 
@@ -54,11 +55,21 @@ pub struct FaultPlan {
     pub second: Option<NextFault>,
 }
 
+impl FaultPlan {
+    /// Returns true if the only fault is that the device is lost.
+    pub fn is_one_loss(&self) -> bool {
+        let is_loss = |fault: Fault| fault.code == vk::Result::ERROR_DEVICE_LOST;
+        self.first.is_some_and(is_loss) && self.second.is_none()
+    }
+}
+
 #[derive(Default)]
 pub(super) struct State {
     plan: FaultPlan,
     counts: HashMap<CallNumber, usize>,
     first_fired: Option<usize>,
+    /// True if a device was created since the first fault.
+    is_replaced: bool,
     pub(super) trace: Vec<CallNumber>,
     pub(super) fired: Vec<(CallNumber, vk::Result)>,
     pub(super) asked: BTreeSet<String>,
@@ -72,12 +83,18 @@ impl State {
         self.plan = plan;
         self.counts.clear();
         self.first_fired = None;
+        self.is_replaced = false;
         self.trace.clear();
         self.fired.clear();
     }
 
     pub(super) fn stop(&mut self) {
         self.plan = FaultPlan::default();
+    }
+
+    /// Notes that a device is being created: it works, though the one before is lost.
+    pub(super) fn note_new_device(&mut self) {
+        self.is_replaced |= self.first_fired.is_some();
     }
 
     /// Counts a call, and returns its code if it must fail.
@@ -99,7 +116,7 @@ impl State {
         let is_later = lasts == Lasts::Forever
             && self.first_fired.is_some()
             && if code == vk::Result::ERROR_DEVICE_LOST {
-                codes_of(call).contains(&code)
+                codes_of(call).contains(&code) && !self.is_replaced
             } else {
                 call == wanted
             };

@@ -63,7 +63,9 @@ pub(super) fn answer(number: usize, real: impl FnOnce() -> vk::Result) -> vk::Re
 fn is_executed_too(number: usize, code: vk::Result) -> bool {
     match code {
         vk::Result::INCOMPLETE | vk::Result::SUBOPTIMAL_KHR => true,
-        vk::Result::ERROR_OUT_OF_DATE_KHR | vk::Result::ERROR_SURFACE_LOST_KHR => {
+        vk::Result::ERROR_OUT_OF_DATE_KHR
+        | vk::Result::ERROR_SURFACE_LOST_KHR
+        | vk::Result::ERROR_FULL_SCREEN_EXCLUSIVE_MODE_LOST_EXT => {
             super::name_of(number) == "vkQueuePresentKHR"
         }
         _ => false,

@@ -122,6 +122,9 @@ impl Bench {
             }
             Err(error) => {
                 let text = text_of(error.as_ref());
+                if found.must_recover && plan.is_one_loss() {
+                    found.faults.push(format!("not recovered: {text}"));
+                }
                 // A window says that its device is lost by a value, and by which call in the log.
                 let is_logged = self.kind == ProgramKind::Window && names(&found.log, &fired);
                 if !is_logged && !names(&text, &fired) {
@@ -169,7 +172,7 @@ impl Bench {
             faults.push(format!("left behind: {more:?}"));
         }
         let log = String::from_utf8_lossy(&std::mem::take(&mut *LOG.lock().unwrap())).into_owned();
-        Found { outcome, log, faults }
+        Found { outcome, log, faults, must_recover: stage.has_begun() }
     }
 }
 
@@ -185,6 +188,8 @@ struct Found {
     outcome: Outcome,
     log: String,
     faults: Vec<String>,
+    /// True if the program was far enough to recover from a loss.
+    must_recover: bool,
 }
 
 /// Returns the sentences of an error and its causes.

@@ -3,9 +3,10 @@
 mod adopted;
 mod adopted_in_c;
 mod frames;
+mod recovering;
 mod window;
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::error::Error;
 use std::sync::Arc;
 use std::time::Duration;
@@ -40,6 +41,10 @@ pub enum ProgramKind {
     Streaming,
     /// Other shaders in the middle, and a pipeline cache in a file.
     Reload,
+    /// A changed scene, which goes on on another device when the device is lost.
+    Recovering,
+    /// As above, in a window.
+    RecoveringInWindow,
     /// A window that changes its size.
     Window,
     /// The device of a host, with its queue.
@@ -54,6 +59,8 @@ pub struct Stage {
     pub driver: Driver,
     validation: Validation,
     log: RefCell<Option<ValidationLog>>,
+    /// True once a program can recover from the loss of its device.
+    has_begun: Cell<bool>,
 }
 
 /// The image that a program ends with, or the reason why it has none.
@@ -68,7 +75,16 @@ const WAIT_BOUND: Duration = Duration::from_secs(20);
 impl Stage {
     /// Creates the stage of one run.
     pub fn new(driver: Driver, validation: Validation) -> Self {
-        Self { driver, validation, log: RefCell::default() }
+        Self { driver, validation, log: RefCell::default(), has_begun: Cell::default() }
+    }
+
+    fn note_begun(&self) {
+        self.has_begun.set(true);
+    }
+
+    /// Returns true if the program must recover from a loss of its device.
+    pub fn has_begun(&self) -> bool {
+        self.has_begun.get()
     }
 
     /// Returns what the validation layer has said, if the program came so far.
@@ -114,7 +130,8 @@ impl ProgramKind {
 impl Program {
     /// Creates the scene of a program.
     pub fn new(kind: ProgramKind) -> Self {
-        let server = (kind == ProgramKind::Window).then(Xvfb::start);
+        let has_window = matches!(kind, ProgramKind::Window | ProgramKind::RecoveringInWindow);
+        let server = has_window.then(Xvfb::start);
         if matches!(kind, ProgramKind::Shadows | ProgramKind::Volumes) {
             let scene =
                 shadow_scene::scene(&shadow_scene::boxes()[..20], &shadow_scene::lights()[..2]);
@@ -131,6 +148,8 @@ impl Program {
     /// Whatever a call of the engine returns.
     pub fn run(&self, stage: &Stage) -> Outcome {
         match self.kind {
+            ProgramKind::Recovering => self.recover(stage),
+            ProgramKind::RecoveringInWindow => self.recover_in_window(stage),
             ProgramKind::Window => self.show(stage),
             ProgramKind::Adopted => self.draw_for_host(stage),
             ProgramKind::AdoptedInC => self.draw_in_c(stage),

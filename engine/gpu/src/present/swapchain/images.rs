@@ -274,7 +274,9 @@ impl RetiredImages {
 
 impl RetiredObject for RetiredImages {
     /// Destroys the chain once the GPU no longer uses it. Waits, within a bound, for presents that
-    /// still use it, which only happens if a swapchain is dropped in the middle of a frame.
+    /// still use it: if a swapchain is dropped in the middle of a frame, or a present never ends. In
+    /// the latter case the chain is destroyed, too, as it is where there are no present fences: it
+    /// must not outlive its window and its device.
     fn destroy(self: Box<Self>, device: &ash::Device) {
         const BOUND: Duration = Duration::from_secs(1);
         let chain = self.chain;
@@ -283,12 +285,14 @@ impl RetiredObject for RetiredImages {
             .filter_map(|image| image.fence)
             .any(|fence| matches!(wait_for(device, fence, BOUND), Ok(false)));
         if is_held {
-            tracing::error!("a present never ended; its swapchain is left as it is");
-            std::mem::forget(chain);
-            return;
+            tracing::error!(
+                "a present did not end within {} s (vkWaitForFences: TIMEOUT); its swapchain is \
+                 destroyed all the same",
+                BOUND.as_secs()
+            );
         }
-        // SAFETY: the tick of the last submit that used the images is over, presents are done with
-        // the semaphores, and this is the only owner of the chain.
+        // SAFETY: the tick of the last submit that used the images is over, and this is the only
+        // owner of the chain. Presents are done with the semaphores as far as they ever tell.
         unsafe {
             for image in &chain.images {
                 device.destroy_semaphore(image.drawn, None);

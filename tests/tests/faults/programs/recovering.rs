@@ -1,0 +1,148 @@
+//! Programs that go on on another device when theirs is lost.
+
+use std::error::Error;
+use std::sync::Arc;
+
+use cull::{ObjectId, Strategy};
+use gpu::{
+    Device, Instance, PresentResult, PresentSkipped, Readback, Surface, Swapchain,
+    SwapchainOptions, WindowSystem,
+};
+use render::{FrameRequest, RenderView, Renderer, RendererOptions, SpareCapacity};
+use scene::{Object, ObjectChange, PreparedMesh};
+use tests::x11_window::{Library, X11Window};
+
+use super::{Outcome, Program, SIZE, Stage, TestWindow, aside, device_options};
+
+/// The number of devices that a program opens after a loss before it gives up.
+const ATTEMPTS: usize = 3;
+
+/// A renderer of a changed scene, and what it has on its present device.
+struct Film {
+    renderer: Renderer,
+    view: RenderView,
+    image: Readback,
+}
+
+impl Program {
+    /// Draws all cameras of a scene with changes, on as many devices as it takes, and returns the
+    /// last image.
+    pub(super) fn recover(&self, stage: &Stage) -> Outcome {
+        let instance = stage.instance(None)?;
+        let name = stage.driver.device_name();
+        let open =
+            || Device::new(&instance, &instance.pick_adapter(Some(name))?, &device_options());
+        let mut film = self.film(&open()?)?;
+        stage.note_begun();
+        for camera in &self.cameras {
+            while let Err(error) = film.draw(camera) {
+                film.go_on(error, || Ok(open()?))?;
+            }
+        }
+        Ok(film.image.rgba8()?.to_vec())
+    }
+
+    /// Shows all cameras in a window, on as many devices as it takes, and returns the last image.
+    pub(super) fn recover_in_window(&self, stage: &Stage) -> Outcome {
+        let server = self.server.as_ref().ok_or("a server")?;
+        let window: TestWindow = X11Window::open(server, Library::Xcb, SIZE);
+        let instance = stage.instance(Some(WindowSystem::of(&window)?))?;
+        let surface = Surface::new(&instance, window)?;
+        let device = presenting(&instance, &surface, stage)?;
+        let mut swapchain = Swapchain::new(&device, &surface, &SwapchainOptions::default())?;
+        let mut film = self.film(&device)?;
+        drop(device);
+        stage.note_begun();
+        for camera in &self.cameras {
+            while let Err(error) = film.draw(camera).and_then(|()| film.show(&mut swapchain)) {
+                film.go_on(error, || presenting(&instance, &surface, stage))?;
+                swapchain =
+                    Swapchain::new(film.renderer.device(), &surface, &SwapchainOptions::default())?;
+            }
+        }
+        Ok(film.image.rgba8()?.to_vec())
+    }
+
+    fn film(&self, device: &Device) -> Result<Film, Box<dyn Error>> {
+        let spare =
+            SpareCapacity { meshes: 2, vertices: 4096, indices: 8192, ..Default::default() };
+        let options = RendererOptions { spare, spare_objects: 2, ..self.options() };
+        let mut renderer = Renderer::new(device, &self.scene, &options)?;
+        renderer.keep_scene(Arc::new(self.scene.clone()))?;
+        let first = self.scene.objects[0];
+        let transform = aside(first.transform);
+        let added = renderer.add_meshes(vec![PreparedMesh::new(self.scene.meshes[0].clone())?])?;
+        renderer.update(&[
+            ObjectChange::Move { object: ObjectId(0), transform },
+            ObjectChange::Add { object: Object { mesh: added[0], ..first } },
+        ])?;
+        let view = renderer.new_view()?;
+        Ok(Film { view, image: Readback::new(device, SIZE)?, renderer })
+    }
+}
+
+/// Opens a device that can present.
+fn presenting(
+    instance: &Instance,
+    surface: &Surface,
+    stage: &Stage,
+) -> Result<Device, Box<dyn Error>> {
+    let adapter = instance.pick_adapter_for(surface, Some(stage.driver.device_name()))?;
+    Ok(Device::new(instance, &adapter, &device_options())?)
+}
+
+impl Film {
+    fn draw(&mut self, camera: &cull::Camera) -> Result<(), Box<dyn Error>> {
+        let request = FrameRequest {
+            image: Some(&self.image),
+            ..FrameRequest::new(Strategy::ANTUMBRA, *camera)
+        };
+        self.renderer.render(&mut self.view, request)?;
+        Ok(self.renderer.wait_idle(&mut self.view)?)
+    }
+
+    fn show(&self, swapchain: &mut Swapchain) -> Result<(), Box<dyn Error>> {
+        match self.renderer.present(swapchain, SIZE)? {
+            PresentResult::Not(PresentSkipped::DeviceLost) => Err(Box::new(gpu::Error::Vulkan {
+                call: "vkQueuePresentKHR",
+                code: gpu::vk::Result::ERROR_DEVICE_LOST,
+            })),
+            PresentResult::Presented(_) | PresentResult::Not(_) => Ok(()),
+        }
+    }
+
+    /// Goes on on another device if `error` is a loss; else returns it.
+    fn go_on(
+        &mut self,
+        error: Box<dyn Error>,
+        open: impl Fn() -> Result<Device, Box<dyn Error>>,
+    ) -> Result<(), Box<dyn Error>> {
+        if !is_lost(error.as_ref()) {
+            return Err(error);
+        }
+        let mut last = error;
+        for _ in 0..ATTEMPTS {
+            let recovered = open().and_then(|device| {
+                let image = Readback::new(&device, SIZE)?;
+                self.renderer.recover(&device)?;
+                self.image = image;
+                Ok(())
+            });
+            match recovered {
+                Ok(()) => return Ok(()),
+                Err(error) => last = error,
+            }
+        }
+        Err(last)
+    }
+}
+
+fn is_lost(error: &(dyn Error + 'static)) -> bool {
+    let of_gpu = error.downcast_ref::<gpu::Error>();
+    let of_render = error.downcast_ref::<render::Error>();
+    let of_render = of_render.and_then(|error| match error {
+        render::Error::Gpu(error) => Some(error),
+        _ => None,
+    });
+    of_gpu.or(of_render).is_some_and(gpu::Error::is_device_lost)
+}
