@@ -3,6 +3,7 @@
 //! The calls are replaced above the validation layer, which therefore never sees the hidden parts.
 
 mod attachments;
+mod device_faults;
 mod draw_calls;
 mod lazy_memory;
 mod lies;
@@ -19,6 +20,7 @@ use ash::vk;
 use gpu::{CancellationToken, Entry, RequiredFeature};
 
 pub use attachments::{AttachmentKind, AttachmentTraffic, attachment_traffic};
+pub use device_faults::{FAULT_ADDRESS, FAULT_DESCRIPTION};
 pub use draw_calls::CALL_THAT_COUNTS_DRAWS;
 pub use lazy_memory::LAZY_ALLOCATIONS;
 pub use lies::CONDITIONAL_BLOCKS;
@@ -83,6 +85,8 @@ pub struct FaultInjection {
     pub is_imprecise: bool,
     /// True if every device claims to support representative fragments.
     pub is_representative: bool,
+    /// True if every device claims to describe the fault that lost it.
+    pub describes_faults: bool,
     /// True if loads and stores of attachments are recorded ([`attachment_traffic`]).
     pub records_attachments: bool,
     /// True if every device claims to have lazily allocated memory for transient attachments.
@@ -208,6 +212,9 @@ unsafe extern "system" fn device_proc_addr(
 fn replaced(name: &CStr, real: vk::PFN_vkVoidFunction) -> vk::PFN_vkVoidFunction {
     if name == c"vkEnumerateInstanceVersion" && injected(|m| m.loader_version) == Some(0) {
         return None;
+    }
+    if let Some(pretended) = device_faults::pretended(name) {
+        return Some(pretended);
     }
     let real = real?;
     let ours = replacements().into_iter().find(|(call, _)| *call == name);

@@ -17,6 +17,7 @@ pub(crate) mod frames_in_flight;
 pub(crate) mod host_callbacks;
 pub(crate) mod host_device;
 pub(crate) mod instance;
+pub(crate) mod loss_report;
 pub(crate) mod number_buffer;
 pub(crate) mod offer;
 pub(crate) mod open_device;

@@ -75,6 +75,7 @@ pub use crate::core::host_device::{HostDevice, HostQueue};
 #[cfg(feature = "loaded")]
 pub use crate::core::instance::load_entry;
 pub use crate::core::instance::{Instance, InstanceOptions, Validation};
+pub use crate::core::loss_report::{DeviceFault, LossReport, UnfinishedFrame};
 pub use crate::core::open_device::DeviceOptions;
 pub use crate::core::ownership::{OfDevice, OwnerId};
 pub use crate::core::queue_lock::HostQueueLock;

@@ -176,7 +176,7 @@ pub struct Renderer {
     pub(crate) generation: DeviceGeneration,
     /// The options that the renderer was created with.
     pub(crate) options: RendererOptions,
-    /// What another device would need, if it is kept.
+    /// The data for another device, if it is kept.
     pub(crate) kept: Option<Box<KeptScene>>,
     pub(crate) device: Device,
     pub(crate) frames: FrameRing,

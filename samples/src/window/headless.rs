@@ -84,7 +84,7 @@ fn draw(
         && error.blame == Blame::LostDevice
         && let Retry::At(at) = recovery.lost(session.clock.now())
     {
-        tracing::warn!("{error}; the scene is drawn on another device");
+        session.tell_loss(error);
         drawn = go_on(&mut session, &mut recovery, at, reopen).and_then(|device| {
             let cancellation = signals.cancellation();
             let loader = SceneLoader { device: &device, options, size, cancellation };

@@ -164,45 +164,6 @@ fn strategies_and_frames_in_flight_change_no_pixel() {
     }
 }
 
-/// Checks that a walk that changes its device again and again has the images of one that does not,
-/// with lamps and shadows; that a screenshot in between is kept; and that text is drawn
-/// on a device that did not draw its letters before.
-#[test]
-fn another_device_shows_the_same_images() {
-    let scratch = Scratch::new("city-devices");
-    let script = "0 hour 21:30\n0 shadows maps\n1 another_device\n3 another_device\n\
-                  4 screenshot\n5 another_device\n8 another_device\n9 hud\n";
-    let stay = script.split_inclusive('\n').filter(|line| !line.ends_with("another_device\n"));
-    fs::write(scratch.0.join("stay"), stay.collect::<String>()).unwrap();
-    fs::write(scratch.0.join("change"), script).unwrap();
-    for script in ["stay", "change"] {
-        let rest = ["--validation", "sync", "--frames", "11", "--path", "street"];
-        let files = ["--script", script, "--out", &format!("out-{script}")];
-        headless(&scratch, &[&rest[..], &files, &["--size", "320x180"]].concat());
-    }
-    let image = |script: &str, frame: u32| {
-        pixels(&scratch.0.join(format!("out-{script}/frame_{frame:05}.png")))
-    };
-    // What is drawn without history is in the text, which differs.
-    let differing = (0..9).filter(|frame| image("stay", *frame) != image("change", *frame));
-    assert_eq!(differing.collect::<Vec<u32>>(), Vec::<u32>::new());
-    assert!(image("stay", 2) != image("stay", 8), "nobody walked");
-    // The panel of text, of which only the frame rate may differ.
-    let panel = |script: &str| -> Vec<[u8; 3]> {
-        image(script, 10)
-            .chunks(320)
-            .take(100)
-            .skip(22)
-            .flat_map(|row| row[4..70].to_vec())
-            .collect()
-    };
-    assert!(panel("stay") == panel("change"), "the text differs");
-    let is_white = |pixel: &[u8; 3]| pixel.iter().all(|part| *part > 200);
-    assert!(panel("change").iter().any(is_white), "there is no text");
-    let shot = pixels(&scratch.0.join("out-change/city_00004.png"));
-    assert!(shot == image("change", 4), "the screenshot is another image");
-}
-
 #[test]
 fn explanations_are_drawn_and_go_again() {
     let scratch = Scratch::new("city-explained");

@@ -9,6 +9,7 @@
 )]
 
 mod city;
+mod city_devices;
 mod city_keys;
 mod city_script;
 mod city_window;

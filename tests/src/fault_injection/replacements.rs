@@ -315,6 +315,10 @@ unsafe extern "system" fn features(
                     type Kind<'a> = vk::PhysicalDeviceRepresentativeFragmentTestFeaturesNV<'a>;
                     (*next.cast::<Kind<'_>>()).representative_fragment_test = vk::TRUE;
                 }
+                vk::StructureType::PHYSICAL_DEVICE_FAULT_FEATURES_EXT => {
+                    let faults = &mut *next.cast::<vk::PhysicalDeviceFaultFeaturesEXT<'_>>();
+                    faults.device_fault = vk::TRUE;
+                }
                 vk::StructureType::PHYSICAL_DEVICE_SWAPCHAIN_MAINTENANCE_1_FEATURES_EXT => {
                     let fences =
                         &mut *next.cast::<vk::PhysicalDeviceSwapchainMaintenance1FeaturesEXT<'_>>();

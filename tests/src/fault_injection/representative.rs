@@ -4,7 +4,7 @@
 use std::ffi::{CStr, c_char};
 use std::mem::transmute;
 
-use ash::{nv, vk};
+use ash::{ext, nv, vk};
 
 use super::{Function, due, injected, real};
 
@@ -33,6 +33,17 @@ pub(super) fn that_pretend() -> Vec<(&'static CStr, Function)> {
     }
 }
 
+/// Returns the extensions that every device claims to have.
+fn pretended() -> impl Iterator<Item = &'static CStr> {
+    let representative = injected(|injected| injected.is_representative);
+    let faults = injected(|injected| injected.describes_faults);
+    let all = [
+        representative.then_some(nv::representative_fragment_test::NAME),
+        faults.then_some(ext::device_fault::NAME),
+    ];
+    all.into_iter().flatten()
+}
+
 unsafe extern "system" fn extensions(
     physical: vk::PhysicalDevice,
     layer: *const c_char,
@@ -45,24 +56,25 @@ unsafe extern "system" fn extensions(
         let real = real::<vk::PFN_vkEnumerateDeviceExtensionProperties>(EXTENSIONS);
         let room = *count as usize;
         let code = real(physical, layer, count, found);
-        if !injected(|injected| injected.is_representative) || !layer.is_null() {
+        if !layer.is_null() {
             return code;
         }
-        let place = *count as usize;
-        *count += 1;
-        if found.is_null() {
-            return code;
+        for name in pretended() {
+            let place = *count as usize;
+            *count += 1;
+            if found.is_null() {
+                continue;
+            }
+            if place >= room {
+                *count = room as u32;
+                return vk::Result::INCOMPLETE;
+            }
+            let mut properties = vk::ExtensionProperties::default();
+            for (to, from) in properties.extension_name.iter_mut().zip(name.to_bytes_with_nul()) {
+                *to = *from as c_char;
+            }
+            found.add(place).write(properties);
         }
-        if place >= room {
-            *count = room as u32;
-            return vk::Result::INCOMPLETE;
-        }
-        let mut properties = vk::ExtensionProperties::default();
-        let name = nv::representative_fragment_test::NAME.to_bytes_with_nul();
-        for (to, from) in properties.extension_name.iter_mut().zip(name) {
-            *to = *from as c_char;
-        }
-        found.add(place).write(properties);
         code
     }
 }
@@ -83,16 +95,17 @@ unsafe extern "system" fn create_device(
             0 => &[],
             count => std::slice::from_raw_parts(info.pp_enabled_extension_names, count as usize),
         };
-        let is_real = |name: &&*const c_char| {
-            CStr::from_ptr(**name) != nv::representative_fragment_test::NAME
-                || !injected(|injected| injected.is_representative)
-        };
+        let is_real =
+            |name: &&*const c_char| !pretended().any(|other| other == CStr::from_ptr(**name));
         let names: Vec<*const c_char> = names.iter().filter(is_real).copied().collect();
         (info.pp_enabled_extension_names, info.enabled_extension_count) =
             (names.as_ptr(), names.len() as u32);
         let kind = vk::StructureType::PHYSICAL_DEVICE_REPRESENTATIVE_FRAGMENT_TEST_FEATURES_NV;
-        without((&raw mut info).cast(), kind, || {
-            real::<vk::PFN_vkCreateDevice>(DEVICE)(physical, &info, callbacks, made)
+        let head = (&raw mut info).cast();
+        without(head, kind, || {
+            without(head, vk::StructureType::PHYSICAL_DEVICE_FAULT_FEATURES_EXT, || {
+                real::<vk::PFN_vkCreateDevice>(DEVICE)(physical, head.cast(), callbacks, made)
+            })
         })
     }
 }

@@ -48,6 +48,7 @@ pub fn run(kind: ProgramKind, driver: Driver) {
         let answer = match line.as_str() {
             "trace" => bench.trace(),
             "memory" => format!("ok {}", resident_kib()),
+            losses if losses.starts_with("losses ") => bench.lose(&losses["losses ".len()..]),
             plan => bench.answer(parse(plan)),
         };
         println!("{}", answer.replace('\n', " | "));
@@ -101,6 +102,31 @@ impl Bench {
     fn trace(&self) -> String {
         let names: Vec<&str> = self.trace.iter().map(|call| name_of(*call)).collect();
         format!("ok {}", names.join(" "))
+    }
+
+    /// Loses a number of devices in one run. Answers with the resident memory (KiB) after the first
+    /// tenth of the losses and after the last.
+    fn lose(&self, count: &str) -> String {
+        let count: usize = count.parse().expect("a number");
+        let mut memory_kib = Vec::new();
+        let note = |number| {
+            if number + 1 == count / 10 || number + 1 == count {
+                memory_kib.push(resident_kib().to_string());
+            }
+        };
+        let before = Resources::now();
+        let stage = Stage::new(self.driver, Validation::Off);
+        let lost = self.program.lose(&stage, count, note);
+        drop(stage);
+        every_call::stop();
+        let more = Resources::now().beyond(before);
+        match lost {
+            Ok(_) if more.files > self.kept.files || more.threads > self.kept.threads => {
+                format!("bad left behind: {more:?}")
+            }
+            Ok(_) => format!("ok {}", memory_kib.join(" ")),
+            Err(error) => format!("bad {}", text_of(error.as_ref())),
+        }
     }
 
     /// Runs the program with faults, and again without, and returns what became of it.

@@ -43,6 +43,10 @@ struct Arguments {
     /// One run with this fault, as a failed run is reported.
     #[arg(long)]
     fault: Option<String>,
+    /// Loses this number of devices in one process, goes on after each, and prints the growth of
+    /// its memory, in place of everything else.
+    #[arg(long)]
+    losses: Option<usize>,
     /// As other test programs have it: runs nothing if it is not a part of the word `faults`.
     #[arg(hide = true)]
     filter: Option<String>,

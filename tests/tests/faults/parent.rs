@@ -17,11 +17,54 @@ use crate::{Arguments, DriverName, plans};
 
 /// The time after which a child is ended. It measures its runs itself, on a busy machine, too.
 const RUN_BOUND: Duration = Duration::from_secs(60);
+/// The time for one of many losses.
+const LOSS_BOUND: Duration = Duration::from_secs(5);
 /// The time for the start of a child, which runs its program twice.
 const START_BOUND: Duration = Duration::from_secs(60);
 
+/// The most growth of the memory over many losses, as a share of it.
+const MOST_GROWTH: f64 = 0.01;
+
+/// Loses `count` devices on each wanted driver, and prints a table. Fails if an image was wrong, or
+/// if memory grew by more than [`MOST_GROWTH`] after the first tenth.
+fn lose(count: usize, wanted: Option<DriverName>) -> ExitCode {
+    println!(
+        "| driver | losses | ms per loss | memory after a tenth (KiB) | in the end | growth |"
+    );
+    println!("|---|---|---|---|---|---|");
+    let mut is_good = true;
+    for driver in DriverName::value_variants() {
+        if wanted.is_some_and(|wanted| wanted != *driver) {
+            continue;
+        }
+        let mut worker = Worker::new(ProgramKind::Recovering, *driver);
+        let began = Instant::now();
+        let answer = worker.ask(&format!("losses {count}"), RUN_BOUND + LOSS_BOUND * count as u32);
+        let numbers = answer.as_deref().ok().and_then(|answer| answer.strip_prefix("ok "));
+        let numbers = numbers.unwrap_or_default().split(' ').map(str::parse::<f64>);
+        let numbers: Vec<f64> = numbers.filter_map(Result::ok).collect();
+        let [first, last] = numbers[..] else {
+            println!("FAILED on {:?}: {answer:?}", Driver::from(*driver));
+            is_good = false;
+            continue;
+        };
+        let growth = last / first - 1.0;
+        is_good &= growth < MOST_GROWTH;
+        println!(
+            "| {:?} | {count} | {:.0} | {first} | {last} | {:.2} % |",
+            Driver::from(*driver),
+            began.elapsed().as_secs_f64() * 1e3 / count as f64,
+            growth * 100.0
+        );
+    }
+    if is_good { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
 /// Executes all runs, and prints the table. Fails if any run failed.
 pub fn run(arguments: &Arguments) -> ExitCode {
+    if let Some(count) = arguments.losses {
+        return lose(count, arguments.driver);
+    }
     let mut benches = Vec::new();
     for program in ProgramKind::value_variants() {
         for driver in DriverName::value_variants() {

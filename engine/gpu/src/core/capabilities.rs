@@ -173,6 +173,8 @@ pub enum OptionalFeature {
     SectionBuffers,
     /// Reading the clocks of GPU and CPU at once.
     CalibratedTimestamps,
+    /// A description of the fault that lost the device ([`crate::LossReport`]).
+    DeviceFault,
     /// Frames in windows. This capability and the ones below exist only if the instance was created
     /// for windows ([`crate::InstanceOptions::windows`]).
     Swapchain,
@@ -186,7 +188,7 @@ pub enum OptionalFeature {
 
 impl OptionalFeature {
     /// All optional capabilities.
-    pub const ALL: [OptionalFeature; 23] = [
+    pub const ALL: [OptionalFeature; 24] = [
         OptionalFeature::ConditionalRendering,
         OptionalFeature::DrawIndirectCount,
         OptionalFeature::PreciseQueries,
@@ -206,6 +208,7 @@ impl OptionalFeature {
         OptionalFeature::DepthClamp,
         OptionalFeature::SectionBuffers,
         OptionalFeature::CalibratedTimestamps,
+        OptionalFeature::DeviceFault,
         OptionalFeature::Swapchain,
         OptionalFeature::PresentFences,
         OptionalFeature::PresentWait,
@@ -236,6 +239,7 @@ impl OptionalFeature {
             OptionalFeature::DepthClamp => "depthClamp",
             OptionalFeature::SectionBuffers => "maxPerStageDescriptorStorageBuffers of at least 9",
             OptionalFeature::CalibratedTimestamps => "VK_EXT_calibrated_timestamps",
+            OptionalFeature::DeviceFault => "VK_EXT_device_fault",
             OptionalFeature::Swapchain => "VK_KHR_swapchain",
             OptionalFeature::PresentFences => "VK_EXT_swapchain_maintenance1",
             OptionalFeature::PresentWait => "VK_KHR_present_wait",
@@ -296,6 +300,7 @@ impl OptionalFeature {
                 Features { tessellation_shader: true, transform_feedback: true, ..none }
             }
             OptionalFeature::DepthClamp => Features { depth_clamp: true, ..none },
+            OptionalFeature::DeviceFault => Features { device_fault: true, ..none },
             OptionalFeature::PresentFences => Features { swapchain_maintenance1: true, ..none },
             OptionalFeature::PresentWait => {
                 Features { present_id: true, present_wait: true, ..none }
@@ -322,6 +327,7 @@ impl OptionalFeature {
             }
             OptionalFeature::TessellationCapture => &[&[ext::transform_feedback::NAME]],
             OptionalFeature::CalibratedTimestamps => &[&[ext::calibrated_timestamps::NAME]],
+            OptionalFeature::DeviceFault => &[&[ext::device_fault::NAME]],
             OptionalFeature::Swapchain => &[SWAPCHAIN],
             OptionalFeature::PresentFences => &[SWAPCHAIN, MAINTENANCE],
             OptionalFeature::PresentWait => {

@@ -145,6 +145,11 @@ impl Device {
         Ok(Tick(completed))
     }
 
+    /// Returns the newest tick that was over when this was last read.
+    pub(crate) fn known_over(&self) -> Tick {
+        self.shared.clock.over()
+    }
+
     /// Returns the semaphore that counts the submits of this device. A host can wait for a [`Tick`]
     /// by waiting for its value. The semaphore lives as long as the device.
     ///

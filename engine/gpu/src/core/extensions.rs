@@ -11,6 +11,7 @@ pub(crate) struct Extensions {
     pub(crate) conditional: Option<ext::conditional_rendering::Device>,
     pub(crate) capture: Option<ext::transform_feedback::Device>,
     pub(crate) calibrated: Option<ext::calibrated_timestamps::Device>,
+    pub(crate) fault: Option<ext::device_fault::Device>,
     pub(crate) swapchain: Option<khr::swapchain::Device>,
     pub(crate) present_wait: Option<khr::present_wait::Device>,
     pub(crate) display_timing: Option<google::display_timing::Device>,
@@ -32,6 +33,8 @@ impl Extensions {
                 .then(|| ext::transform_feedback::Device::new(from, device)),
             calibrated: has(OptionalFeature::CalibratedTimestamps)
                 .then(|| ext::calibrated_timestamps::Device::new(from, device)),
+            fault: has(OptionalFeature::DeviceFault)
+                .then(|| ext::device_fault::Device::new(from, device)),
             swapchain: has(OptionalFeature::Swapchain)
                 .then(|| khr::swapchain::Device::new(from, device)),
             present_wait: has(OptionalFeature::PresentWait)

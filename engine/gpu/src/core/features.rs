@@ -87,6 +87,9 @@ features! {
     representative {
         representative_fragment_test "representativeFragmentTest"
     }
+    fault {
+        device_fault "deviceFault"
+    }
     present_fences {
         swapchain_maintenance1 "swapchainMaintenance1"
     }
@@ -120,6 +123,7 @@ pub struct FeatureStructures {
     pub conditional: vk::PhysicalDeviceConditionalRenderingFeaturesEXT<'static>,
     capture: vk::PhysicalDeviceTransformFeedbackFeaturesEXT<'static>,
     representative: vk::PhysicalDeviceRepresentativeFragmentTestFeaturesNV<'static>,
+    fault: vk::PhysicalDeviceFaultFeaturesEXT<'static>,
     present_fences: vk::PhysicalDeviceSwapchainMaintenance1FeaturesEXT<'static>,
     ids: vk::PhysicalDevicePresentIdFeaturesKHR<'static>,
     waits: vk::PhysicalDevicePresentWaitFeaturesKHR<'static>,
@@ -146,6 +150,9 @@ impl FeatureStructures {
         }
         if has(nv::representative_fragment_test::NAME) {
             chain = chain.push_next(&mut self.representative);
+        }
+        if has(ext::device_fault::NAME) {
+            chain = chain.push_next(&mut self.fault);
         }
         if has(KHR_SWAPCHAIN_MAINTENANCE1) || has(ext::swapchain_maintenance1::NAME) {
             chain = chain.push_next(&mut self.present_fences);

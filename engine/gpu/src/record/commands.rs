@@ -43,6 +43,8 @@ pub struct Commands {
     timer: Option<Arc<PassTimer>>,
     resubmission: Resubmission,
     failed: Cell<Option<Failure>>,
+    /// The labels of the passes of the recording, for a report on a lost device.
+    passes: RefCell<Vec<&'static str>>,
     /// The ticket that gets the tick, for images that these commands copy.
     ticket: OnceCell<Arc<Ticket>>,
 }
@@ -62,6 +64,7 @@ impl Commands {
             timer: None,
             resubmission: Resubmission::Never,
             failed: Cell::new(None),
+            passes: RefCell::default(),
             ticket: OnceCell::new(),
         }
     }
@@ -75,6 +78,7 @@ impl Commands {
         resubmission: Resubmission,
     ) -> Result<(), Error> {
         self.descriptors.get_mut().reset()?;
+        self.passes.get_mut().clear();
         self.recording = recording;
         self.timer = timer;
         self.resubmission = resubmission;
@@ -106,6 +110,11 @@ impl Commands {
         layout: vk::DescriptorSetLayout,
     ) -> Result<vk::DescriptorSet, Error> {
         self.descriptors.borrow_mut().allocate(layout)
+    }
+
+    /// Returns the labels of the passes so far.
+    pub(crate) fn passes(&self) -> Vec<&'static str> {
+        self.passes.borrow().clone()
     }
 
     /// Returns the identity of the recording, which all pieces of a frame share.
@@ -176,6 +185,7 @@ impl Commands {
     /// timestamps. Must be called outside of [`Commands::rendering`]. A pass within another pass is
     /// timed as part of it.
     pub fn pass(&self, label: &'static str, record: impl FnOnce(&Self)) {
+        self.passes.borrow_mut().push(label);
         let timer = self.timer.as_ref().filter(|timer| timer.begin(self.raw, label));
         self.label(label, record);
         if let Some(timer) = timer {

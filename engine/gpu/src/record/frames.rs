@@ -13,6 +13,7 @@ use crate::core::deletion::RecordingId;
 use crate::core::device::{Device, OpenRecording, WaitFor};
 use crate::core::error::Error;
 use crate::core::frames_in_flight::check_frames_in_flight;
+use crate::core::loss_report::{LossReport, UnfinishedFrame};
 use crate::core::order::Order;
 use crate::core::ownership::{OfDevice, OwnerId};
 use crate::core::pending_uploads::PendingUpload;
@@ -162,6 +163,20 @@ impl FrameRing {
     /// Returns the number of slots.
     pub fn frames_in_flight(&self) -> usize {
         self.slots.len()
+    }
+
+    /// Returns what is known about the loss of the device: which of these frames it did not finish,
+    /// and what the driver says. Never waits.
+    pub fn loss_report(&self) -> LossReport {
+        let submitted = self.device.submitted();
+        // A lost device may no longer tell.
+        let completed = self.device.completed().unwrap_or_else(|_| self.device.known_over());
+        let in_flight = self.slots.iter().filter(|slot| slot.tick > completed);
+        let mut unfinished: Vec<UnfinishedFrame> = in_flight
+            .map(|slot| UnfinishedFrame { tick: slot.tick, passes: slot.commands.passes() })
+            .collect();
+        unfinished.sort_by_key(|frame| frame.tick);
+        LossReport { submitted, completed, unfinished, fault: self.device.fault() }
     }
 
     pub(crate) fn next_slot(&self) -> SlotIndex {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use ::shadows::ShadowOptions;
-use gpu::Device;
+use gpu::{Device, LossReport};
 use occlusion::{ScenePartsMut, SectionShaders};
 use scene::Scene;
 
@@ -35,6 +35,13 @@ impl Renderer {
         self.kept.is_some()
     }
 
+    /// Returns what is known about the loss of the device: the frames and their passes that it did
+    /// not finish, and the driver's words. Meaningful after a call failed with
+    /// [`gpu::Error::is_device_lost`].
+    pub fn loss_report(&self) -> LossReport {
+        self.frames.loss_report()
+    }
+
     /// Goes on on another device, after the present one was lost
     /// ([`gpu::Error::is_device_lost`]). The renderer has the same scene, ids and options as
     /// before, and the next image shows all of it: whatever was still being uploaded is there. Ids
@@ -43,6 +50,29 @@ impl Renderer {
     /// Views, visible sets and watched objects stay valid. A view begins without history in its
     /// next frame, and no answer of the lost device is read. What the caller made on the lost
     /// device itself ([`gpu::Readback`], a swapchain, an overlay) must be made again.
+    ///
+    /// ```no_run
+    /// # use std::sync::Arc;
+    /// # use antumbra_render::{self as render, Renderer};
+    /// # type Failure = Box<dyn std::error::Error>;
+    /// # fn run(scene: scene::Scene, camera: cull::Camera) -> Result<(), Failure> {
+    /// # let device = gpu::open()?;
+    /// let scene = Arc::new(scene);
+    /// let mut renderer = Renderer::new(&device, &scene, &Default::default())?;
+    /// renderer.keep_scene(Arc::clone(&scene))?; // before the first change
+    /// let mut view = renderer.new_view()?;
+    /// // Each frame:
+    /// match renderer.render(&mut view, camera) {
+    ///     Ok(_) => {}
+    ///     Err(render::Error::Gpu(error)) if error.is_device_lost() => {
+    ///         eprintln!("{error}; {}", renderer.loss_report());
+    ///         // Changes nothing if it fails, and can be repeated.
+    ///         renderer.recover(&gpu::open()?)?;
+    ///     }
+    ///     Err(error) => return Err(error.into()),
+    /// }
+    /// # Ok(()) }
+    /// ```
     ///
     /// It takes as long as [`Renderer::new`], and waits for copies. The old device is closed once
     /// everything else that was made on it is dropped, too.

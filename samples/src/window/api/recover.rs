@@ -11,6 +11,12 @@ use super::super::session::Session;
 use super::super::show::ShowOptions;
 
 impl Session {
+    /// Logs that the device is lost, and what is known about it.
+    pub fn tell_loss(&self, error: &RunError) {
+        let report = self.renderer.loss_report();
+        tracing::warn!("{error}; {report}; the scene is drawn on another device");
+    }
+
     /// Goes on on another device. The scene, its state and the history of the user stay; images
     /// that the lost device was drawing are given up.
     ///
@@ -84,7 +90,7 @@ impl Opened {
             None => Retry::GiveUp,
         };
         let Retry::At(at) = retry else { return Err(error) };
-        tracing::warn!("{error}; the scene will be drawn on another device");
+        self.session.tell_loss(&error);
         self.recovers_at = Some(at);
         Ok(Next::At(at))
     }

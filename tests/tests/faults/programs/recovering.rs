@@ -10,6 +10,7 @@ use gpu::{
 };
 use render::{FrameRequest, RenderView, Renderer, RendererOptions, SpareCapacity};
 use scene::{Object, ObjectChange, PreparedMesh};
+use tests::every_call::{self, Fault, FaultPlan, Lasts};
 use tests::x11_window::{Library, X11Window};
 
 use super::{Outcome, Program, SIZE, Stage, TestWindow, aside, device_options};
@@ -61,6 +62,44 @@ impl Program {
             }
         }
         Ok(film.image.rgba8()?.to_vec())
+    }
+
+    /// Loses `count` devices one after the other, each in the middle of a frame, goes on after
+    /// each, and compares the image. `note` is called after each loss.
+    ///
+    /// # Errors
+    /// The first loss after which the image is not the right one.
+    pub fn lose(&self, stage: &Stage, count: usize, mut note: impl FnMut(usize)) -> Outcome {
+        let instance = stage.instance(None)?;
+        let name = stage.driver.device_name();
+        let open =
+            || Device::new(&instance, &instance.pick_adapter(Some(name))?, &device_options());
+        let mut film = self.film(&open()?)?;
+        let camera = self.cameras.last().ok_or("a camera")?;
+        for _ in 0..self.cameras.len() {
+            film.draw(camera)?;
+        }
+        let expected = film.image.rgba8()?.to_vec();
+        let calls = ["vkQueueSubmit2", "vkWaitSemaphores", "vkGetSemaphoreCounterValue"];
+        let calls = calls.map(|call| every_call::number_of(call).expect("a call of every frame"));
+        for number in 0..count {
+            let fault = Fault {
+                call: calls[number % calls.len()],
+                nth: 0,
+                code: gpu::vk::Result::ERROR_DEVICE_LOST,
+                lasts: Lasts::Forever,
+            };
+            every_call::install(FaultPlan { first: Some(fault), second: None });
+            let lost = film.draw(camera).err().ok_or("a frame on a lost device")?;
+            film.go_on(lost, || Ok(open()?))?;
+            every_call::stop();
+            film.draw(camera)?;
+            if film.image.rgba8()?[..] != expected {
+                return Err(format!("another image after loss {number}").into());
+            }
+            note(number);
+        }
+        Ok(expected)
     }
 
     fn film(&self, device: &Device) -> Result<Film, Box<dyn Error>> {

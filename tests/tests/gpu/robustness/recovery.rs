@@ -11,6 +11,7 @@ use render::{
 };
 use scene::{LensFlare, LightId, MeshId, Object, ObjectChange, Scene};
 use shadows::{ShadowMethod, ShadowOptions};
+use tests::fault_injection::{FAULT_ADDRESS, FAULT_DESCRIPTION, Fault, FaultInjection};
 use tests::walk::images_that_differ;
 use tests::{Driver, open};
 
@@ -177,4 +178,45 @@ fn what_cannot_recover_says_so_and_goes_on() {
     let refused = film.renderer.render(&mut film.view, request).unwrap_err().to_string();
     assert!(refused.contains("different `Device`s"), "{refused}");
     drop(film.frame(Strategy::ANTUMBRA, 1));
+}
+
+/// Checks that a report on a loss names the frame that the device did not finish with its passes,
+/// and what the driver says of it.
+#[test]
+fn the_report_on_a_loss_says_where_it_was() {
+    let lost = Fault {
+        call: c"vkWaitSemaphores",
+        fails: 0..usize::MAX,
+        code: gpu::vk::Result::ERROR_DEVICE_LOST,
+    };
+    let silent = Fault { call: c"vkGetSemaphoreCounterValue", ..lost.clone() };
+    for describes_faults in [false, true] {
+        let fine = FaultInjection { describes_faults, ..FaultInjection::default() };
+        let instance = tests::instance_with(fine.clone().entry());
+        let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
+        let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
+        let mut film = Film::new(&device, &Arc::new(scene()));
+        let before = film.renderer.loss_report();
+        assert!(!before.is_ours() && before.unfinished.is_empty(), "{before}");
+        drop(film.frame(Strategy::ANTUMBRA, 0));
+        let completed = device.completed().unwrap();
+        let request = FrameRequest::new(Strategy::ANTUMBRA, camera(1));
+        film.renderer.render(&mut film.view, request).unwrap();
+        // From here on the device says nothing but that it is lost.
+        FaultInjection { faults: vec![lost.clone(), silent.clone()], ..fine.clone() }.install();
+        let waited = film.renderer.wait_idle(&mut film.view).unwrap_err();
+        assert!(matches!(waited, Error::Gpu(error) if error.is_device_lost()));
+        let report = film.renderer.loss_report();
+        assert!(report.is_ours() && report.completed >= completed, "{report}");
+        assert!(report.unfinished[0].passes.contains(&"draw visible"), "{report}");
+        let fault = describes_faults.then(|| report.fault.clone().unwrap());
+        assert_eq!(report.fault.is_some(), describes_faults);
+        if let Some(fault) = fault {
+            assert_eq!(fault.description, FAULT_DESCRIPTION.to_str().unwrap());
+            assert!(fault.addresses[0].contains(&format!("{FAULT_ADDRESS:#x}")), "{report}");
+            assert!(fault.codes[0].contains("the seventh"), "{report}");
+        }
+        fine.install();
+        device.wait_idle().unwrap();
+    }
 }

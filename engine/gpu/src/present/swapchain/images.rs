@@ -274,9 +274,9 @@ impl RetiredImages {
 
 impl RetiredObject for RetiredImages {
     /// Destroys the chain once the GPU no longer uses it. Waits, within a bound, for presents that
-    /// still use it: if a swapchain is dropped in the middle of a frame, or a present never ends. In
-    /// the latter case the chain is destroyed, too, as it is where there are no present fences: it
-    /// must not outlive its window and its device.
+    /// still use it: if a swapchain is dropped in the middle of a frame, or a present never ends.
+    /// In the latter case the chain is destroyed, too, as it is where there are no present fences:
+    /// it must not outlive its window and its device.
     fn destroy(self: Box<Self>, device: &ash::Device) {
         const BOUND: Duration = Duration::from_secs(1);
         let chain = self.chain;
