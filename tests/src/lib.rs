@@ -20,6 +20,7 @@ pub mod host_passes;
 #[cfg(feature = "shader-compiler")]
 pub mod host_scene;
 pub mod host_walk;
+mod loader;
 #[cfg(feature = "shader-compiler")]
 pub mod numbered_boxes;
 pub mod projections;
