@@ -28,7 +28,7 @@ pub use replacements::{
     CALLS_THAT_MAKE, CALLS_THAT_RESET, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_SHOW,
     CALLS_THAT_START,
 };
-pub use representative::{OTHER_PIPELINES, REPRESENTATIVE_PIPELINES};
+pub use representative::{CALL_THAT_LISTS, OTHER_PIPELINES, REPRESENTATIVE_PIPELINES};
 
 type Function = unsafe extern "system" fn();
 

@@ -6,6 +6,7 @@
 #![allow(unsafe_code, reason = "a host calls Vulkan itself")]
 
 pub mod box_rays;
+pub mod captured_log;
 pub mod counting;
 pub mod display;
 pub mod every_call;

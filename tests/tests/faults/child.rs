@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use gpu::Validation;
 use tests::Driver;
+use tests::captured_log::CapturedLog;
 use tests::every_call::{self, CallNumber, FaultPlan, name_of};
 
 use crate::plans::parse;
@@ -18,28 +19,14 @@ const HANG: Duration = Duration::from_secs(5);
 /// The last panic of any thread.
 static PANIC: Mutex<Option<String>> = Mutex::new(None);
 
-/// The warnings and errors that the engine has logged.
-static LOG: Mutex<Vec<u8>> = Mutex::new(Vec::new());
-
-/// A writer to the log.
-struct Log;
-
-impl Write for Log {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        LOG.lock().unwrap().extend(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        Ok(())
-    }
-}
-
 /// Executes runs until the input ends.
 pub fn run(kind: ProgramKind, driver: Driver) {
-    let subscriber = tracing_subscriber::fmt().with_ansi(false).with_writer(|| Log);
+    let log = CapturedLog::default();
+    let writer = log.clone();
+    let subscriber = tracing_subscriber::fmt().with_ansi(false);
+    let subscriber = subscriber.with_writer(move || writer.clone());
     subscriber.with_max_level(tracing_subscriber::filter::LevelFilter::WARN).init();
-    let bench = Bench::new(kind, driver);
+    let bench = Bench::new(kind, driver, log);
     std::panic::set_hook(Box::new(|panic| {
         *PANIC.lock().unwrap() = Some(panic.to_string());
     }));
@@ -59,6 +46,8 @@ struct Bench {
     kind: ProgramKind,
     program: Program,
     driver: Driver,
+    /// The warnings and errors of the engine.
+    log: CapturedLog,
     reference: Vec<u8>,
     trace: Vec<usize>,
     /// The files and threads that a run without a fault leaves behind: SwiftShader keeps a file
@@ -74,11 +63,12 @@ struct Resources {
 }
 
 impl Bench {
-    fn new(kind: ProgramKind, driver: Driver) -> Self {
+    fn new(kind: ProgramKind, driver: Driver, log: CapturedLog) -> Self {
         let mut bench = Self {
             kind,
             program: Program::new(kind),
             driver,
+            log,
             reference: Vec::new(),
             trace: Vec::new(),
             kept: Resources { files: usize::MAX / 2, threads: usize::MAX / 2 },
@@ -168,8 +158,7 @@ impl Bench {
         if more.files > self.kept.files || more.threads > self.kept.threads {
             faults.push(format!("left behind: {more:?}"));
         }
-        let log = String::from_utf8_lossy(&std::mem::take(&mut *LOG.lock().unwrap())).into_owned();
-        Found { outcome, log, faults }
+        Found { outcome, log: self.log.take(), faults }
     }
 }
 
