@@ -13,14 +13,20 @@
 #![allow(unsafe_code, reason = "a host calls Vulkan itself")]
 
 mod child;
+mod coverage;
 mod parent;
 mod plans;
 mod programs;
 mod table;
+mod worker;
 
 use clap::Parser;
 use programs::ProgramKind;
 use tests::Driver;
+
+/// Counts the memory of this program, without that of drivers.
+#[global_allocator]
+static ALLOCATED: cap::Cap<std::alloc::System> = cap::Cap::new(std::alloc::System, usize::MAX);
 
 /// Injects faults into every Vulkan call of small programs.
 #[derive(Parser, Clone, Debug)]
@@ -43,6 +49,13 @@ struct Arguments {
     /// One run with this fault, as a failed run is reported.
     #[arg(long)]
     fault: Option<String>,
+    /// The number of runs with this fault, all in one process.
+    #[arg(long, default_value_t = 1)]
+    times: usize,
+    /// Lists the codes that every function of the programs may return, and fails if one was not
+    /// injected.
+    #[arg(long)]
+    coverage: bool,
     /// As other test programs have it: runs nothing if it is not a part of the word `faults`.
     #[arg(hide = true)]
     filter: Option<String>,

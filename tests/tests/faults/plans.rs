@@ -39,7 +39,7 @@ pub fn write(fault: &Fault, second: Option<NextFault>) -> String {
 }
 
 /// Returns every code that is injected into a call: those that it may return, and two others.
-fn codes(call: CallNumber) -> Vec<vk::Result> {
+pub fn codes(call: CallNumber) -> Vec<vk::Result> {
     let mut codes = codes_of(call).to_vec();
     codes.extend([vk::Result::ERROR_UNKNOWN, INVENTED]);
     codes.dedup();

@@ -2,7 +2,11 @@
 
 mod adopted;
 mod adopted_in_c;
+mod content;
+mod executor;
+mod executor_in_c;
 mod frames;
+mod running;
 mod window;
 
 use std::cell::RefCell;
@@ -40,12 +44,24 @@ pub enum ProgramKind {
     Streaming,
     /// Other shaders in the middle, and a pipeline cache in a file.
     Reload,
+    /// A file with textures that is loaded while another scene is drawn.
+    Loading,
+    /// A skinned mesh with a morph target that plays.
+    Animated,
+    /// Objects, meshes, materials, textures and lights that come and go.
+    ComeAndGo,
+    /// An end while another thread fills textures.
+    Closing,
     /// A window that changes its size.
     Window,
     /// The device of a host, with its queue.
     Adopted,
     /// As above, through the C interface.
     AdoptedInC,
+    /// The device of a host, which records and submits itself.
+    Executor,
+    /// As above, through the C interface.
+    ExecutorInC,
 }
 
 /// The parts of a run that outlive its program.
@@ -115,7 +131,7 @@ impl Program {
     /// Creates the scene of a program.
     pub fn new(kind: ProgramKind) -> Self {
         let server = (kind == ProgramKind::Window).then(Xvfb::start);
-        if matches!(kind, ProgramKind::Shadows | ProgramKind::Volumes) {
+        if matches!(kind, ProgramKind::Shadows | ProgramKind::Volumes | ProgramKind::ComeAndGo) {
             let scene =
                 shadow_scene::scene(&shadow_scene::boxes()[..20], &shadow_scene::lights()[..2]);
             return Self { kind, scene, cameras: vec![shadow_scene::camera(); 3], server };
@@ -131,11 +147,17 @@ impl Program {
     /// Whatever a call of the engine returns.
     pub fn run(&self, stage: &Stage) -> Outcome {
         match self.kind {
-            ProgramKind::Window => self.show(stage),
+            ProgramKind::Window => self.show_in_window(stage),
             ProgramKind::Adopted => self.draw_for_host(stage),
             ProgramKind::AdoptedInC => self.draw_in_c(stage),
             ProgramKind::Streaming => self.stream(stage),
             ProgramKind::Reload => self.reload(stage),
+            ProgramKind::Loading => self.load(stage),
+            ProgramKind::Animated => self.animate(stage),
+            ProgramKind::ComeAndGo => self.come_and_go(stage),
+            ProgramKind::Closing => self.close_while_loading(stage),
+            ProgramKind::Executor => self.execute(stage),
+            ProgramKind::ExecutorInC => self.execute_in_c(stage),
             _ => self.walk(&stage.device(&device_options())?),
         }
     }

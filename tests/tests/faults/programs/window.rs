@@ -12,7 +12,7 @@ use super::{Outcome, Program, SIZE, Stage, TestWindow, device_options};
 
 impl Program {
     /// Shows frames in a window, and returns the last image.
-    pub(super) fn show(&self, stage: &Stage) -> Outcome {
+    pub(super) fn show_in_window(&self, stage: &Stage) -> Outcome {
         let server = self.server.as_ref().ok_or("a server")?;
         let window: TestWindow = X11Window::open(server, Library::Xcb, SIZE);
         let instance = stage.instance(Some(WindowSystem::of(&window)?))?;
