@@ -16,18 +16,21 @@ use crate::programs::{Outcome, Program, ProgramKind, Stage};
 /// The time after which a run hangs, in addition to three times that of a run without a fault.
 const HANG: Duration = Duration::from_secs(5);
 
-/// The warnings after which shadows may differ, and the calls whose failure leads to one: there is
-/// no memory for an image or for the mask.
-const COARSER_MAPS: &str = "no room for more shadow maps, some get smaller: ";
-const SMALLER_MASK: &str = "no room for a larger shadow mask: ";
-const DEGRADING_CALLS: [&str; 6] = [
-    "vkCreateImage",
-    "vkCreateImageView",
-    "vkCreateBuffer",
-    "vkAllocateMemory",
-    "vkBindImageMemory",
-    "vkBindBufferMemory",
-];
+/// A warning after which shadows may differ, and the calls whose failure leads to it.
+struct Degradation {
+    words: &'static str,
+    calls: &'static [&'static str],
+}
+
+const COARSER_MAPS: Degradation = Degradation {
+    words: "no room for more shadow maps, some get smaller: ",
+    calls: &["vkCreateImage", "vkCreateImageView", "vkAllocateMemory", "vkBindImageMemory"],
+};
+
+const SMALLER_MASK: Degradation = Degradation {
+    words: "no room for a larger shadow mask: ",
+    calls: &["vkCreateBuffer", "vkAllocateMemory", "vkBindBufferMemory"],
+};
 
 /// The last panic of any thread.
 static PANIC: Mutex<Option<String>> = Mutex::new(None);
@@ -132,7 +135,7 @@ impl Bench {
             Err(error) => {
                 let text = text_of(error.as_ref());
                 // A window says that its device is lost by a value, and by which call in the log.
-                let is_logged = self.kind == ProgramKind::Window && names(&found.log, &fired);
+                let is_logged = self.kind.is_windowed() && names(&found.log, &fired);
                 if !is_logged && !names(&text, &fired) {
                     found.faults.push(format!("the error names no call and code: {text}"));
                 }
@@ -163,16 +166,14 @@ impl Bench {
 
     /// Returns true if a line of the log says what is degraded, by which call and code.
     fn is_degraded(&self, log: &str, fired: &[(CallNumber, gpu::vk::Result)]) -> bool {
-        let words = match self.kind {
+        let Degradation { words, calls } = match self.kind {
             ProgramKind::Shadows => COARSER_MAPS,
             ProgramKind::Volumes => SMALLER_MASK,
             _ => return false,
         };
-        let fired: Vec<_> = fired
-            .iter()
-            .filter(|(call, _)| DEGRADING_CALLS.contains(&name_of(*call)))
-            .copied()
-            .collect();
+        let leads_to_it =
+            |(call, _): &&(CallNumber, gpu::vk::Result)| calls.contains(&name_of(*call));
+        let fired: Vec<_> = fired.iter().filter(leads_to_it).copied().collect();
         log.lines().any(|line| line.contains(words) && names(line, &fired))
     }
 

@@ -46,10 +46,10 @@ struct Arguments {
     /// The program; all if there is none.
     #[arg(long, value_enum)]
     program: Option<ProgramKind>,
-    /// One run with this fault, as a failed run is reported.
+    /// A run with this fault, as a failed run is reported. There may be several.
     #[arg(long)]
-    fault: Option<String>,
-    /// The number of runs with this fault, all in one process.
+    fault: Vec<String>,
+    /// The number of runs with each fault, all in one process.
     #[arg(long, default_value_t = 1)]
     times: usize,
     /// Lists the codes that every function of the programs may return, and fails if one was not

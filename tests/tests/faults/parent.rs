@@ -66,14 +66,11 @@ fn measure(program: ProgramKind, driver: DriverName, arguments: &Arguments, numb
     let mut worker = Worker::new(program, driver);
     let trace = worker.trace();
     let trace = trace.unwrap_or_else(|error| panic!("{program:?} on {driver:?}: {error}"));
-    let plans = match &arguments.fault {
-        Some(fault) => vec![fault.clone(); arguments.times],
-        None => {
-            let mut plans = plans::single(&trace, share(arguments.runs), arguments.seed);
-            plans.extend(plans::pairs(&trace, share(arguments.pairs), arguments.seed));
-            plans
-        }
-    };
+    let mut plans = vec![arguments.fault.clone(); arguments.times].concat();
+    if plans.is_empty() {
+        plans = plans::single(&trace, share(arguments.runs), arguments.seed);
+        plans.extend(plans::pairs(&trace, share(arguments.pairs), arguments.seed));
+    }
     execute(&mut worker, &trace, &plans)
 }
 

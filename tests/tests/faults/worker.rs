@@ -117,6 +117,8 @@ fn start(program: ProgramKind, driver: DriverName) -> (Child, ChildStdin, Receiv
     let mut child = Command::new(std::env::current_exe().expect("this program"))
         .args(["--child", "--program", &name(program.to_possible_value())])
         .args(["--driver", &name(driver.to_possible_value())])
+        // Without one, libwayland complains whenever a driver looks for a compositor.
+        .env("XDG_RUNTIME_DIR", std::env::temp_dir())
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .spawn()

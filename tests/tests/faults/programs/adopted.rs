@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex};
 
-use gpu::{Device, HostDevice, HostQueue, Purpose};
+use gpu::{Device, HostDevice, HostQueue, Purpose, Tick, Timeline};
 use tests::every_call;
 use tests::host_device::Host;
 
@@ -13,11 +13,17 @@ impl Program {
     pub(super) fn draw_for_host(&self, stage: &Stage) -> Outcome {
         let host = Host::new(stage.driver, Purpose::Renderer);
         let queue = host.share_queue(Arc::new(Mutex::new(())));
-        let device = adopt(&host, Some(queue));
-        let outcome = device.map_err(Into::into).and_then(|device| self.walk(&device));
+        let outcome = self.draw_on(&host, queue);
         host.finish();
         every_call::forget_devices();
         outcome
+    }
+
+    fn draw_on(&self, host: &Host, queue: HostQueue) -> Outcome {
+        let device = adopt(host, Some(queue))?;
+        let timeline = Timeline::new(&device, "work of the host")?;
+        timeline.signal(Tick(1))?;
+        self.walk(&device)
     }
 }
 

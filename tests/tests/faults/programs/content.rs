@@ -59,6 +59,20 @@ impl Program {
         Ok(image)
     }
 
+    /// Adds a light that needs more shadow maps, and moves an object between lit frames.
+    pub(super) fn relight(&self, stage: &Stage) -> Outcome {
+        let device = stage.device(&device_options())?;
+        let spare = SpareCapacity { lights: 2, ..Default::default() };
+        let options = RendererOptions { spare, ..self.options() };
+        let mut running = Running::new(&device, &self.scene, &options)?;
+        self.show(&mut running)?;
+        running.renderer.add_lights(&shadow_scene::lights()[2..])?;
+        self.show(&mut running)?;
+        let transform = aside(self.scene.objects[5].transform);
+        running.renderer.update(&[ObjectChange::Move { object: cull::ObjectId(5), transform }])?;
+        self.show(&mut running)
+    }
+
     /// Adds a texture, a light and an object in each frame, and removes those before.
     pub(super) fn come_and_go(&self, stage: &Stage) -> Outcome {
         let device = stage.device(&device_options())?;
