@@ -43,9 +43,7 @@ impl Instance {
                 Err(error) => {
                     // SAFETY: `physical` comes from this instance.
                     let name = unsafe { adapter_name(&self.shared, physical) };
-                    let reason = format!("{name} is left out: {error}");
-                    tracing::warn!("{reason}");
-                    adapters.left_out.push(reason);
+                    adapters.left_out.push(left_out(&name, &error));
                     first_error.get_or_insert(error);
                 }
             }
@@ -67,12 +65,13 @@ impl Instance {
     }
 
     /// Returns the adapter that [`Instance::pick_adapter`] would choose among those that can
-    /// present to the window of `surface`.
+    /// present to the window of `surface`. A device whose driver cannot say whether it can is left
+    /// out, with a warning in the log.
     ///
     /// # Errors
     /// The errors of [`Instance::pick_adapter`]; [`Error::Foreign`] for a surface of another
     /// instance; [`Error::CannotPresent`] if the requested device, or every device, cannot present
-    /// to the window.
+    /// to the window; a failed call, which leaves no device.
     #[cfg(feature = "window")]
     pub fn pick_adapter_for(
         &self,
@@ -86,17 +85,25 @@ impl Instance {
             return surface.presenting(&adapter)?.map_err(Error::CannotPresent);
         }
         let mut fit = Vec::new();
+        let mut first_error = None;
         let Adapters { readable, left_out: mut refused } = self.read_adapters()?;
         for adapter in readable {
-            match (adapter.missing(), surface.presenting(&adapter)?) {
-                (None, Ok(adapter)) => fit.push(adapter),
-                (Some(missing), _) => refused.push(format!("{} lacks {missing}", adapter.name)),
-                (None, Err(reason)) => refused.push(reason),
+            if let Some(missing) = adapter.missing() {
+                refused.push(format!("{} lacks {missing}", adapter.name));
+                continue;
+            }
+            match surface.presenting(&adapter) {
+                Ok(Ok(adapter)) => fit.push(adapter),
+                Ok(Err(reason)) => refused.push(reason),
+                Err(error) => {
+                    refused.push(left_out(&adapter.name, &error));
+                    first_error.get_or_insert(error);
+                }
             }
         }
         // The first of the best: `max_by_key` would return the last one.
         let best = fit.into_iter().rev().max_by_key(Adapter::score);
-        best.ok_or_else(|| Error::CannotPresent(refused.join("; ")))
+        best.ok_or_else(|| first_error.unwrap_or_else(|| Error::CannotPresent(refused.join("; "))))
     }
 
     fn read_adapter(&self, physical: vk::PhysicalDevice) -> Result<Adapter, Error> {
@@ -106,6 +113,13 @@ impl Instance {
         // SAFETY: as above.
         Ok(unsafe { Adapter::read(shared, physical, &offer) })
     }
+}
+
+/// Returns the reason why a device is left out, and warns of it.
+fn left_out(name: &str, error: &Error) -> String {
+    let reason = format!("{name} is left out: {error}");
+    tracing::warn!("{reason}");
+    reason
 }
 
 /// The devices of a machine.
