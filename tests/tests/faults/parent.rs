@@ -11,6 +11,7 @@ use tests::Driver;
 use tests::every_call::CallNumber;
 
 use crate::coverage::Coverage;
+use crate::plans::Taken;
 use crate::programs::ProgramKind;
 use crate::table::{Row, print_head};
 use crate::worker::Worker;
@@ -33,11 +34,12 @@ pub fn run(arguments: &Arguments) -> ExitCode {
     }
     let next = AtomicUsize::new(0);
     let rows = Mutex::new(Vec::new());
+    let taken = Mutex::new(Taken::new());
     print_head();
     let work = || {
         while let Some((program, driver)) = benches.get(next.fetch_add(1, Relaxed)) {
             let number = benches.iter().filter(|(_, other)| other == driver).count();
-            let row = measure(*program, *driver, arguments, number);
+            let row = measure(*program, *driver, arguments, number, &taken);
             row.print();
             rows.lock().expect("no thread panics").push(row);
         }
@@ -59,7 +61,13 @@ pub fn run(arguments: &Arguments) -> ExitCode {
 }
 
 /// Executes the runs of one of `number` programs on a driver.
-fn measure(program: ProgramKind, driver: DriverName, arguments: &Arguments, number: usize) -> Row {
+fn measure(
+    program: ProgramKind,
+    driver: DriverName,
+    arguments: &Arguments,
+    number: usize,
+    taken: &Mutex<Taken>,
+) -> Row {
     // SwiftShader compiles what it draws with for each device anew, which takes it a second.
     let part = if driver == DriverName::Swiftshader { 5 } else { 1 };
     let share = |count: usize| count.div_ceil(part * number);
@@ -68,7 +76,7 @@ fn measure(program: ProgramKind, driver: DriverName, arguments: &Arguments, numb
     let trace = trace.unwrap_or_else(|error| panic!("{program:?} on {driver:?}: {error}"));
     let mut plans = vec![arguments.fault.clone(); arguments.times].concat();
     if plans.is_empty() {
-        plans = plans::single(&trace, share(arguments.runs), arguments.seed);
+        plans = plans::single(&trace, share(arguments.runs), arguments.seed, taken);
         plans.extend(plans::pairs(&trace, share(arguments.pairs), arguments.seed));
     }
     execute(&mut worker, &trace, &plans)

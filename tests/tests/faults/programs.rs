@@ -52,10 +52,8 @@ pub enum ProgramKind {
     ComeAndGo,
     /// An end while another thread fills textures.
     Closing,
-    /// A window that changes its size, by libxcb.
+    /// A window that changes its size.
     Window,
-    /// As above, by libX11.
-    WindowXlib,
     /// A window on Wayland.
     WindowWayland,
     /// The device of a host, with its queue.
@@ -133,13 +131,13 @@ impl ProgramKind {
     /// Returns true if the driver can run the program.
     pub fn runs_on(self, driver: Driver) -> bool {
         let needs_skips = matches!(self, Self::Conditional | Self::Counts | Self::Compacted);
-        let needs_windows = matches!(self, Self::WindowXlib | Self::WindowWayland);
-        !(needs_skips || needs_windows) || driver == Driver::Lavapipe
+        let needs_lavapipe = needs_skips || self == Self::WindowWayland;
+        !needs_lavapipe || driver == Driver::Lavapipe
     }
 
     /// Returns true if the program shows its frames in a window.
     pub fn is_windowed(self) -> bool {
-        matches!(self, Self::Window | Self::WindowXlib | Self::WindowWayland)
+        matches!(self, Self::Window | Self::WindowWayland)
     }
 }
 
@@ -147,9 +145,7 @@ impl Program {
     /// Creates the scene of a program.
     pub fn new(kind: ProgramKind) -> Self {
         let display = match kind {
-            ProgramKind::Window | ProgramKind::WindowXlib => {
-                Some(Display::X11(Box::new(Xvfb::start())))
-            }
+            ProgramKind::Window => Some(Display::X11(Box::new(Xvfb::start()))),
             ProgramKind::WindowWayland => Some(Display::Wayland(Weston::start())),
             _ => None,
         };

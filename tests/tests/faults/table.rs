@@ -8,10 +8,10 @@ use crate::plans::codes;
 use crate::worker::Memory;
 
 /// The most bytes of ours that a run may leave behind, on average over the last half of the runs.
-const LEAK_BYTES: i64 = 1024;
+const LEAK_BYTES: i64 = 2048;
 
 /// The fewest runs whose growth is checked.
-const LEAK_RUNS: usize = 64;
+const LEAK_RUNS: usize = 7;
 
 /// The counts of a program on a driver.
 #[derive(Default)]

@@ -11,7 +11,7 @@ use render::{FrameRequest, Renderer};
 use tests::wayland_window::WaylandWindow;
 use tests::x11_window::{Library, X11Window};
 
-use super::{Display, Outcome, Program, ProgramKind, SIZE, Stage, device_options};
+use super::{Display, Outcome, Program, SIZE, Stage, device_options};
 
 /// A window that a test opened.
 enum Opened {
@@ -38,12 +38,8 @@ impl Opened {
 
 impl Program {
     fn open(&self) -> Result<Opened, &'static str> {
-        let library = match self.kind {
-            ProgramKind::WindowXlib => Library::Xlib,
-            _ => Library::Xcb,
-        };
         match self.display.as_ref().ok_or("no server of windows")? {
-            Display::X11(server) => Ok(Opened::X11(X11Window::open(server, library, SIZE))),
+            Display::X11(server) => Ok(Opened::X11(X11Window::open(server, Library::Xcb, SIZE))),
             Display::Wayland(server) => Ok(Opened::Wayland(WaylandWindow::open(server))),
         }
     }
