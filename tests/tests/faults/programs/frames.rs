@@ -89,12 +89,14 @@ impl Program {
         self.show(&mut running)
     }
 
-    /// Draws with other shaders from the middle on, on a device with a file of pipelines.
+    /// Draws with other shaders from the middle on, on a device with a file of pipelines whose clocks
+    /// are read.
     pub(super) fn reload(&self, stage: &Stage) -> Outcome {
         let folder = std::env::temp_dir().join(format!("antumbra-faults-{}", std::process::id()));
         let pipeline_cache = Some(folder.join("pipelines.bin"));
         let device = stage.device(&DeviceOptions { pipeline_cache, ..device_options() })?;
         let mut running = Running::new(&device, &self.scene, &self.options())?;
+        let _not_every_device_has_them = device.clocks()?;
         running.renderer.time_passes()?;
         let before = self.show(&mut running)?;
         let camera = self.cameras[self.cameras.len() - 1];
