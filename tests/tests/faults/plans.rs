@@ -50,8 +50,9 @@ pub fn codes(call: CallNumber) -> Vec<vk::Result> {
 /// The functions and codes that programs have taken.
 pub type Taken = BTreeSet<(CallNumber, i32)>;
 
-/// Returns `count` faults of a program that makes the calls of `trace`: first the codes of functions
-/// that no program has taken, then each other code of each function once, then others at random.
+/// Returns `count` faults of a program that makes the calls of `trace`: first the codes of
+/// functions that no program has taken, then each other code of each function once, then others at
+/// random.
 pub fn single(trace: &[CallNumber], count: usize, seed: u64, taken: &Mutex<Taken>) -> Vec<String> {
     let mut random = Random::new(seed);
     let mut calls = BTreeMap::<CallNumber, usize>::new();

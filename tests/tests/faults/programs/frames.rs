@@ -89,8 +89,8 @@ impl Program {
         self.show(&mut running)
     }
 
-    /// Draws with other shaders from the middle on, on a device with a file of pipelines whose clocks
-    /// are read.
+    /// Draws with other shaders from the middle on, on a device with a file of pipelines whose
+    /// clocks are read.
     pub(super) fn reload(&self, stage: &Stage) -> Outcome {
         let folder = std::env::temp_dir().join(format!("antumbra-faults-{}", std::process::id()));
         let pipeline_cache = Some(folder.join("pipelines.bin"));
