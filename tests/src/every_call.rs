@@ -12,11 +12,13 @@ mod state;
 mod wrappers;
 
 use std::collections::BTreeSet;
-use std::ffi::{CStr, c_char};
+use std::ffi::CStr;
 use std::sync::OnceLock;
 
 use ash::vk;
 use gpu::Entry;
+
+use crate::loader::{Replaces, replacing_entry};
 
 pub use calls::NAMES;
 pub use codes::{INVENTED, codes_of, name_of, number_of, parse_code, table_version};
@@ -60,42 +62,28 @@ pub fn forget_devices() {
 
 /// Returns an entry through the loader in which calls fail.
 pub fn entry() -> Entry {
-    let get_instance_proc_addr = instance_proc_addr;
-    // SAFETY: the function below returns functions of the same types as the real one, and exists
-    // as long as the program.
-    unsafe { Entry::from_static_fn(ash::StaticFn { get_instance_proc_addr }) }
+    replacing_entry::<EveryCall>()
 }
 
-/// Returns the real loader. It stays loaded, since its functions are stored in many places.
-fn loader() -> &'static Entry {
-    static LOADER: OnceLock<Entry> = OnceLock::new();
-    LOADER.get_or_init(|| gpu::load_entry().unwrap_or_else(|error| panic!("{error}")))
-}
+/// The functions of the registry that return a `VkResult`.
+struct EveryCall;
 
-unsafe extern "system" fn instance_proc_addr(
-    instance: vk::Instance,
-    name: *const c_char,
-) -> vk::PFN_vkVoidFunction {
-    // SAFETY: the caller passes what it would pass to the real function.
-    let real = unsafe { (loader().static_fn().get_instance_proc_addr)(instance, name) };
-    // SAFETY: the name ends with a zero.
-    replaced(unsafe { CStr::from_ptr(name) }, real)
-}
-
-/// Returns the wrapper of a function, or the function itself if it returns no `VkResult`.
-fn replaced(name: &CStr, real: vk::PFN_vkVoidFunction) -> vk::PFN_vkVoidFunction {
-    let real = real?;
-    let name = name.to_str().unwrap_or_default();
-    with_state(|state| {
-        state.asked.insert(name.to_owned());
-        if let Some(ours) = device::replacement(name) {
-            state.others.insert(ours.name, real);
-            return Some(ours.function);
-        }
-        let Some(number) = number_of(name) else { return Some(real) };
-        state.real[number] = Some(real);
-        Some(wrapper(number))
-    })
+impl Replaces for EveryCall {
+    /// Returns the wrapper of a function, or the function itself if it returns no `VkResult`.
+    fn replaced(name: &CStr, real: vk::PFN_vkVoidFunction) -> vk::PFN_vkVoidFunction {
+        let real = real?;
+        let name = name.to_str().unwrap_or_default();
+        with_state(|state| {
+            state.asked.insert(name.to_owned());
+            if let Some(ours) = device::replacement(name) {
+                state.others.insert(ours.name, real);
+                return Some(ours.function);
+            }
+            let Some(number) = number_of(name) else { return Some(real) };
+            state.real[number] = Some(real);
+            Some(wrapper(number))
+        })
+    }
 }
 
 fn wrapper(number: CallNumber) -> Function {

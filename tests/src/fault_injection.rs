@@ -14,10 +14,11 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::ffi::{CStr, c_char};
 use std::ops::Range;
-use std::sync::OnceLock;
 
 use ash::vk;
 use gpu::{CancellationToken, Entry, RequiredFeature};
+
+use crate::loader::{Replaces, replacing_entry};
 
 pub use attachments::{AttachmentKind, AttachmentTraffic, attachment_traffic};
 pub use device_faults::{FAULT_ADDRESS, FAULT_DESCRIPTION};
@@ -26,10 +27,10 @@ pub use lazy_memory::LAZY_ALLOCATIONS;
 pub use lies::CONDITIONAL_BLOCKS;
 use replacements::replacements;
 pub use replacements::{
-    CALLS_THAT_MAKE, CALLS_THAT_RESET, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_SHOW,
-    CALLS_THAT_START,
+    CALL_THAT_ASKS_A_WINDOW, CALLS_THAT_MAKE, CALLS_THAT_RESET, CALLS_THAT_RUN, CALLS_THAT_SAVE,
+    CALLS_THAT_SHOW, CALLS_THAT_START,
 };
-pub use representative::{OTHER_PIPELINES, REPRESENTATIVE_PIPELINES};
+pub use representative::{CALL_THAT_LISTS, OTHER_PIPELINES, REPRESENTATIVE_PIPELINES};
 
 type Function = unsafe extern "system" fn();
 
@@ -138,10 +139,7 @@ impl FaultInjection {
     /// Installs the faults, and returns an entry through the lying loader.
     pub fn entry(self) -> Entry {
         self.install();
-        let get_instance_proc_addr = instance_proc_addr;
-        // SAFETY: the function below returns functions of the same types as the real one, and
-        // exists as long as the program.
-        unsafe { Entry::from_static_fn(ash::StaticFn { get_instance_proc_addr }) }
+        replacing_entry::<Self>()
     }
 }
 
@@ -171,12 +169,6 @@ fn injected<R>(ask: impl FnOnce(&FaultInjection) -> R) -> R {
     STATE.with_borrow(|state| ask(&state.injected))
 }
 
-/// Returns the real loader. It stays loaded, since its functions are stored in many places.
-fn loader() -> &'static Entry {
-    static LOADER: OnceLock<Entry> = OnceLock::new();
-    LOADER.get_or_init(|| gpu::load_entry().unwrap_or_else(|error| panic!("{error}")))
-}
-
 /// Returns the real function of `call`.
 ///
 /// # Safety
@@ -189,16 +181,6 @@ unsafe fn real<F: Copy>(call: &'static CStr) -> F {
     unsafe { std::mem::transmute_copy(&function) }
 }
 
-unsafe extern "system" fn instance_proc_addr(
-    instance: vk::Instance,
-    name: *const c_char,
-) -> vk::PFN_vkVoidFunction {
-    // SAFETY: the caller passes what it would pass to the real function.
-    let real = unsafe { (loader().static_fn().get_instance_proc_addr)(instance, name) };
-    // SAFETY: the name ends with a zero.
-    replaced(unsafe { CStr::from_ptr(name) }, real)
-}
-
 unsafe extern "system" fn device_proc_addr(
     device: vk::Device,
     name: *const c_char,
@@ -206,19 +188,21 @@ unsafe extern "system" fn device_proc_addr(
     // SAFETY: the type is the function's; the caller passes what it would pass to it.
     let real = unsafe { real::<vk::PFN_vkGetDeviceProcAddr>(c"vkGetDeviceProcAddr")(device, name) };
     // SAFETY: the name ends with a zero.
-    replaced(unsafe { CStr::from_ptr(name) }, real)
+    FaultInjection::replaced(unsafe { CStr::from_ptr(name) }, real)
 }
 
-fn replaced(name: &CStr, real: vk::PFN_vkVoidFunction) -> vk::PFN_vkVoidFunction {
-    if name == c"vkEnumerateInstanceVersion" && injected(|m| m.loader_version) == Some(0) {
-        return None;
+impl Replaces for FaultInjection {
+    fn replaced(name: &CStr, real: vk::PFN_vkVoidFunction) -> vk::PFN_vkVoidFunction {
+        if name == c"vkEnumerateInstanceVersion" && injected(|m| m.loader_version) == Some(0) {
+            return None;
+        }
+        if let Some(pretended) = device_faults::pretended(name) {
+            return Some(pretended);
+        }
+        let real = real?;
+        let ours = replacements().into_iter().find(|(call, _)| *call == name);
+        let Some((call, ours)) = ours else { return Some(real) };
+        STATE.with_borrow_mut(|state| state.real.insert(call, real));
+        Some(ours)
     }
-    if let Some(pretended) = device_faults::pretended(name) {
-        return Some(pretended);
-    }
-    let real = real?;
-    let ours = replacements().into_iter().find(|(call, _)| *call == name);
-    let Some((call, ours)) = ours else { return Some(real) };
-    STATE.with_borrow_mut(|state| state.real.insert(call, real));
-    Some(ours)
 }

@@ -392,7 +392,7 @@ impl BoxImages {
     fn new(device: &Device, scene: &CulledScene, images: HostTarget) -> Self {
         let (target, colour, depth, passes, resolved) = images;
         let attachments = attachments_of(&target, passes.as_ref());
-        let boxes = NumberedBoxes::new(device, scene.leaves(), attachments);
+        let boxes = NumberedBoxes::new(device, scene.leaves(), attachments).unwrap();
         Self { target, boxes, colour, depth, resolved, passes }
     }
 

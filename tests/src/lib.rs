@@ -6,6 +6,7 @@
 #![allow(unsafe_code, reason = "a host calls Vulkan itself")]
 
 pub mod box_rays;
+pub mod captured_log;
 pub mod counting;
 pub mod display;
 pub mod every_call;
@@ -20,6 +21,7 @@ pub mod host_passes;
 #[cfg(feature = "shader-compiler")]
 pub mod host_scene;
 pub mod host_walk;
+mod loader;
 #[cfg(feature = "shader-compiler")]
 pub mod numbered_boxes;
 pub mod projections;

@@ -24,14 +24,17 @@ void main() {
 ";
 
 /// Returns a scene of boxes, each a leaf with one draw, for two frames in flight.
+///
+/// # Errors
+/// A call that failed.
 pub fn scene_of_boxes(
     device: &Device,
     boxes: &[Aabb],
     attachments: Attachments,
     predication: Option<PredicationMode>,
-) -> CulledScene {
-    let shaders = ShaderSet::embedded().unwrap();
-    let passes = OcclusionPasses::new(device, &shaders, attachments).unwrap();
+) -> Result<CulledScene, occlusion::Error> {
+    let shaders = ShaderSet::embedded()?;
+    let passes = OcclusionPasses::new(device, &shaders, attachments)?;
     let draw = IndirectDraw { index_count: BOX_INDICES, instance_count: 1, ..Default::default() };
     let info = LeafTableInfo {
         mesh_draws: [MeshDraw { draw, triangles: BOX_INDICES / 3 }].into(),
@@ -39,7 +42,7 @@ pub fn scene_of_boxes(
         frames_in_flight: 2,
     };
     let hierarchy = Hierarchy::build(boxes).unwrap();
-    CulledScene::of_meshes(device, passes, hierarchy, info, |_| MeshDrawId(0)).unwrap()
+    CulledScene::of_meshes(device, passes, hierarchy, info, |_| MeshDrawId(0))
 }
 
 /// A pipeline that draws the box of a leaf, and its buffers.
@@ -53,20 +56,27 @@ pub struct NumberedBoxes {
 
 impl NumberedBoxes {
     /// Compiles the pipeline for renderings to `attachments`.
-    pub fn new(device: &Device, leaves: &LeafTable, attachments: Attachments) -> Self {
+    ///
+    /// # Errors
+    /// A call that failed.
+    pub fn new(
+        device: &Device,
+        leaves: &LeafTable,
+        attachments: Attachments,
+    ) -> Result<Self, gpu::Error> {
         let indices: Vec<u32> = (0..BOX_INDICES).collect();
         let usage = vk::BufferUsageFlags::INDEX_BUFFER | vk::BufferUsageFlags::VERTEX_BUFFER;
-        Self {
-            pipeline: pipeline(device, attachments),
+        Ok(Self {
+            pipeline: pipeline(device, attachments)?,
             boxes: leaves.boxes(),
-            indices: device.upload("box indices", &indices, usage).unwrap(),
+            indices: device.upload("box indices", &indices, usage)?,
             eyes: None,
-        }
+        })
     }
 
     /// Compiles the pipeline again, for other attachments.
     pub fn take_attachments(&mut self, device: &Device, attachments: Attachments) {
-        self.pipeline = pipeline(device, attachments);
+        self.pipeline = pipeline(device, attachments).expect("a pipeline");
     }
 
     /// Reads the boxes of other instances from now on.
@@ -106,7 +116,7 @@ impl NumberedBoxes {
     }
 }
 
-fn pipeline(device: &Device, attachments: Attachments) -> GraphicsPipeline {
+fn pipeline(device: &Device, attachments: Attachments) -> Result<GraphicsPipeline, gpu::Error> {
     let name = format!("antumbra-numbered-boxes-{}.frag", std::process::id());
     let file = std::env::temp_dir().join(name);
     std::fs::write(&file, NUMBER).unwrap();
@@ -127,5 +137,5 @@ fn pipeline(device: &Device, attachments: Attachments) -> GraphicsPipeline {
         attachments,
         ..GraphicsPipelineInfo::of("numbered boxes", vertex).numbered::<ProxyBox>()
     };
-    GraphicsPipeline::new(device, &info).unwrap()
+    GraphicsPipeline::new(device, &info)
 }

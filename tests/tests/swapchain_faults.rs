@@ -20,7 +20,9 @@ use gpu::{
 use tests::xvfb::Xvfb;
 use tests::{Driver, instance, instance_for};
 
-use tests::fault_injection::{CALLS_THAT_SHOW, Fault, FaultInjection, calls};
+use tests::fault_injection::{
+    CALL_THAT_ASKS_A_WINDOW, CALLS_THAT_SHOW, Fault, FaultInjection, calls,
+};
 use tests::window_fixture::{Painter, WindowStage, await_image, show_surely};
 use tests::x11_window::{Library, X11Window};
 
@@ -292,6 +294,26 @@ fn nothing_shows_a_window_and_every_device_says_why() {
     assert!(best.capabilities.has(OptionalFeature::Swapchain));
     let error = instance.pick_adapter_for(&surface, Some("voodoo")).unwrap_err();
     assert!(matches!(error, Error::UnknownDevice { .. }), "{error}");
+}
+
+#[test]
+fn a_device_whose_driver_fails_for_a_window_is_left_out() {
+    let server = Xvfb::start();
+    let window = X11Window::open(&server, Library::Xcb, SIZE);
+    let system = WindowSystem::of(&window).unwrap();
+    let instance = instance_for(FaultInjection::default().entry(), Some(system));
+    let surface = Surface::new(&instance, window).unwrap();
+    let first = instance.adapters().unwrap().swap_remove(0).name;
+    let call = CALL_THAT_ASKS_A_WINDOW;
+    let fails = |fails| FaultInjection {
+        faults: vec![Fault { call, fails, code: Code::ERROR_OUT_OF_HOST_MEMORY }],
+        ..FaultInjection::default()
+    };
+    fails(0..1).install();
+    assert_ne!(instance.pick_adapter_for(&surface, None).unwrap().name, first);
+    fails(0..usize::MAX).install();
+    let error = instance.pick_adapter_for(&surface, None).unwrap_err();
+    assert!(matches!(error, Error::Vulkan { .. }), "{error}");
 }
 
 /// A display that is gone.

@@ -6,9 +6,10 @@ use std::mem::transmute;
 
 use ash::vk;
 
-use super::replaced;
+use super::EveryCall;
 use super::state::{Function, State, real, real_other, with_state};
 use super::wrappers::answer;
+use crate::loader::Replaces;
 
 /// A function that replaces a real one in a way of its own.
 pub(super) struct Replacement {
@@ -43,7 +44,7 @@ unsafe extern "system" fn proc_addr(
     // pass to the real one.
     let found = unsafe { real_other::<vk::PFN_vkGetDeviceProcAddr>(PROC_ADDR)(device, name) };
     // SAFETY: the name ends with a zero.
-    replaced(unsafe { CStr::from_ptr(name) }, found)
+    EveryCall::replaced(unsafe { CStr::from_ptr(name) }, found)
 }
 
 unsafe extern "system" fn create_device(

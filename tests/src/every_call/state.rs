@@ -81,11 +81,11 @@ pub(super) struct State {
 impl State {
     pub(super) fn install(&mut self, plan: FaultPlan) {
         self.plan = plan;
-        self.counts.clear();
+        self.counts = HashMap::new();
         self.first_fired = None;
         self.is_replaced = false;
-        self.trace.clear();
-        self.fired.clear();
+        self.trace = Vec::new();
+        self.fired = Vec::new();
     }
 
     pub(super) fn stop(&mut self) {

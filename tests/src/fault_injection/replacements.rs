@@ -150,6 +150,9 @@ counted! { CALLS_THAT_START calls_that_start {
         callbacks: Callbacks<'_>, made: *mut vk::DebugUtilsMessengerEXT);
 }}
 
+/// The call that asks whether a device can show frames in a window. It is counted.
+pub const CALL_THAT_ASKS_A_WINDOW: &CStr = c"vkGetPhysicalDeviceSurfaceSupportKHR";
+
 /// The calls that reset queries on the CPU and by commands. They are counted.
 pub const CALLS_THAT_RESET: [&CStr; 2] = [c"vkResetQueryPool", c"vkCmdResetQueryPool"];
 
@@ -170,7 +173,7 @@ pub(super) fn replacements() -> Vec<(&'static CStr, Function)> {
                 ),
             ),
             (
-                c"vkGetPhysicalDeviceSurfaceSupportKHR",
+                CALL_THAT_ASKS_A_WINDOW,
                 transmute::<vk::PFN_vkGetPhysicalDeviceSurfaceSupportKHR, Function>(
                     surface_support,
                 ),
@@ -479,7 +482,10 @@ unsafe extern "system" fn surface_support(
     surface: vk::SurfaceKHR,
     presents: *mut vk::Bool32,
 ) -> vk::Result {
-    let name = c"vkGetPhysicalDeviceSurfaceSupportKHR";
+    let name = CALL_THAT_ASKS_A_WINDOW;
+    if let Some(code) = due(name) {
+        return code;
+    }
     // SAFETY: as above.
     unsafe {
         let real = real::<vk::PFN_vkGetPhysicalDeviceSurfaceSupportKHR>(name);

@@ -15,7 +15,8 @@ pub const REPRESENTATIVE_PIPELINES: &CStr = c"pipelines for representative fragm
 /// Counts the other graphics pipelines.
 pub const OTHER_PIPELINES: &CStr = c"pipelines for all fragments";
 
-const EXTENSIONS: &CStr = c"vkEnumerateDeviceExtensionProperties";
+/// The call that lists the extensions of a device. It is counted.
+pub const CALL_THAT_LISTS: &CStr = c"vkEnumerateDeviceExtensionProperties";
 const DEVICE: &CStr = c"vkCreateDevice";
 const PIPELINES: &CStr = c"vkCreateGraphicsPipelines";
 
@@ -24,7 +25,7 @@ pub(super) fn that_pretend() -> Vec<(&'static CStr, Function)> {
     unsafe {
         vec![
             (
-                EXTENSIONS,
+                CALL_THAT_LISTS,
                 transmute::<vk::PFN_vkEnumerateDeviceExtensionProperties, Function>(extensions),
             ),
             (DEVICE, transmute::<vk::PFN_vkCreateDevice, Function>(create_device)),
@@ -50,10 +51,13 @@ unsafe extern "system" fn extensions(
     count: *mut u32,
     found: *mut vk::ExtensionProperties,
 ) -> vk::Result {
+    if let Some(code) = due(CALL_THAT_LISTS) {
+        return code;
+    }
     // SAFETY: here and below: the type belongs to the function, and the caller passes valid
     // arguments for it, so all pointers are valid.
     unsafe {
-        let real = real::<vk::PFN_vkEnumerateDeviceExtensionProperties>(EXTENSIONS);
+        let real = real::<vk::PFN_vkEnumerateDeviceExtensionProperties>(CALL_THAT_LISTS);
         let room = *count as usize;
         let code = real(physical, layer, count, found);
         if !layer.is_null() {

@@ -5,9 +5,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use gpu::Validation;
+use gpu::{Instance, InstanceOptions, Validation};
 use tests::Driver;
-use tests::every_call::{self, CallNumber, FaultPlan, name_of};
+use tests::captured_log::CapturedLog;
+use tests::every_call::{self, CallNumber, FaultPlan, name_of, number_of};
 
 use crate::plans::parse;
 use crate::programs::{Outcome, Program, ProgramKind, Stage};
@@ -15,31 +16,39 @@ use crate::programs::{Outcome, Program, ProgramKind, Stage};
 /// The time after which a run hangs, in addition to three times that of a run without a fault.
 const HANG: Duration = Duration::from_secs(5);
 
+/// A warning after which shadows may differ, and the calls whose failure leads to it.
+struct Degradation {
+    words: &'static str,
+    calls: &'static [&'static str],
+}
+
+const COARSER_MAPS: Degradation = Degradation {
+    words: "no room for more shadow maps, some get smaller: ",
+    calls: &[
+        "vkCreateImage",
+        "vkCreateImageView",
+        "vkAllocateMemory",
+        "vkBindImageMemory",
+        "vkCreateSampler",
+    ],
+};
+
+const SMALLER_MASK: Degradation = Degradation {
+    words: "no room for a larger shadow mask: ",
+    calls: &["vkCreateBuffer", "vkAllocateMemory", "vkBindBufferMemory"],
+};
+
 /// The last panic of any thread.
 static PANIC: Mutex<Option<String>> = Mutex::new(None);
 
-/// The warnings and errors that the engine has logged.
-static LOG: Mutex<Vec<u8>> = Mutex::new(Vec::new());
-
-/// A writer to the log.
-struct Log;
-
-impl Write for Log {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        LOG.lock().unwrap().extend(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        Ok(())
-    }
-}
-
 /// Executes runs until the input ends.
 pub fn run(kind: ProgramKind, driver: Driver) {
-    let subscriber = tracing_subscriber::fmt().with_ansi(false).with_writer(|| Log);
+    let log = CapturedLog::default();
+    let writer = log.clone();
+    let subscriber = tracing_subscriber::fmt().with_ansi(false);
+    let subscriber = subscriber.with_writer(move || writer.clone());
     subscriber.with_max_level(tracing_subscriber::filter::LevelFilter::WARN).init();
-    let bench = Bench::new(kind, driver);
+    let bench = Bench::new(kind, driver, log);
     std::panic::set_hook(Box::new(|panic| {
         *PANIC.lock().unwrap() = Some(panic.to_string());
     }));
@@ -47,8 +56,12 @@ pub fn run(kind: ProgramKind, driver: Driver) {
         let line = line.expect("a line of the parent");
         let answer = match line.as_str() {
             "trace" => bench.trace(),
-            "memory" => format!("ok {}", resident_kib()),
+            "memory" => {
+                every_call::install(FaultPlan::default());
+                format!("ok {} {}", resident_kib(), crate::ALLOCATED.allocated())
+            }
             losses if losses.starts_with("losses ") => bench.lose(&losses["losses ".len()..]),
+            "check" => bench.check(),
             plan => bench.answer(parse(plan)),
         };
         println!("{}", answer.replace('\n', " | "));
@@ -57,9 +70,13 @@ pub fn run(kind: ProgramKind, driver: Driver) {
 }
 
 struct Bench {
+    /// An instance with the layer, so that no run loads the libraries of drivers and layers anew.
+    _loaded: Instance,
     kind: ProgramKind,
     program: Program,
     driver: Driver,
+    /// The warnings and errors of the engine.
+    log: CapturedLog,
     reference: Vec<u8>,
     trace: Vec<usize>,
     /// The files and threads that a run without a fault leaves behind: SwiftShader keeps a file
@@ -75,11 +92,15 @@ struct Resources {
 }
 
 impl Bench {
-    fn new(kind: ProgramKind, driver: Driver) -> Self {
+    fn new(kind: ProgramKind, driver: Driver, log: CapturedLog) -> Self {
+        let options = InstanceOptions { validation: Validation::Core, ..Default::default() };
+        let loaded = gpu::load_entry().and_then(|entry| Instance::new(entry, &options));
         let mut bench = Self {
+            _loaded: loaded.unwrap_or_else(|error| panic!("{error}")),
             kind,
             program: Program::new(kind),
             driver,
+            log,
             reference: Vec::new(),
             trace: Vec::new(),
             kept: Resources { files: usize::MAX / 2, threads: usize::MAX / 2 },
@@ -129,7 +150,7 @@ impl Bench {
         }
     }
 
-    /// Runs the program with faults, and again without, and returns what became of it.
+    /// Runs the program with faults, and returns what became of it.
     fn answer(&self, plan: FaultPlan) -> String {
         let began = Instant::now();
         let mut found = self.once(plan, Validation::Core);
@@ -138,10 +159,7 @@ impl Bench {
         let kind = match &found.outcome {
             Ok(_) if fired.is_empty() => "unreached".to_owned(),
             Ok(image) if *image == self.reference => "survived".to_owned(),
-            // Shadows become coarser, with a warning.
-            Ok(_) if self.kind == ProgramKind::Shadows && names(&found.log, &fired) => {
-                "degraded".to_owned()
-            }
+            Ok(_) if self.is_degraded(&found.log, &fired) => "degraded".to_owned(),
             Ok(_) => {
                 found.faults.push(format!("a wrong image: {}", found.log));
                 String::new()
@@ -152,31 +170,60 @@ impl Bench {
                     found.faults.push(format!("not recovered: {text}"));
                 }
                 // A window says that its device is lost by a value, and by which call in the log.
-                let is_logged = self.kind == ProgramKind::Window && names(&found.log, &fired);
+                let is_logged = self.kind.is_windowed() && names(&found.log, &fired);
                 if !is_logged && !names(&text, &fired) {
                     found.faults.push(format!("the error names no call and code: {text}"));
                 }
                 format!("named {text}")
             }
         };
-        let began = Instant::now();
-        let after = self.once(FaultPlan::default(), Validation::Off);
-        if took > HANG + 3 * began.elapsed() {
+        // Other programs may have stopped this one for a while, but not twice.
+        if took > HANG && self.hangs(plan) {
             found.faults.push(format!("hangs for {} s", took.as_secs()));
         }
-        found.faults.extend(after.faults.into_iter().map(|fault| format!("afterwards: {fault}")));
-        match after.outcome {
+        if found.faults.is_empty() {
+            return format!("ok {kind}");
+        }
+        let fired: Vec<_> =
+            fired.iter().map(|(call, code)| format!("{}={code:?}", name_of(*call))).collect();
+        format!("bad {} [{}]", found.faults.join("; "), fired.join(", "))
+    }
+
+    /// Returns true if the run takes much longer than one without a fault.
+    fn hangs(&self, plan: FaultPlan) -> bool {
+        let time_of = |plan| {
+            let began = Instant::now();
+            self.once(plan, Validation::Core);
+            began.elapsed()
+        };
+        time_of(plan) > HANG + 3 * time_of(FaultPlan::default())
+    }
+
+    /// Returns true if a line of the log says what is degraded, by which call and code.
+    fn is_degraded(&self, log: &str, fired: &[(CallNumber, gpu::vk::Result)]) -> bool {
+        let Degradation { words, calls } = match self.kind {
+            ProgramKind::Shadows => COARSER_MAPS,
+            ProgramKind::Volumes => SMALLER_MASK,
+            _ => return false,
+        };
+        let leads_to_it =
+            |(call, _): &&(CallNumber, gpu::vk::Result)| calls.contains(&name_of(*call));
+        let fired: Vec<_> = fired.iter().filter(leads_to_it).copied().collect();
+        log.lines().any(|line| line.contains(words) && names(line, &fired))
+    }
+
+    /// Runs the program without a fault.
+    fn check(&self) -> String {
+        let mut found = self.once(FaultPlan::default(), Validation::Off);
+        match found.outcome {
             Ok(image) if image == self.reference => {}
-            Ok(_) => found.faults.push("afterwards: a wrong image".to_owned()),
-            Err(error) => found.faults.push(format!("afterwards: {error}")),
+            Ok(_) => found.faults.push("a wrong image".to_owned()),
+            Err(error) => found.faults.push(error.to_string()),
         }
         if found.faults.is_empty() {
-            format!("ok {kind}")
-        } else {
-            let fired: Vec<_> =
-                fired.iter().map(|(call, code)| format!("{}={code:?}", name_of(*call))).collect();
-            format!("bad {} [{}]", found.faults.join("; "), fired.join(", "))
+            return "ok".to_owned();
         }
+        format!("bad afterwards: {}", found.faults.join("; "))
     }
 
     fn once(&self, plan: FaultPlan, validation: Validation) -> Found {
@@ -185,6 +232,7 @@ impl Bench {
         every_call::install(plan);
         let run = catch_unwind(AssertUnwindSafe(|| self.program.run(&stage)));
         every_call::stop();
+        let more = self.kept_since(before);
         let mut faults = Vec::new();
         let panic = PANIC.lock().unwrap().take();
         let outcome = run.unwrap_or_else(|_| Err("a panic".into()));
@@ -193,19 +241,39 @@ impl Bench {
         faults.extend(
             messages.iter().take(3).map(|message| format!("{}: {}", message.id, message.text)),
         );
-        let more = Resources::now().beyond(before);
-        if more.files > self.kept.files || more.threads > self.kept.threads {
+        if self.is_beyond_kept(more) {
             faults.push(format!("left behind: {more:?}"));
         }
-        let log = String::from_utf8_lossy(&std::mem::take(&mut *LOG.lock().unwrap())).into_owned();
-        Found { outcome, log, faults, must_recover: stage.has_begun() }
+        let must_recover = stage.has_begun();
+        Found { outcome, log: self.log.take(), faults, must_recover }
     }
 }
 
-/// Returns true if a text names the call and the code of a fault.
+impl Bench {
+    /// Returns the files and threads that a run has left. Waits a while for what another thread
+    /// closes, as that of a window on Wayland does when its last present ends.
+    fn kept_since(&self, before: Resources) -> Resources {
+        let began = Instant::now();
+        loop {
+            let more = Resources::now().beyond(before);
+            if !self.is_beyond_kept(more) || began.elapsed() > HANG {
+                return more;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    fn is_beyond_kept(&self, more: Resources) -> bool {
+        more.files > self.kept.files || more.threads > self.kept.threads
+    }
+}
+
+/// Returns true if a text names the call, by any of its names, and the code of a fault.
 fn names(text: &str, fired: &[(CallNumber, gpu::vk::Result)]) -> bool {
+    let calls: Vec<CallNumber> =
+        text.split(|letter: char| !letter.is_alphanumeric()).filter_map(number_of).collect();
     let is_named = |(call, code): &(CallNumber, gpu::vk::Result)| {
-        text.contains(name_of(*call)) && text.contains(&format!("{code:?}"))
+        calls.contains(call) && text.contains(&format!("{code:?}"))
     };
     fired.iter().any(is_named)
 }

@@ -13,14 +13,21 @@
 #![allow(unsafe_code, reason = "a host calls Vulkan itself")]
 
 mod child;
+mod coverage;
+mod losses;
 mod parent;
 mod plans;
 mod programs;
 mod table;
+mod worker;
 
 use clap::Parser;
 use programs::ProgramKind;
 use tests::Driver;
+
+/// Counts the memory of this program, without that of drivers.
+#[global_allocator]
+static ALLOCATED: cap::Cap<std::alloc::System> = cap::Cap::new(std::alloc::System, usize::MAX);
 
 /// Injects faults into every Vulkan call of small programs.
 #[derive(Parser, Clone, Debug)]
@@ -40,9 +47,16 @@ struct Arguments {
     /// The program; all if there is none.
     #[arg(long, value_enum)]
     program: Option<ProgramKind>,
-    /// One run with this fault, as a failed run is reported.
+    /// A run with this fault, as a failed run is reported. There may be several.
     #[arg(long)]
-    fault: Option<String>,
+    fault: Vec<String>,
+    /// The number of runs with each fault, all in one process.
+    #[arg(long, default_value_t = 1)]
+    times: usize,
+    /// Lists the codes that every function of the programs may return, and fails if one was not
+    /// injected.
+    #[arg(long)]
+    coverage: bool,
     /// Loses this number of devices in one process, goes on after each, and prints the growth of
     /// its memory, in place of everything else.
     #[arg(long)]

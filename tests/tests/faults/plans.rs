@@ -1,6 +1,7 @@
 //! Faults as text, and the choice of the faults of many runs.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Mutex;
 
 use ash::vk;
 use tests::every_call::{
@@ -39,16 +40,20 @@ pub fn write(fault: &Fault, second: Option<NextFault>) -> String {
 }
 
 /// Returns every code that is injected into a call: those that it may return, and two others.
-fn codes(call: CallNumber) -> Vec<vk::Result> {
+pub fn codes(call: CallNumber) -> Vec<vk::Result> {
     let mut codes = codes_of(call).to_vec();
     codes.extend([vk::Result::ERROR_UNKNOWN, INVENTED]);
     codes.dedup();
     codes
 }
 
-/// Returns `count` faults of a program that makes the calls of `trace`: first each code of each
-/// function once, as far as they go, then others at random.
-pub fn single(trace: &[CallNumber], count: usize, seed: u64) -> Vec<String> {
+/// The functions and codes that programs have taken.
+pub type Taken = BTreeSet<(CallNumber, i32)>;
+
+/// Returns `count` faults of a program that makes the calls of `trace`: first the codes of
+/// functions that no program has taken, then each other code of each function once, then others at
+/// random.
+pub fn single(trace: &[CallNumber], count: usize, seed: u64, taken: &Mutex<Taken>) -> Vec<String> {
     let mut random = Random::new(seed);
     let mut calls = BTreeMap::<CallNumber, usize>::new();
     for call in trace {
@@ -64,11 +69,14 @@ pub fn single(trace: &[CallNumber], count: usize, seed: u64) -> Vec<String> {
         })
         .collect();
     shuffle(&mut chosen, &mut random);
+    let mut taken = taken.lock().expect("no thread panics");
+    chosen.sort_by_key(|fault| taken.contains(&(fault.call, fault.code.as_raw())));
     while chosen.len() < count {
         let place = random.below(trace.len() as u32) as usize;
         chosen.push(fault_at(trace, place, &mut random));
     }
     chosen.truncate(count);
+    taken.extend(chosen.iter().map(|fault| (fault.call, fault.code.as_raw())));
     chosen.iter().map(|fault| write(fault, None)).collect()
 }
 

@@ -2,13 +2,16 @@
 
 mod adopted;
 mod adopted_in_c;
+mod content;
+mod executor;
+mod executor_in_c;
 mod frames;
 mod recovering;
+mod running;
 mod window;
 
 use std::cell::{Cell, RefCell};
 use std::error::Error;
-use std::sync::Arc;
 use std::time::Duration;
 
 use cull::Camera;
@@ -17,6 +20,7 @@ use gpu::{
     Device, DeviceOptions, Instance, InstanceOptions, Validation, ValidationLog, WindowSystem,
 };
 use scene::Scene;
+use tests::weston::Weston;
 use tests::xvfb::Xvfb;
 use tests::{Driver, every_call, shadow_scene};
 
@@ -33,9 +37,9 @@ pub enum ProgramKind {
     Compacted,
     /// The methods that wait for results, and a depth pyramid.
     Methods,
-    /// Surfaces under lights with shadow maps.
+    /// Surfaces under lights with shadow maps; a light comes, and an object moves.
     Shadows,
-    /// Surfaces under lights with shadow volumes.
+    /// As above, with shadow volumes.
     Volumes,
     /// A mesh that is uploaded during frames, objects that move, a new size.
     Streaming,
@@ -45,12 +49,26 @@ pub enum ProgramKind {
     Recovering,
     /// As above, in a window.
     RecoveringInWindow,
+    /// A file with textures that is loaded while another scene is drawn.
+    Loading,
+    /// A skinned mesh with a morph target that plays.
+    Animated,
+    /// Objects, meshes, materials, textures and lights that come and go.
+    ComeAndGo,
+    /// An end while another thread fills textures.
+    Closing,
     /// A window that changes its size.
     Window,
+    /// A window on Wayland.
+    WindowWayland,
     /// The device of a host, with its queue.
     Adopted,
     /// As above, through the C interface.
     AdoptedInC,
+    /// The device of a host, which records and submits itself.
+    Executor,
+    /// As above, through the C interface.
+    ExecutorInC,
 }
 
 /// The parts of a run that outlive its program.
@@ -116,30 +134,47 @@ pub struct Program {
     kind: ProgramKind,
     scene: Scene,
     cameras: Vec<Camera>,
-    server: Option<Xvfb>,
+    display: Option<Display>,
+}
+
+/// A server of windows.
+enum Display {
+    X11(Box<Xvfb>),
+    Wayland(Weston),
 }
 
 impl ProgramKind {
     /// Returns true if the driver can run the program.
     pub fn runs_on(self, driver: Driver) -> bool {
-        let needs_more = matches!(self, Self::Conditional | Self::Counts | Self::Compacted);
-        !needs_more || driver == Driver::Lavapipe
+        let needs_skips = matches!(self, Self::Conditional | Self::Counts | Self::Compacted);
+        let needs_lavapipe = needs_skips || self == Self::WindowWayland;
+        !needs_lavapipe || driver == Driver::Lavapipe
+    }
+
+    /// Returns true if the program shows its frames in a window.
+    pub fn is_windowed(self) -> bool {
+        matches!(self, Self::Window | Self::WindowWayland)
     }
 }
 
 impl Program {
     /// Creates the scene of a program.
     pub fn new(kind: ProgramKind) -> Self {
-        let has_window = matches!(kind, ProgramKind::Window | ProgramKind::RecoveringInWindow);
-        let server = has_window.then(Xvfb::start);
-        if matches!(kind, ProgramKind::Shadows | ProgramKind::Volumes) {
+        let display = match kind {
+            ProgramKind::Window | ProgramKind::RecoveringInWindow => {
+                Some(Display::X11(Box::new(Xvfb::start())))
+            }
+            ProgramKind::WindowWayland => Some(Display::Wayland(Weston::start())),
+            _ => None,
+        };
+        if matches!(kind, ProgramKind::Shadows | ProgramKind::Volumes | ProgramKind::ComeAndGo) {
             let scene =
                 shadow_scene::scene(&shadow_scene::boxes()[..20], &shadow_scene::lights()[..2]);
-            return Self { kind, scene, cameras: vec![shadow_scene::camera(); 3], server };
+            return Self { kind, scene, cameras: vec![shadow_scene::camera(); 3], display };
         }
         let made = scenes::city(60, 7).expect("a city");
         let cameras = tests::walk::cameras_along(&made, scenes::PathKind::Street, 3);
-        Self { kind, scene: made.scene, cameras, server }
+        Self { kind, scene: made.scene, cameras, display }
     }
 
     /// Runs the program from the instance to its end.
@@ -150,11 +185,18 @@ impl Program {
         match self.kind {
             ProgramKind::Recovering => self.recover(stage),
             ProgramKind::RecoveringInWindow => self.recover_in_window(stage),
-            ProgramKind::Window => self.show(stage),
+            kind if kind.is_windowed() => self.show_in_window(stage),
             ProgramKind::Adopted => self.draw_for_host(stage),
             ProgramKind::AdoptedInC => self.draw_in_c(stage),
+            ProgramKind::Shadows | ProgramKind::Volumes => self.relight(stage),
             ProgramKind::Streaming => self.stream(stage),
             ProgramKind::Reload => self.reload(stage),
+            ProgramKind::Loading => self.load(stage),
+            ProgramKind::Animated => self.animate(stage),
+            ProgramKind::ComeAndGo => self.come_and_go(stage),
+            ProgramKind::Closing => self.close_while_loading(stage),
+            ProgramKind::Executor => self.execute(stage),
+            ProgramKind::ExecutorInC => self.execute_in_c(stage),
             _ => self.walk(&stage.device(&device_options())?),
         }
     }
@@ -164,6 +206,3 @@ impl Program {
 fn aside(transform: Affine3A) -> Affine3A {
     Affine3A::from_translation(glam::Vec3::X * 0.5) * transform
 }
-
-/// A window that a test opened.
-type TestWindow = Arc<tests::x11_window::X11Window>;

@@ -2,6 +2,17 @@
 
 use std::collections::BTreeSet;
 
+use tests::every_call::{CallNumber, name_of, number_of};
+
+use crate::plans::codes;
+use crate::worker::Memory;
+
+/// The most bytes of ours that a run may leave behind, on average over the last half of the runs.
+const LEAK_BYTES: i64 = 2048;
+
+/// The fewest runs whose growth is checked.
+const LEAK_RUNS: usize = 7;
+
 /// The counts of a program on a driver.
 #[derive(Default)]
 pub struct Row {
@@ -9,11 +20,15 @@ pub struct Row {
     pub name: String,
     /// The number of calls of the program without faults.
     pub calls: usize,
-    /// The pairs of a function and a code that were injected.
-    pub injected: BTreeSet<String>,
+    /// The functions and codes that could be injected.
+    pub met: BTreeSet<(&'static str, String)>,
+    /// The functions and codes that were injected.
+    pub injected: BTreeSet<(&'static str, String)>,
+    /// The functions and codes after which something was degraded.
+    pub degrading: BTreeSet<String>,
     /// The runs whose image was right all the same.
     pub survived: usize,
-    /// The runs whose image had coarser shadows, with a warning that names the call and the code.
+    /// The runs whose image was degraded, with a warning that names what, the call and the code.
     pub degraded: usize,
     /// The runs that ended with an error that names the call and the code.
     pub named: usize,
@@ -23,19 +38,85 @@ pub struct Row {
     pub failed: usize,
     /// The seconds of all runs.
     pub seconds: f64,
-    /// The growth of the resident memory between the first tenth of the runs and the end, in KiB.
-    pub growth_kib: i64,
+    /// The memory of the process of the last run, after so many runs.
+    memory: Vec<(usize, Memory)>,
 }
 
 /// Writes the head of a table of Markdown.
 pub fn print_head() {
     println!(
-        "| program | calls | codes of calls | runs | right image | coarser shadows | named error | not reached | failed | ms per run | growth (KiB) |"
+        "| program | calls | codes of calls | runs | right image | coarser shadows | named error | not reached | failed | ms per run | growth of all (KiB) | growth of ours (bytes per run) |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
 }
 
 impl Row {
+    /// Returns the row of a program that makes these calls.
+    pub fn new(name: String, trace: &[CallNumber]) -> Self {
+        let calls: BTreeSet<CallNumber> = trace.iter().copied().collect();
+        let of_call = |call: CallNumber| {
+            codes(call).into_iter().map(move |code| (name_of(call), format!("{code:?}")))
+        };
+        let met = calls.into_iter().flat_map(of_call).collect();
+        Self { name, calls: trace.len(), met, ..Self::default() }
+    }
+
+    /// Counts a run. Returns true if its image was degraded.
+    pub fn add(&mut self, plan: &str, became: Result<String, String>) -> bool {
+        let words: Vec<&str> = plan.split(' ').collect();
+        match became.as_deref() {
+            Ok("unreached") => self.unreached += 1,
+            Ok("survived") => self.survived += 1,
+            Ok("degraded") => self.degraded += 1,
+            Ok(_) => self.named += 1,
+            Err(problem) => self.fail(plan, problem),
+        }
+        if became.as_deref() != Ok("unreached")
+            && let Some(call) = number_of(words[0])
+        {
+            self.injected.insert((name_of(call), words[2].to_owned()));
+        }
+        let is_degraded = became.as_deref() == Ok("degraded");
+        if is_degraded {
+            self.degrading.insert(format!("{} {}", words[0], words[2]));
+        }
+        is_degraded
+    }
+
+    /// Counts and writes a failure.
+    pub fn fail(&mut self, plan: &str, problem: &str) {
+        self.failed += 1;
+        println!("FAILED {}: --fault \"{plan}\": {problem}", self.name);
+    }
+
+    /// Notes the memory of the process; `None` if it is a new process.
+    pub fn remember(&mut self, memory: Option<Memory>) {
+        match memory {
+            Some(memory) => self.memory.push((self.runs(), memory)),
+            None => self.memory.clear(),
+        }
+    }
+
+    /// Fails if each run leaves memory of ours behind.
+    pub fn check_memory(&mut self) {
+        let (runs, _, bytes) = self.growth();
+        if runs >= LEAK_RUNS as i64 && bytes > LEAK_BYTES * runs {
+            self.fail("any", &format!("{runs} runs left {bytes} bytes of ours behind"));
+        }
+    }
+
+    /// Returns the number of runs in the last half of those in the last process, the growth of its
+    /// resident memory in KiB, and of the memory of ours in bytes.
+    fn growth(&self) -> (i64, i64, i64) {
+        let (Some(last), Some(middle)) =
+            (self.memory.last(), self.memory.get(self.memory.len() / 2))
+        else {
+            return (0, 0, 0);
+        };
+        let kib = last.1.resident_kib - middle.1.resident_kib;
+        ((last.0 - middle.0) as i64, kib, last.1.live_bytes - middle.1.live_bytes)
+    }
+
     /// Returns the number of runs.
     pub fn runs(&self) -> usize {
         self.survived + self.degraded + self.named + self.unreached + self.failed
@@ -44,8 +125,9 @@ impl Row {
     /// Writes the row.
     pub fn print(&self) {
         let runs = self.runs();
+        let (last_runs, kib, bytes) = self.growth();
         println!(
-            "| {} | {} | {} | {runs} | {} | {} | {} | {} | {} | {:.0} | {} |",
+            "| {} | {} | {} | {runs} | {} | {} | {} | {} | {} | {:.0} | {kib} | {} |",
             self.name,
             self.calls,
             self.injected.len(),
@@ -55,7 +137,7 @@ impl Row {
             self.unreached,
             self.failed,
             self.seconds * 1e3 / runs.max(1) as f64,
-            self.growth_kib,
+            bytes / last_runs.max(1),
         );
     }
 }

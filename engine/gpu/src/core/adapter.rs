@@ -92,6 +92,19 @@ impl Adapter {
     }
 }
 
+/// Returns the name of a device.
+///
+/// # Safety
+/// `physical` is of `instance`.
+pub(crate) unsafe fn adapter_name(
+    instance: &InstanceShared,
+    physical: vk::PhysicalDevice,
+) -> String {
+    // SAFETY: the caller's promise.
+    let properties = unsafe { instance.raw.get_physical_device_properties(physical) };
+    text(properties.device_name_as_c_str())
+}
+
 /// Returns the driver's name and version.
 ///
 /// # Safety

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex};
 
-use gpu::{HostDevice, Purpose};
+use gpu::{Device, HostDevice, HostQueue, Purpose, Tick, Timeline};
 use tests::every_call;
 use tests::host_device::Host;
 
@@ -12,23 +12,28 @@ impl Program {
     /// Draws on the device and the queue of a host, and returns the last image.
     pub(super) fn draw_for_host(&self, stage: &Stage) -> Outcome {
         let host = Host::new(stage.driver, Purpose::Renderer);
-        let outcome = self.draw_on(&host);
+        let queue = host.share_queue(Arc::new(Mutex::new(())));
+        let outcome = self.draw_on(&host, queue);
         host.finish();
         every_call::forget_devices();
         outcome
     }
 
-    fn draw_on(&self, host: &Host) -> Outcome {
-        let entry = every_call::entry();
-        // SAFETY: handles of the host, which outlive the engine's device.
-        let instance = unsafe { ash::Instance::load(entry.static_fn(), host.instance.handle()) };
-        // SAFETY: as above.
-        let device = unsafe { ash::Device::load(instance.fp_v1_0(), host.device.handle()) };
-        every_call::watch(host.device.handle());
-        let queue = host.share_queue(Arc::new(Mutex::new(())));
-        let description =
-            HostDevice { entry, instance, device, queue: Some(queue), ..host.describe() };
-        let device = host.try_adopt(description)?;
+    fn draw_on(&self, host: &Host, queue: HostQueue) -> Outcome {
+        let device = adopt(host, Some(queue))?;
+        let timeline = Timeline::new(&device, "work of the host")?;
+        timeline.signal(Tick(1))?;
         self.walk(&device)
     }
+}
+
+/// Lets the engine adopt the device of a host, through the loader in which calls fail.
+pub(super) fn adopt(host: &Host, queue: Option<HostQueue>) -> Result<Device, gpu::Error> {
+    let entry = every_call::entry();
+    // SAFETY: handles of the host, which outlive the engine's device.
+    let instance = unsafe { ash::Instance::load(entry.static_fn(), host.instance.handle()) };
+    // SAFETY: as above.
+    let device = unsafe { ash::Device::load(instance.fp_v1_0(), host.device.handle()) };
+    every_call::watch(host.device.handle());
+    host.try_adopt(HostDevice { entry, instance, device, queue, ..host.describe() })
 }

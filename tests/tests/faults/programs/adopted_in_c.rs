@@ -32,14 +32,31 @@ use super::{Outcome, Program, SIZE, Stage};
 unsafe extern "C" fn one_thread(_user: *mut c_void) {}
 
 /// A context of the C interface, with the text of its last error.
-struct Context {
-    raw: *mut AntumbraContext,
-    error: AntumbraError,
+pub(super) struct Context {
+    pub(super) raw: *mut AntumbraContext,
+    pub(super) error: AntumbraError,
 }
 
 impl Context {
+    pub(super) fn new() -> Self {
+        let struct_size = size_of::<AntumbraError>() as u32;
+        let error = AntumbraError { struct_size, result: 0, message: [0; 504] };
+        let mut context = Self { raw: null_mut(), error };
+        let desc = AntumbraContextDesc::current();
+        // SAFETY: pointers to values on this stack.
+        let made = unsafe { antumbra_context_create(&desc, &mut context.raw, null_mut()) };
+        assert_eq!(made, AntumbraResult::Ok);
+        context
+    }
+
+    pub(super) fn destroy(mut self) -> Result<(), String> {
+        // SAFETY: the context is no longer used.
+        let gone = unsafe { antumbra_context_destroy(self.raw, &mut self.error) };
+        self.check(gone)
+    }
+
     /// Returns the message of the interface if a call has failed.
-    fn check(&self, result: AntumbraResult) -> Result<(), String> {
+    pub(super) fn check(&self, result: AntumbraResult) -> Result<(), String> {
         if result == AntumbraResult::Ok {
             return Ok(());
         }
@@ -53,28 +70,25 @@ impl Program {
     /// Draws on the device and the queue of a host in C, and returns the last image.
     pub(super) fn draw_in_c(&self, stage: &Stage) -> Outcome {
         let host = Host::new(stage.driver, Purpose::Renderer);
-        let error = AntumbraError {
-            struct_size: size_of::<AntumbraError>() as u32,
-            result: 0,
-            message: [0; 504],
-        };
-        let mut context = Context { raw: null_mut(), error };
         every_call::watch(host.device.handle());
-        let desc = AntumbraContextDesc::current();
-        // SAFETY: pointers to values on this stack.
-        let made = unsafe { antumbra_context_create(&desc, &mut context.raw, null_mut()) };
-        assert_eq!(made, AntumbraResult::Ok);
+        let mut context = Context::new();
         let outcome = self.draw_with(&host, &mut context);
-        // SAFETY: the context is no longer used.
-        let gone = unsafe { antumbra_context_destroy(context.raw, &mut context.error) };
-        let outcome = outcome.and_then(|image| context.check(gone).map(|()| image));
+        let gone = context.destroy();
+        let outcome = outcome.and_then(|image| gone.map(|()| image));
         host.finish();
         every_call::forget_devices();
         Ok(outcome?)
     }
 
     fn draw_with(&self, host: &Host, context: &mut Context) -> Result<Vec<u8>, String> {
-        let device = adopt(host, context)?;
+        let queue = AntumbraQueueDesc {
+            queue: host.queue,
+            lock: Some(one_thread),
+            unlock: Some(one_thread),
+            user: null::<c_void>().cast_mut(),
+            ..Versioned::INIT
+        };
+        let device = adopt(host, context, &queue)?;
         let renderer = self.renderer_in_c(device, context)?;
         let mut image = AntumbraFinishedImage::INIT;
         for camera in &self.cameras {
@@ -149,8 +163,13 @@ impl Program {
     }
 }
 
-/// Adopts the device of a host with its queue. The program has one thread, so the lock is empty.
-fn adopt(host: &Host, context: &mut Context) -> Result<AntumbraDevice, String> {
+/// Adopts the device of a host, with a queue or none. The program has one thread, so the lock of
+/// the queue is empty.
+pub(super) fn adopt(
+    host: &Host,
+    context: &mut Context,
+    queue: *const AntumbraQueueDesc,
+) -> Result<AntumbraDevice, String> {
     let mut structures = host.needs.features().structures();
     let features = AntumbraFeatures {
         core: &raw mut structures.core,
@@ -167,13 +186,6 @@ fn adopt(host: &Host, context: &mut Context) -> Result<AntumbraDevice, String> {
         physical_device: host.physical,
         ..Versioned::INIT
     };
-    let queue = AntumbraQueueDesc {
-        queue: host.queue,
-        lock: Some(one_thread),
-        unlock: Some(one_thread),
-        user: null::<c_void>().cast_mut(),
-        ..Versioned::INIT
-    };
     let desc = AntumbraDeviceDesc {
         queue_family: host.needs.queue_family.unwrap(),
         adapter: &adapter,
@@ -181,7 +193,7 @@ fn adopt(host: &Host, context: &mut Context) -> Result<AntumbraDevice, String> {
         features: &features,
         extensions: extensions.as_ptr(),
         extension_count: extensions.len(),
-        queue: &queue,
+        queue,
         ..Versioned::INIT
     };
     let mut device = AntumbraDevice { id: 0 };

@@ -3,10 +3,11 @@
 use cull::{ObjectId, Strategy};
 use gpu::{Device, DeviceOptions, PredicationMode, Readback};
 use occlusion::ShaderSet;
-use render::{CostModel, FrameRequest, RenderView, Renderer, RendererOptions};
+use render::{CostModel, RendererOptions, SpareCapacity};
 use scene::{Object, ObjectChange, PreparedMesh};
 use shadows::{ShadowMethod, ShadowOptions};
 
+use super::running::Running;
 use super::{Outcome, Program, ProgramKind, SIZE, Stage, aside, device_options};
 
 impl Program {
@@ -47,72 +48,59 @@ impl Program {
 
     /// Draws all cameras, and returns the last image.
     pub(super) fn walk(&self, device: &Device) -> Outcome {
-        let mut renderer = Renderer::new(device, &self.scene, &self.options())?;
-        let mut view = renderer.new_view()?;
-        let image = Readback::new(device, SIZE)?;
-        self.draw(&mut renderer, &mut view, &image)
+        self.show(&mut Running::new(device, &self.scene, &self.options())?)
     }
 
-    fn draw(&self, renderer: &mut Renderer, view: &mut RenderView, image: &Readback) -> Outcome {
-        let strategies = self.strategies().iter().cycle();
-        for (camera, strategy) in self.cameras.iter().zip(strategies) {
-            let request =
-                FrameRequest { image: Some(image), ..FrameRequest::new(*strategy, *camera) };
-            renderer.render(view, request)?;
-        }
-        renderer.wait_idle(view)?;
-        Ok(image.rgba8()?.to_vec())
+    pub(super) fn show(&self, running: &mut Running) -> Outcome {
+        running.draw(&self.cameras, self.strategies())
     }
 
     /// Changes the scene between frames.
     pub(super) fn stream(&self, stage: &Stage) -> Outcome {
         let device = stage.device(&device_options())?;
-        let spare = render::SpareCapacity {
-            meshes: 4,
-            vertices: 4096,
-            indices: 8192,
-            ..Default::default()
-        };
+        let spare =
+            SpareCapacity { meshes: 4, vertices: 4096, indices: 8192, ..Default::default() };
         let options = RendererOptions {
             spare,
             spare_objects: 8,
             upload_bytes_per_frame: 256,
             ..self.options()
         };
-        let mut renderer = Renderer::new(&device, &self.scene, &options)?;
-        let mut view = renderer.new_view()?;
+        let mut running = Running::new(&device, &self.scene, &options)?;
         let first = self.scene.objects[0];
         let transform = aside(first.transform);
+        let renderer = &mut running.renderer;
         renderer.update(&[ObjectChange::Move { object: ObjectId(0), transform }])?;
         let mesh = PreparedMesh::new(self.scene.meshes[0].clone())?;
         let added = renderer.add_meshes(vec![mesh])?;
         let object = Object { mesh: added[0], transform: aside(transform), ..first };
         renderer.update(&[ObjectChange::Add { object }])?;
+        self.show(&mut running)?;
         let small = [SIZE[0] / 2, SIZE[1] / 2];
-        let image = Readback::new(&device, small)?;
-        self.draw(&mut renderer, &mut view, &Readback::new(&device, SIZE)?)?;
-        renderer.resize(small)?;
+        running.image = Readback::new(&device, small)?;
+        running.renderer.resize(small)?;
         for _ in 0..100 {
-            self.draw(&mut renderer, &mut view, &image)?;
-            if !renderer.is_uploading() {
+            self.show(&mut running)?;
+            if !running.renderer.is_uploading() {
                 break;
             }
         }
-        renderer.update(&[ObjectChange::Remove { object: ObjectId(1) }])?;
-        self.draw(&mut renderer, &mut view, &image)
+        running.renderer.update(&[ObjectChange::Remove { object: ObjectId(1) }])?;
+        self.show(&mut running)
     }
 
-    /// Draws with other shaders from the middle on, on a device with a file of pipelines.
+    /// Draws with other shaders from the middle on, on a device with a file of pipelines whose
+    /// clocks are read.
     pub(super) fn reload(&self, stage: &Stage) -> Outcome {
         let folder = std::env::temp_dir().join(format!("antumbra-faults-{}", std::process::id()));
         let pipeline_cache = Some(folder.join("pipelines.bin"));
         let device = stage.device(&DeviceOptions { pipeline_cache, ..device_options() })?;
-        let mut renderer = Renderer::new(&device, &self.scene, &self.options())?;
-        renderer.time_passes()?;
-        let mut view = renderer.new_view()?;
-        let image = Readback::new(&device, SIZE)?;
-        self.draw(&mut renderer, &mut view, &image)?;
-        renderer.reload(ShaderSet::embedded()?)?;
-        self.draw(&mut renderer, &mut view, &image)
+        let mut running = Running::new(&device, &self.scene, &self.options())?;
+        let _not_every_device_has_them = device.clocks()?;
+        running.renderer.time_passes()?;
+        let before = self.show(&mut running)?;
+        let camera = self.cameras[self.cameras.len() - 1];
+        running.change(camera, &before, |renderer| Ok(renderer.reload(ShaderSet::embedded()?)?))?;
+        self.show(&mut running)
     }
 }

@@ -13,7 +13,7 @@ use scene::{Object, ObjectChange, PreparedMesh};
 use tests::every_call::{self, Fault, FaultPlan, Lasts};
 use tests::x11_window::{Library, X11Window};
 
-use super::{Outcome, Program, SIZE, Stage, TestWindow, aside, device_options};
+use super::{Display, Outcome, Program, SIZE, Stage, aside, device_options};
 
 /// The number of devices that a program opens after a loss before it gives up.
 const ATTEMPTS: usize = 3;
@@ -45,8 +45,8 @@ impl Program {
 
     /// Shows all cameras in a window, on as many devices as it takes, and returns the last image.
     pub(super) fn recover_in_window(&self, stage: &Stage) -> Outcome {
-        let server = self.server.as_ref().ok_or("a server")?;
-        let window: TestWindow = X11Window::open(server, Library::Xcb, SIZE);
+        let Some(Display::X11(server)) = &self.display else { return Err("no server".into()) };
+        let window: Arc<X11Window> = X11Window::open(server, Library::Xcb, SIZE);
         let instance = stage.instance(Some(WindowSystem::of(&window)?))?;
         let surface = Surface::new(&instance, window)?;
         let device = presenting(&instance, &surface, stage)?;

@@ -57,8 +57,8 @@ impl Host {
     fn new(device: &Device, boxes: &[Aabb], views: u32, predication: PredicationMode) -> Self {
         let target = Target::layered(device, SIZE, views, "layers").unwrap();
         let attachments = target.attachments();
-        let scene = scene_of_boxes(device, boxes, attachments, Some(predication));
-        let boxes = NumberedBoxes::new(device, scene.leaves(), attachments);
+        let scene = scene_of_boxes(device, boxes, attachments, Some(predication)).unwrap();
+        let boxes = NumberedBoxes::new(device, scene.leaves(), attachments).unwrap();
         assert_eq!(scene.testers(&target, DrawPhases::PerRound).compute, views == 1);
         Self {
             device: device.clone(),

@@ -52,8 +52,8 @@ impl Host {
     fn new(device: &Device, boxes: &[Aabb]) -> Self {
         let target = Target::new(device, SIZE, "bare boxes").unwrap();
         let attachments = target.attachments();
-        let scene = scene_of_boxes(device, boxes, attachments, None);
-        let boxes = NumberedBoxes::new(device, scene.leaves(), attachments);
+        let scene = scene_of_boxes(device, boxes, attachments, None).unwrap();
+        let boxes = NumberedBoxes::new(device, scene.leaves(), attachments).unwrap();
         Self {
             device: device.clone(),
             frames: FrameRing::new(device, 2).unwrap(),

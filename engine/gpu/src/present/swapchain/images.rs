@@ -305,12 +305,16 @@ impl RetiredObject for RetiredImages {
     }
 }
 
-/// Returns true if `fence` is signalled within `bound`.
+/// Returns true if `fence` is signalled within `bound`. When the wait ends without it, the fence is
+/// read, so that a wait that ends too early does not count as a present that never ends.
 fn wait_for(device: &ash::Device, fence: vk::Fence, bound: Duration) -> Result<bool, Error> {
     let bound_ns = u64::try_from(bound.as_nanos()).unwrap_or(MOST_NS).min(MOST_NS);
     // SAFETY: a live fence of this device.
     match unsafe { device.wait_for_fences(&[fence], true, bound_ns) } {
-        Err(vk::Result::TIMEOUT) => Ok(false),
+        Err(vk::Result::TIMEOUT) => {
+            // SAFETY: as above.
+            unsafe { device.get_fence_status(fence) }.called("vkGetFenceStatus")
+        }
         other => other.called("vkWaitForFences").map(|()| true),
     }
 }

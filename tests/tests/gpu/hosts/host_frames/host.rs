@@ -160,9 +160,9 @@ impl<'a> HostLoop<'a> {
         let attachments = target.attachments();
         let attachments =
             passes.as_ref().map_or(attachments, |passes| passes.attachments(attachments));
-        let scene = scene_of_boxes(&device, &boxes(), attachments, options.predication);
+        let scene = scene_of_boxes(&device, &boxes(), attachments, options.predication).unwrap();
         let state = scene.new_view(&target).unwrap();
-        let boxes = NumberedBoxes::new(&device, scene.leaves(), attachments);
+        let boxes = NumberedBoxes::new(&device, scene.leaves(), attachments).unwrap();
         let objects = Boxes { target, boxes, passes };
         let pool = vk::CommandPoolCreateInfo::default()
             .queue_family_index(host.needs.queue_family.unwrap());

@@ -8,8 +8,12 @@ use gpu::{
 };
 use render::{CostModel, FrameRequest, Renderer, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind, city};
-use tests::fault_injection::{CALLS_THAT_RESET, CALLS_THAT_START, Fault, FaultInjection, calls};
+use tests::captured_log::CapturedLog;
+use tests::fault_injection::{
+    CALL_THAT_LISTS, CALLS_THAT_RESET, CALLS_THAT_START, Fault, FaultInjection, calls,
+};
 use tests::{Driver, instance_with, take_turn};
+use tracing_subscriber::prelude::*;
 
 /// Returns the error of opening an instance without validation on `machine` and picking a device
 /// there.
@@ -77,6 +81,36 @@ fn a_device_that_lacks_something_is_not_opened_either() {
     let opened = Device::new(&instance, &adapters[0], &DeviceOptions::default());
     let error = opened.err().expect("an error").to_string();
     assert!(error.contains("lacks multiDrawIndirect"), "{error}");
+}
+
+#[test]
+fn a_device_that_cannot_be_described_is_left_out() {
+    take_turn();
+    let code = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
+    let fails = |fails| FaultInjection {
+        faults: vec![Fault { call: CALL_THAT_LISTS, fails, code }],
+        ..FaultInjection::default()
+    };
+    let instance = |faults: FaultInjection| {
+        Instance::new(faults.entry(), &gpu::InstanceOptions::default()).unwrap()
+    };
+    let names = |adapters: Vec<gpu::Adapter>| -> Vec<String> {
+        adapters.into_iter().map(|adapter| adapter.name).collect()
+    };
+    let all = names(instance(fails(0..0)).adapters().unwrap());
+    assert!(all.len() > 1, "{all:?}");
+    let log = CapturedLog::default();
+    let writer = log.clone();
+    let subscriber = tracing_subscriber::fmt().with_writer(move || writer.clone());
+    let logged = subscriber.set_default();
+    assert_eq!(names(instance(fails(0..1)).adapters().unwrap()), all[1..]);
+    drop(logged);
+    let refused = instance(fails(0..1)).pick_adapter(Some(&all[0])).unwrap_err();
+    let all_fail = instance(fails(0..usize::MAX)).adapters().unwrap_err();
+    for text in [log.take(), refused.to_string(), all_fail.to_string()] {
+        let call = CALL_THAT_LISTS.to_str().unwrap();
+        assert!(text.contains(call) && text.contains("ERROR_OUT_OF_HOST_MEMORY"), "{text}");
+    }
 }
 
 #[test]
