@@ -23,7 +23,7 @@ pub struct RecoveryRules {
 
 impl Default for RecoveryRules {
     /// Returns rules that go on after five losses in a minute, with six attempts each, between
-    /// which 0.1 s to 3.2 s pass.
+    /// which 0.1 s to 1.6 s pass.
     fn default() -> Self {
         Self {
             first_pause: Duration::from_millis(100),

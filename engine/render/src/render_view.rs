@@ -77,8 +77,8 @@ impl RenderView {
         self.visibility = visibility;
         self.seen_from = None;
         self.shown_tick = None;
-        self.counts.forget_ring();
-        self.pointer.forget_ring();
+        self.counts.follow_device();
+        self.pointer.follow_device();
         self.flares.forget_ring();
     }
 

@@ -88,6 +88,15 @@ impl App<'_> {
 }
 
 impl App<'_> {
+    /// Goes on on another device if the error is the loss of the present one; ends otherwise.
+    fn follow_error(&mut self, event_loop: &ActiveEventLoop, error: RunError) {
+        let next = match &mut self.opened {
+            Some(opened) => opened.plan_recovery(error),
+            None => Err(error),
+        };
+        self.follow(event_loop, next);
+    }
+
     /// Carries out the action of a key; returns true if the program should end.
     fn key(&mut self, event: &KeyEvent) -> Result<bool, RunError> {
         let Some(opened) = &mut self.opened else { return Ok(false) };
@@ -104,6 +113,9 @@ impl App<'_> {
     /// Passes a key or a click to the open list or field.
     fn choose(&mut self, key: MenuKey) -> Result<(), RunError> {
         let Some(opened) = &mut self.opened else { return Ok(()) };
+        if opened.recovers_at.is_some() {
+            return Ok(());
+        }
         let settings = || self.source.settings_for_another();
         let another = |file| SceneSource::File { file, settings: settings() };
         opened.choose(key, another, self.options)
@@ -146,7 +158,7 @@ impl ApplicationHandler for App<'_> {
                 match acted {
                     Ok(false) => {}
                     Ok(true) => event_loop.exit(),
-                    Err(error) => self.follow(event_loop, Err(error)),
+                    Err(error) => self.follow_error(event_loop, error),
                 }
             }
             WindowEvent::MouseWheel { delta, .. } => opened.hasten(match delta {
@@ -195,7 +207,7 @@ impl ApplicationHandler for App<'_> {
         if let Some(row) = clicked
             && let Err(error) = self.choose(MenuKey::Row(row))
         {
-            self.follow(event_loop, Err(error));
+            self.follow_error(event_loop, error);
         }
         if let Some(opened) = &mut self.opened
             && !event_loop.exiting()

@@ -85,11 +85,16 @@ fn draw(
         && let Retry::At(at) = recovery.lost(session.clock.now())
     {
         session.tell_loss(error);
-        drawn = go_on(&mut session, &mut recovery, at, reopen).and_then(|device| {
-            let cancellation = signals.cancellation();
-            let loader = SceneLoader { device: &device, options, size, cancellation };
-            draw_frames(&loader, &mut session, signals)
-        });
+        let device = match go_on(&mut session, &mut recovery, at, reopen) {
+            Ok(device) => device,
+            Err(error) => {
+                drawn = Err(error);
+                break;
+            }
+        };
+        let cancellation = signals.cancellation();
+        let loader = SceneLoader { device: &device, options, size, cancellation };
+        drawn = draw_frames(&loader, &mut session, signals);
     }
     first_error([drawn, session.finish(options)])
 }
@@ -149,7 +154,7 @@ fn draw_frames(
         let seconds = if frame == 0 { 0.0 } else { FRAME_SECONDS };
         session.draw(&Steering::default(), seconds, image.as_ref())?;
         if let (Some(image), Some(folder)) = (&image, &options.out) {
-            if let Err(error) = device.wait_idle() {
+            if let Err(error) = device.wait_idle().and_then(|()| image.rgba8().map(drop)) {
                 session.repeat_frame();
                 return Err(error.into());
             }

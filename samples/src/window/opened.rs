@@ -269,6 +269,8 @@ impl Opened {
     pub(super) fn act(&mut self, action: Action, options: &ShowOptions) -> Result<bool, RunError> {
         match action {
             Action::Quit => return Ok(true),
+            // The present device takes no more actions.
+            _ if self.recovers_at.is_some() => return Ok(false),
             Action::Escape => return self.escape(),
             Action::ListScenes => {
                 self.session.menu = Some(self.scenes());

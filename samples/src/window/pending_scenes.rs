@@ -9,7 +9,7 @@ use super::loading::Loading;
 use super::session::{LightingRequest, Session};
 use super::show::ShowOptions;
 use super::source::SceneSource;
-use bench::run_error::RunError;
+use bench::run_error::{Blame, RunError};
 
 const DROP_ONE: &str = "drop a file (.glb, .gltf, .stl or .obj) into this window";
 
@@ -82,10 +82,8 @@ impl PendingScenes {
         options: &ShowOptions,
         size: [u32; 2],
     ) -> Result<(), RunError> {
-        if let Some(loading) = self.loading.take() {
+        if let Some(loading) = &self.loading {
             let source = loading.source().clone();
-            // The thread ends before another one begins.
-            drop(loading);
             self.loading = Some(Loading::start(device, &source, options, size)?);
         }
         Ok(())
@@ -126,6 +124,13 @@ impl PendingScenes {
             None => session.enter(loaded),
         });
         session.await_scene(None);
+        if let Err(error) = &shown
+            && error.blame == Blame::LostDevice
+        {
+            // It is loaded again once there is another device.
+            self.waiting_for_lights = action;
+            return shown.map(|()| true);
+        }
         let is_first = std::mem::take(&mut self.is_first);
         match (shown, self.loading.take()) {
             (Err(error), Some(loading)) if !is_first => {

@@ -29,6 +29,7 @@ impl Renderer {
                 }
             }
         }
+        self.has_other_content = true;
         if let Some(kept) = &mut self.kept {
             kept.environment = Some(environment.cloned());
         }

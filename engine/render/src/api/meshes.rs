@@ -42,6 +42,7 @@ impl Renderer {
                 }
             }
         }
+        self.has_other_content = true;
         self.passes.edges.take(&self.passes.gpu_scene.geometry, &added);
         if let (Some(all), Some(meshes)) = (&mut self.kept, kept) {
             all.meshes.extend(added.iter().copied().zip(meshes));
@@ -62,6 +63,7 @@ impl Renderer {
             let checked = checked.and(if is_new { Ok(()) } else { Err(MeshError::NamedTwice) });
             checked.map_err(|reason| Error::Mesh { index, reason })?;
         }
+        self.has_other_content = true;
         for mesh in meshes {
             geometry.remove_mesh(*mesh, self.scene.parts_mut().leaves);
             if let Some(kept) = &mut self.kept {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use ::shadows::ShadowOptions;
-use gpu::{Device, LossReport};
+use gpu::{CancellationToken, Device, FrameRing, LossReport};
 use occlusion::{ScenePartsMut, SectionShaders};
 use scene::Scene;
 
@@ -18,11 +18,12 @@ impl Renderer {
     /// nothing more.
     ///
     /// # Errors
-    /// [`Error::OtherScene`] for a scene with other meshes or objects than the renderer has, and
-    /// after the first change.
+    /// [`Error::OtherScene`] for a scene with other meshes or objects than the renderer has, after
+    /// the first change, and if the renderer keeps a scene already.
     pub fn keep_scene(&mut self, scene: Arc<Scene>) -> Result<(), Error> {
         let geometry = &self.passes.gpu_scene.geometry;
-        if self.revision.is_first() && geometry.is_of(&scene) {
+        let is_unchanged = self.revision.is_first() && !self.has_other_content;
+        if self.kept.is_none() && is_unchanged && geometry.is_of(&scene) {
             self.kept = Some(Box::new(KeptScene::new(scene)));
             Ok(())
         } else {
@@ -47,9 +48,10 @@ impl Renderer {
     /// before, and the next image shows all of it: whatever was still being uploaded is there. Ids
     /// that are added later may be others than without the loss.
     ///
-    /// Views, visible sets and watched objects stay valid. A view begins without history in its
-    /// next frame, and no answer of the lost device is read. What the caller made on the lost
-    /// device itself ([`gpu::Readback`], a swapchain, an overlay) must be made again.
+    /// Views and their watched objects stay valid. A view begins without history in its next
+    /// frame, and no answer of the lost device is read. Visible sets must be found again. What the
+    /// caller made on the lost device itself ([`gpu::Readback`], a swapchain, an overlay) must be
+    /// made again.
     ///
     /// ```no_run
     /// # use std::sync::Arc;
@@ -84,12 +86,17 @@ impl Renderer {
     pub fn recover(&mut self, device: &Device) -> Result<(), Error> {
         let kept = self.kept.as_deref().ok_or(Error::SceneNotKept)?;
         let surfaces = self.passes.gpu_scene.geometry.surfaces.as_ref();
+        let leaves = self.scene.hierarchy().leaf_objects().len();
         let options = RendererOptions {
             size: self.size(),
             frames_in_flight: self.frames_in_flight(),
             shadows: ShadowOptions::default(),
             // The places of textures fit only this storage.
             textures: surfaces.map(|surfaces| surfaces.textures.storage()),
+            // Free leaves are room for objects, too.
+            spare_objects: leaves.saturating_sub(kept.scene.objects.len()),
+            // A complete renderer ignores the cancellation of its creation.
+            cancellation: CancellationToken::default(),
             // Section planes are set later, as all that is compiled on demand.
             shaders: Some(self.shaders.clone().with_section(SectionShaders::Whole)),
             ..self.options.clone()
@@ -101,6 +108,9 @@ impl Renderer {
         new.restore_scene(self, kept)?;
         new.restore_settings(self, kept)?;
         new.revision = self.revision;
+        // What was being uploaded is visible now.
+        new.revision.advance();
+        new.has_other_content = self.has_other_content;
         new.kept = self.kept.take();
         *self = new;
         Ok(())
@@ -112,7 +122,9 @@ impl Renderer {
         hierarchy.clone_from(lost.scene.hierarchy());
         let gpu_scene = &mut self.passes.gpu_scene;
         gpu_scene.restore(&lost.passes.gpu_scene, kept, hierarchy, leaves)?;
-        let mut frame = self.frames.begin()?;
+        // A ring of its own, since a slot keeps as much memory as its largest frame took.
+        let mut ring = FrameRing::new(&self.device, 1)?;
+        let mut frame = ring.begin()?;
         gpu_scene.geometry.uploads.set_frame_bytes(usize::MAX);
         gpu_scene.geometry.upload_changes(&mut frame, &mut self.scene)?;
         gpu_scene.geometry.uploads.set_frame_bytes(self.options.upload_bytes_per_frame);

@@ -51,6 +51,7 @@ impl Renderer {
                 }
             }
         }
+        self.has_other_content = true;
         for ((id, place), texture) in added.iter().zip(textures) {
             if let Some(kept) = &mut self.kept {
                 kept.textures.insert(*id, texture.clone());

@@ -100,6 +100,12 @@ impl Pointer {
         self.is_asking = false;
     }
 
+    /// Goes on without the answers so far, for a view whose frames are counted anew.
+    pub(crate) fn follow_device(&mut self) {
+        self.forget_ring();
+        self.newest = None;
+    }
+
     /// Notes that the frame was submitted.
     pub(crate) fn submitted(&mut self, tick: Tick) {
         if let Some(ring) = self.ring.as_mut().filter(|_| self.is_asking) {

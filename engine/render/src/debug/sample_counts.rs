@@ -146,6 +146,12 @@ impl SampleCounts {
         self.queries = None;
     }
 
+    /// Goes on without the counts so far, for a view whose frames are counted anew.
+    pub(crate) fn follow_device(&mut self) {
+        let watched = std::mem::take(&mut self.watched);
+        *self = Self { watched, ..Self::default() };
+    }
+
     pub(crate) fn newest(&self) -> &[VisibleSamples] {
         &self.newest
     }

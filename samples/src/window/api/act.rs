@@ -1,5 +1,6 @@
 //! The effects of actions on a session. Actions on the window do nothing here.
 
+use antumbra::render;
 use antumbra::render::DebugOverlay;
 
 use crate::hud::HudLevel;
@@ -211,7 +212,14 @@ impl Session {
         self.finish_comparison()?;
         let view = self.renderer.view_of(&self.seen_from);
         self.search_again()?;
-        self.frozen = Some(self.renderer.snapshot(&mut self.history, view)?);
+        match self.renderer.snapshot(&mut self.history, view) {
+            Ok(snapshot) => self.frozen = Some(snapshot),
+            Err(render::Error::ViewOfLostDevice) => {
+                self.refuse("there is nothing to freeze yet on this device".to_owned());
+                return Ok(());
+            }
+            Err(error) => return Err(error.into()),
+        }
         let boxes = if self.debug_overlay.has_boxes {
             "; the boxes are those that stayed hidden"
         } else {

@@ -4,6 +4,7 @@ use antumbra::gpu::{Adapter, Device};
 use antumbra::pacing::{Retry, Time};
 use bench::run;
 use bench::run_error::{Blame, RunError};
+use bench::strategy::Strategy;
 
 use super::super::opened::{Next, Opened};
 use super::super::screen::Screen;
@@ -25,6 +26,12 @@ impl Session {
     pub fn recover(&mut self, device: &Device) -> Result<(), RunError> {
         let overlay = self.overlay.on(device)?;
         self.renderer.recover(device)?;
+        if let Err(error) = self.renderer.supports(self.strategy) {
+            self.refuse(error.to_string());
+            self.strategy = Strategy::ANTUMBRA;
+        }
+        self.search_again()?;
+        self.viewed.clear();
         if let Some(trace) = &mut self.trace {
             trace.follow_device(device)?;
         }
@@ -69,11 +76,12 @@ impl Opened {
 
     fn go_on(&mut self, adapter: &Adapter, options: &ShowOptions) -> Result<(), RunError> {
         let device = run::open_device(&self.instance, adapter)?;
+        let screen = Screen::new(&device, &self.surface, options.screen(), self.refresh)?;
         self.session.recover(&device)?;
         let size = self.session.renderer().size();
         self.arrivals.restart(&device, options, size)?;
         // The window's images follow with the next frame, once the former device is closed.
-        self.screen = Screen::new(&device, &self.surface, options.screen(), self.refresh)?;
+        self.screen = screen;
         self.fallback = None;
         self.recovers_at = None;
         self.next_layout = Time::ZERO;

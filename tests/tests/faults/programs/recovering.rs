@@ -35,12 +35,16 @@ impl Program {
             || Device::new(&instance, &instance.pick_adapter(Some(name))?, &device_options());
         let mut film = self.film(&open()?)?;
         stage.note_begun();
+        let mut pixels = Vec::new();
         for camera in &self.cameras {
-            while let Err(error) = film.draw(camera) {
-                film.go_on(error, || Ok(open()?))?;
-            }
+            pixels = loop {
+                match film.draw(camera) {
+                    Ok(pixels) => break pixels,
+                    Err(error) => film.go_on(error, || Ok(open()?))?,
+                }
+            };
         }
-        Ok(film.image.rgba8()?.to_vec())
+        Ok(pixels)
     }
 
     /// Shows all cameras in a window, on as many devices as it takes, and returns the last image.
@@ -54,14 +58,20 @@ impl Program {
         let mut film = self.film(&device)?;
         drop(device);
         stage.note_begun();
+        let mut pixels = Vec::new();
         for camera in &self.cameras {
-            while let Err(error) = film.draw(camera).and_then(|()| film.show(&mut swapchain)) {
-                film.go_on(error, || presenting(&instance, &surface, stage))?;
-                swapchain =
-                    Swapchain::new(film.renderer.device(), &surface, &SwapchainOptions::default())?;
-            }
+            pixels = loop {
+                let drawn = film.draw(camera);
+                let shown = drawn.and_then(|pixels| film.show(&mut swapchain).map(|()| pixels));
+                match shown {
+                    Ok(pixels) => break pixels,
+                    Err(error) => film.go_on(error, || presenting(&instance, &surface, stage))?,
+                }
+                let device = film.renderer.device();
+                swapchain = Swapchain::new(device, &surface, &SwapchainOptions::default())?;
+            };
         }
-        Ok(film.image.rgba8()?.to_vec())
+        Ok(pixels)
     }
 
     /// Loses `count` devices one after the other, each in the middle of a frame, goes on after
@@ -76,10 +86,8 @@ impl Program {
             || Device::new(&instance, &instance.pick_adapter(Some(name))?, &device_options());
         let mut film = self.film(&open()?)?;
         let camera = self.cameras.last().ok_or("a camera")?;
-        for _ in 0..self.cameras.len() {
-            film.draw(camera)?;
-        }
-        let expected = film.image.rgba8()?.to_vec();
+        film.draw(camera)?;
+        let expected = film.draw(camera)?;
         let calls = ["vkQueueSubmit2", "vkWaitSemaphores", "vkGetSemaphoreCounterValue"];
         let calls = calls.map(|call| every_call::number_of(call).expect("a call of every frame"));
         for number in 0..count {
@@ -93,8 +101,7 @@ impl Program {
             let lost = film.draw(camera).err().ok_or("a frame on a lost device")?;
             film.go_on(lost, || Ok(open()?))?;
             every_call::stop();
-            film.draw(camera)?;
-            if film.image.rgba8()?[..] != expected {
+            if film.draw(camera)? != expected {
                 return Err(format!("another image after loss {number}").into());
             }
             note(number);
@@ -131,13 +138,15 @@ fn presenting(
 }
 
 impl Film {
-    fn draw(&mut self, camera: &cull::Camera) -> Result<(), Box<dyn Error>> {
+    /// Draws a frame and returns its image.
+    fn draw(&mut self, camera: &cull::Camera) -> Outcome {
         let request = FrameRequest {
             image: Some(&self.image),
             ..FrameRequest::new(Strategy::ANTUMBRA, *camera)
         };
         self.renderer.render(&mut self.view, request)?;
-        Ok(self.renderer.wait_idle(&mut self.view)?)
+        self.renderer.wait_idle(&mut self.view)?;
+        Ok(self.image.rgba8()?.to_vec())
     }
 
     fn show(&self, swapchain: &mut Swapchain) -> Result<(), Box<dyn Error>> {

@@ -2,20 +2,20 @@
 
 use std::sync::Arc;
 
-use cull::{ObjectId, SectionMode, SectionPlane, SectionPlanes, Strategy};
+use cull::{Aabb, Hierarchy, ObjectId, SectionMode, SectionPlane, SectionPlanes, Strategy};
 use glam::{Affine3A, DVec3, Quat, Vec3, vec3};
 use gpu::{Device, DeviceOptions, Readback};
 use render::{
     EdgeMode, EdgeOptions, Error, FrameRequest, LightShadow, ObjectOutline, RenderView, Renderer,
     RendererOptions, SpareCapacity,
 };
-use scene::{LensFlare, LightId, MeshId, Object, ObjectChange, Scene};
+use scene::{LensFlare, LightId, MeshId, Object, ObjectChange, PunctualLight, Scene};
 use shadows::{ShadowMethod, ShadowOptions};
 use tests::fault_injection::{FAULT_ADDRESS, FAULT_DESCRIPTION, Fault, FaultInjection};
 use tests::walk::images_that_differ;
-use tests::{Driver, open};
+use tests::{Driver, open, run_on_all};
 
-use crate::culling::feature_soup::{SIZE, camera, lamp, live, scene};
+use crate::culling::feature_soup::{LAMPS, SIZE, camera, lamp, live, scene};
 
 /// Room for objects that are added.
 const SPARE: usize = 6;
@@ -219,4 +219,56 @@ fn the_report_on_a_loss_says_where_it_was() {
         fine.install();
         device.wait_idle().unwrap();
     }
+}
+
+/// Checks that lights which the lost renderer had not looked up yet are found, that free leaves of
+/// a given hierarchy are room again, that counts begin anew, and that a token which was cancelled
+/// after the creation stops nothing.
+#[test]
+fn a_recovery_begins_from_the_newest_state() {
+    run_on_all(|device| {
+        let scene = Arc::new(scene());
+        let mut boxes = render::object_bounds(&scene).unwrap();
+        boxes.resize(boxes.len() + 3, Aabb::EMPTY);
+        let cancellation = gpu::CancellationToken::default();
+        let options = RendererOptions {
+            size: SIZE,
+            cancellation: cancellation.clone(),
+            ..Default::default()
+        };
+        let mut films = [(); 2].map(|()| {
+            let hierarchy = Hierarchy::build(&boxes).unwrap();
+            let mut renderer =
+                Renderer::with_hierarchy(device, &scene, hierarchy, &options).unwrap();
+            renderer.keep_scene(Arc::clone(&scene)).unwrap();
+            assert!(matches!(renderer.keep_scene(Arc::clone(&scene)), Err(Error::OtherScene)));
+            Film { view: renderer.new_view().unwrap(), renderer }
+        });
+        cancellation.cancel();
+        let object = Object { transform: scene.objects[3].transform, ..scene.objects[4] };
+        for film in &mut films {
+            let added = film.renderer.update(&[ObjectChange::Add { object }]).unwrap().added;
+            film.view.watch(&added).unwrap();
+            for number in 0..LAMPS {
+                let dark = PunctualLight { intensity: 0.0, ..lamp(number, 0) };
+                film.renderer.set_light(LightId(number), dark).unwrap();
+            }
+            for frame in 0..4 {
+                drop(film.frame(Strategy::ANTUMBRA, frame));
+            }
+            // Bright again, which no frame has seen.
+            for number in 0..LAMPS {
+                film.renderer.set_light(LightId(number), lamp(number, 0)).unwrap();
+            }
+        }
+        let [mut lost, mut twin] = films;
+        let counted =
+            |film: &Film| film.view.visible_samples().iter().map(|c| c.samples).sum::<u32>();
+        assert!(!lost.view.visible_samples().is_empty());
+        lost.renderer.recover(device).unwrap();
+        let found = lost.frame(Strategy::ANTUMBRA, 5);
+        let expected = twin.frame(Strategy::ANTUMBRA, 5);
+        assert_eq!(images_that_differ(&found, &expected), 0);
+        assert_eq!(counted(&lost), counted(&twin), "counts of the frame after the recovery");
+    });
 }

@@ -1,21 +1,36 @@
 //! The state of a renderer's geometry on another device, after the first was lost.
 
-use cull::{Hierarchy, LeafIndex, ObjectId};
+use std::ops::Range;
+
+use cull::{Aabb, Hierarchy, LeafIndex, ObjectId};
 use occlusion::{LeafTable, MeshDrawId};
-use scene::Scene;
+use scene::{Mesh, MeshId, Scene};
 
 use super::super::Geometry;
 use crate::error::Error;
 use crate::kept_scene::KeptScene;
+use crate::resources::instance::with_lights;
+use crate::resources::mesh_slots::Residency;
 
 impl Geometry {
-    /// Returns true if a renderer without changes was created from `scene`, as far as the numbers
-    /// of its parts tell.
+    /// Returns true if a renderer without changes was created from `scene`, as far as the sizes and
+    /// boxes of its parts tell.
     pub(crate) fn is_of(&self, scene: &Scene) -> bool {
+        let meshes = scene.meshes.iter().zip(&self.mesh_bounds).zip((0..).map(MeshId));
+        let is_same_mesh = |((mesh, bounds), id): ((&Mesh, &Aabb), MeshId)| {
+            let place = self.meshes.place(id);
+            let vertices = place.map_or(0, |place| place.vertices.len());
+            let indices = place.and_then(|place| place.indices.first()).map_or(0, Range::len);
+            let is_kept = self.meshes.residency(id) == Residency::Kept;
+            mesh.bounds == *bounds
+                && mesh.vertices.len() == vertices
+                && (is_kept || mesh.indices.len() == indices)
+        };
         let objects = self.object_meshes.iter().zip(&scene.objects);
         self.meshes.of_scene() == scene.meshes.len()
             && self.object_meshes.len() >= scene.objects.len()
             && self.surfaces.is_some() == scene.surfaces.is_some()
+            && meshes.into_iter().all(is_same_mesh)
             && objects.into_iter().all(|(mesh, object)| *mesh == object.mesh.0)
     }
 
@@ -55,6 +70,13 @@ impl Geometry {
         }
         for object in (0..self.object_meshes.len() as u32).map(ObjectId) {
             self.find_lights(hierarchy, object);
+        }
+        // Numbers of lights that `lost` had not found yet are not those of its instances.
+        if let Some(surfaces) = &self.surfaces {
+            for (slot, instance) in (0..).zip(&mut self.object_instances) {
+                let count = surfaces.light_lists.count(slot);
+                instance.tail[2] = with_lights(instance.tail[2], count);
+            }
         }
         for (leaf, object) in all_leaves {
             leaves.mark_dirty(leaf, self.draw_of(*object));
