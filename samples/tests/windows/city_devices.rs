@@ -31,7 +31,7 @@ fn another_device_shows_the_same_images() {
     let differing = (0..9).filter(|frame| image("stay", *frame) != image("change", *frame));
     assert_eq!(differing.collect::<Vec<u32>>(), Vec::<u32>::new());
     assert!(image("stay", 2) != image("stay", 8), "nobody walked");
-    // The panel of text, of which only the frame rate may differ.
+    // What the text says depends on the history, and on the clock.
     let panel = |script: &str| -> Vec<[u8; 3]> {
         image(script, 10)
             .chunks(320)
@@ -40,9 +40,10 @@ fn another_device_shows_the_same_images() {
             .flat_map(|row| row[4..70].to_vec())
             .collect()
     };
-    assert!(panel("stay") == panel("change"), "the text differs");
     let is_white = |pixel: &[u8; 3]| pixel.iter().all(|part| *part > 200);
-    assert!(panel("change").iter().any(is_white), "there is no text");
+    for script in ["stay", "change"] {
+        assert!(panel(script).iter().filter(|pixel| is_white(pixel)).count() > 50, "no text");
+    }
     let shot = pixels(&scratch.0.join("out-change/city_00004.png"));
     assert!(shot == image("change", 4), "the screenshot is another image");
 }
