@@ -107,6 +107,7 @@ pub const KEYS: [(&str, &str, Action); 28] = [
     ("U", "list of strategies", Action::ListStrategies),
     ("V", "compare with no culling", Action::Compare),
     ("C", "freeze the culling", Action::Freeze),
+    ("F6", "another device", Action::AnotherDevice),
     ("I", "identify the middle", Action::Identify(None)),
     ("B", "view from above", Action::TopDown),
     ("X", "boxes that are tested", Action::Boxes),
@@ -121,7 +122,6 @@ pub const KEYS: [(&str, &str, Action); 28] = [
     ("F4", "detail by visible samples", Action::DetailBySamples),
     ("F", "frames in flight", Action::NextFramesInFlight),
     ("P", "present mode", Action::NextPresentMode),
-    ("F6", "another device", Action::AnotherDevice),
     ("K", "screenshot", Action::Screenshot),
     ("R", "record the path", Action::Record),
 ];
@@ -129,10 +129,10 @@ pub const KEYS: [(&str, &str, Action); 28] = [
 /// The titles of groups of keys, and the number of keys in each.
 pub const GROUPS: [(&str, usize); 5] = [
     ("Scene and window", 7),
-    ("Culling", 4),
+    ("Culling", 5),
     ("Explanations", 6),
     ("Light", 3),
-    ("Pictures and frames", 8),
+    ("Pictures and frames", 7),
 ];
 
 /// Additional keys for scenes from files. Digits select their cameras.
