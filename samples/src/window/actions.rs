@@ -95,7 +95,7 @@ pub enum Action {
 }
 
 /// The keys: their names, descriptions and actions, in the order of [`GROUPS`].
-pub const KEYS: [(&str, &str, Action); 28] = [
+pub const KEYS: [(&str, &str, Action); 27] = [
     ("O", "list of scenes", Action::ListScenes),
     ("Ctrl+O", "open a file by its path", Action::OpenPath),
     ("F11", "full screen", Action::FullScreen),
@@ -107,7 +107,6 @@ pub const KEYS: [(&str, &str, Action); 28] = [
     ("U", "list of strategies", Action::ListStrategies),
     ("V", "compare with no culling", Action::Compare),
     ("C", "freeze the culling", Action::Freeze),
-    ("F6", "another device", Action::AnotherDevice),
     ("I", "identify the middle", Action::Identify(None)),
     ("B", "view from above", Action::TopDown),
     ("X", "boxes that are tested", Action::Boxes),
@@ -129,7 +128,7 @@ pub const KEYS: [(&str, &str, Action); 28] = [
 /// The titles of groups of keys, and the number of keys in each.
 pub const GROUPS: [(&str, usize); 5] = [
     ("Scene and window", 7),
-    ("Culling", 5),
+    ("Culling", 4),
     ("Explanations", 6),
     ("Light", 3),
     ("Pictures and frames", 7),
@@ -313,8 +312,9 @@ mod tests {
         }
         assert_eq!(Action::of_key("3"), Some(Action::Camera(3)));
         assert_eq!((Action::of_key("0"), Action::of_key("12")), (None, None));
-        // Esc quits in two steps, a script in one.
-        for name in NAMES.into_iter().filter(|name| !["camera", "quit"].contains(name)) {
+        // Esc quits in two steps, a script in one; devices change in scripts only.
+        let without_key = ["camera", "quit", "another_device"];
+        for name in NAMES.into_iter().filter(|name| !without_key.contains(name)) {
             let action = Action::parse(name).unwrap();
             assert_eq!(keys().filter(|(_, _, of_key)| *of_key == action).count(), 1, "{name}");
         }

@@ -21,7 +21,7 @@ const HELD: [KeyCode; 8] = [
 
 /// The keys with actions, by their place on a US keyboard, and their names in the key table.
 /// Characters would not work: Cyrillic and Greek layouts have no Latin letters.
-const NAMED: [(KeyCode, &str); 48] = [
+const NAMED: [(KeyCode, &str); 47] = [
     (KeyCode::Tab, "Tab"),
     (KeyCode::Escape, "Esc"),
     (KeyCode::Space, "Space"),
@@ -31,7 +31,6 @@ const NAMED: [(KeyCode, &str); 48] = [
     (KeyCode::F3, "F3"),
     (KeyCode::F4, "F4"),
     (KeyCode::F5, "F5"),
-    (KeyCode::F6, "F6"),
     (KeyCode::F11, "F11"),
     (KeyCode::Enter, "Enter"),
     (KeyCode::NumpadEnter, "Enter"),
