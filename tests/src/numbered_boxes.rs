@@ -3,11 +3,11 @@
 use cull::{Aabb, CullView, Hierarchy};
 use gpu::{
     Attachments, Blend, Buffer, BufferSlice, Commands, DepthMode, Device, GraphicsPipeline,
-    GraphicsPipelineInfo, IndirectDraw, PredicationMode, StorageLayout, vk,
+    GraphicsPipelineInfo, IndirectDraw, PredicationMode, RenderTarget, StorageLayout, Target, vk,
 };
 use occlusion::{
-    CulledScene, LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, OcclusionPasses, ProxyBox,
-    ShaderSet,
+    BucketId, CulledScene, LeafTable, LeafTableInfo, MeshDraw, MeshDrawId, ObjectRenderer,
+    OcclusionPasses, ProxyBox, Rendering, ShadedObjects, ShaderSet,
 };
 
 /// The indices of a box as `box.glsl` generates it: three faces of two triangles.
@@ -44,6 +44,31 @@ pub fn scene_of_boxes(
     let hierarchy = Hierarchy::build(boxes).unwrap();
     CulledScene::of_meshes(device, passes, hierarchy, info, |_| MeshDrawId(0))
 }
+
+/// The owner of the boxes, with the target that it draws them to.
+pub struct TargetBoxes {
+    /// The target.
+    pub target: Target,
+    /// The boxes.
+    pub boxes: NumberedBoxes,
+}
+
+impl ObjectRenderer for TargetBoxes {
+    fn target(&mut self) -> &mut Target {
+        &mut self.target
+    }
+
+    fn rendering(&self, _view: &CullView, rendering: Rendering) -> RenderTarget {
+        let clear = (rendering == Rendering::First).then_some([0.0, 0.0, 0.0, 1.0]);
+        self.target.render_target(clear)
+    }
+
+    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId) {
+        self.boxes.bind(commands, view);
+    }
+}
+
+impl ShadedObjects for TargetBoxes {}
 
 /// A pipeline that draws the box of a leaf, and its buffers.
 pub struct NumberedBoxes {

@@ -38,7 +38,7 @@ impl Default for RecoveryRules {
 /// The next step of a program whose device is lost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Retry {
-    /// Opens a device at this time, and goes on on it.
+    /// Opens a device at this time, and continues on it.
     At(Time),
     /// Ends with the error.
     GiveUp,

@@ -79,7 +79,7 @@ impl RenderView {
         self.shown_tick = None;
         self.counts.follow_device();
         self.pointer.follow_device();
-        self.flares.forget_ring();
+        self.flares.follow_device();
     }
 
     /// Returns the plan of the newest frame.

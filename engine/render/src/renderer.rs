@@ -176,8 +176,8 @@ pub struct Renderer {
     pub(crate) generation: DeviceGeneration,
     /// The options that the renderer was created with.
     pub(crate) options: RendererOptions,
-    /// True if meshes, textures, materials or the environment are no longer those of the scene that
-    /// the renderer was created from.
+    /// True if meshes, textures or the environment are no longer those of the scene that the
+    /// renderer was created from.
     pub(crate) has_other_content: bool,
     /// The data for another device, if it is kept.
     pub(crate) kept: Option<Box<KeptScene>>,

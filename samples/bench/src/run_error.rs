@@ -16,7 +16,7 @@ pub enum Blame {
     User,
     /// The machine: it lacks something or failed; exit code 1.
     Machine,
-    /// The device, which was lost; exit code 1, unless the program goes on on another.
+    /// The device, which was lost; exit code 1, unless the program continues on another.
     LostDevice,
     /// No one: the work was given up because the program is to end.
     Nobody,

@@ -58,7 +58,7 @@ pub enum Action {
     DepthComplexity,
     /// Switches timing of all GPU passes.
     TimePasses,
-    /// Goes on on the next device that can show the scene, or on the same one opened again.
+    /// Continues on the next device that can show the scene, or on the same one opened again.
     AnotherDevice,
     /// Takes a screenshot.
     Screenshot,

@@ -88,7 +88,7 @@ impl App<'_> {
 }
 
 impl App<'_> {
-    /// Goes on on another device if the error is the loss of the present one; ends otherwise.
+    /// Continues on another device if the error is the loss of the present one; ends otherwise.
     fn follow_error(&mut self, event_loop: &ActiveEventLoop, error: RunError) {
         let next = match &mut self.opened {
             Some(opened) => opened.plan_recovery(error),

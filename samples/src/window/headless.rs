@@ -99,7 +99,7 @@ fn draw(
     first_error([drawn, session.finish(options)])
 }
 
-/// Opens another device at the time `at`, or later, and goes on on it.
+/// Opens another device at the time `at`, or later, and continues on it.
 fn go_on(
     session: &mut Session,
     recovery: &mut RecoverySchedule,

@@ -147,7 +147,7 @@ impl Opened {
     }
 
     /// Runs one iteration of the loop, and returns the next step. After the loss of the device it
-    /// goes on on another one.
+    /// continues on another one.
     pub(super) fn turn(
         &mut self,
         input: &Input,

@@ -124,7 +124,7 @@ impl Trace {
         })
     }
 
-    /// Goes on on another device. The frames that the lost one had in flight have no times.
+    /// Continues on another device. The frames that the lost one had in flight have no times.
     ///
     /// # Errors
     /// A failed call.

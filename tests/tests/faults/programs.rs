@@ -45,7 +45,7 @@ pub enum ProgramKind {
     Streaming,
     /// Other shaders in the middle, and a pipeline cache in a file.
     Reload,
-    /// A changed scene, which goes on on another device when the device is lost.
+    /// A changed scene, which continues on another device when the device is lost.
     Recovering,
     /// As above, in a window.
     RecoveringInWindow,

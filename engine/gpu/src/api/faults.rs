@@ -13,8 +13,9 @@ const MOST_PARTS: u32 = 256;
 
 impl Device {
     /// Returns the driver's description of the fault that lost the device; `None` if the device
-    /// lacks [`crate::OptionalFeature::DeviceFault`]. A description that cannot be read is only
-    /// logged, since the device is lost anyway.
+    /// lacks [`crate::OptionalFeature::DeviceFault`], and unless it is [known to be
+    /// lost](Device::is_known_lost). A description that cannot be read is only logged, since the
+    /// device is lost anyway.
     pub fn fault(&self) -> Option<DeviceFault> {
         match self.read_fault() {
             Ok(fault) => fault,
@@ -26,11 +27,14 @@ impl Device {
     }
 
     fn read_fault(&self) -> Result<Option<DeviceFault>, Error> {
-        let Some(functions) = &self.extensions().fault else { return Ok(None) };
+        // Only a lost device may be asked (VUID-vkGetDeviceFaultInfoEXT-device-07336).
+        let functions = self.extensions().fault.as_ref().filter(|_| self.is_known_lost());
+        let Some(functions) = functions else { return Ok(None) };
         let read = functions.fp().get_device_fault_info_ext;
         let device = self.raw().handle();
         let mut counts = vk::DeviceFaultCountsEXT::default();
-        // SAFETY: the extension is enabled; without a place for infos, only the counts are written.
+        // SAFETY: the extension is enabled, and the device is lost; without a place for infos, only
+        // the counts are written.
         unsafe { read(device, &raw mut counts, std::ptr::null_mut()) }
             .result()
             .called("vkGetDeviceFaultInfoEXT")?;

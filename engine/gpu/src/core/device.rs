@@ -140,9 +140,22 @@ impl Device {
         let ClockSource::Timeline(timeline) = &clock.source else { return Ok(clock.over()) };
         // SAFETY: the device's own timeline.
         let completed = unsafe { self.raw().get_semaphore_counter_value(timeline.semaphore) }
-            .called("vkGetSemaphoreCounterValue")?;
+            .called("vkGetSemaphoreCounterValue")
+            .inspect_err(|error| self.note_loss(error))?;
         clock.completed(Tick(completed));
         Ok(Tick(completed))
+    }
+
+    /// Notes an error of a call that can report the loss of the device.
+    pub(crate) fn note_loss(&self, error: &Error) {
+        if error.is_device_lost() {
+            self.shared.is_lost.store(true, Ordering::Release);
+        }
+    }
+
+    /// Returns true once a submit, a wait or a present has reported the loss of the device.
+    pub fn is_known_lost(&self) -> bool {
+        self.shared.is_lost.load(Ordering::Acquire)
     }
 
     /// Returns the newest tick that was over when this was last read.
@@ -253,7 +266,7 @@ impl Device {
             Err(vk::Result::TIMEOUT) => {
                 Err(Error::Timeout { what, call: "vkWaitSemaphores", seconds: bound.as_secs_f64() })
             }
-            other => other.called("vkWaitSemaphores"),
+            other => other.called("vkWaitSemaphores").inspect_err(|error| self.note_loss(error)),
         }
     }
 
@@ -266,7 +279,10 @@ impl Device {
         self.shared.slot_waits.fetch_add(1, Ordering::Relaxed);
         match wait_bounded(self.raw(), timeline, tick, bound) {
             Err(vk::Result::TIMEOUT) => Ok(false),
-            other => other.called("vkWaitSemaphores").map(|()| true),
+            other => {
+                let waited = other.called("vkWaitSemaphores").map(|()| true);
+                waited.inspect_err(|error| self.note_loss(error))
+            }
         }
     }
 
@@ -282,7 +298,8 @@ impl Device {
         let submit = |queue| {
             let tick = self.submitted().next();
             // SAFETY: the lock gives exclusive use of the queue; the commands are complete.
-            unsafe { order.submit(self.raw(), queue, commands, timeline.semaphore, tick) }?;
+            unsafe { order.submit(self.raw(), queue, commands, timeline.semaphore, tick) }
+                .inspect_err(|error| self.note_loss(error))?;
             self.shared.clock.submitted(tick);
             Ok(tick)
         };

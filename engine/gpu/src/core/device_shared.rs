@@ -1,6 +1,6 @@
 //! The state that clones of a device share, from opening to closing.
 
-use std::sync::atomic::AtomicU64;
+use std::sync::atomic::{AtomicBool, AtomicU64};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -42,6 +42,8 @@ pub(crate) struct DeviceShared {
     /// The buffer of instance numbers, once a pipeline has read them.
     pub(super) numbers: Mutex<Option<NumberBuffer>>,
     pub(super) wait_bound: Duration,
+    /// True once a call has reported the loss of the device.
+    pub(super) is_lost: AtomicBool,
     pub(super) slot_waits: AtomicU64,
     pub(super) other_waits: AtomicU64,
     pub(super) pipeline_cache: PipelineCache,

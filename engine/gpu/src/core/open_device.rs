@@ -2,7 +2,7 @@
 //! device needs.
 
 use std::path::PathBuf;
-use std::sync::atomic::AtomicU64;
+use std::sync::atomic::{AtomicBool, AtomicU64};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
@@ -101,6 +101,7 @@ pub(crate) fn equip(device: RawDevice, options: &DeviceOptions) -> Result<Device
         pending_uploads: Mutex::default(),
         numbers: Mutex::default(),
         wait_bound: options.wait_bound,
+        is_lost: AtomicBool::new(false),
         slot_waits: AtomicU64::new(0),
         other_waits: AtomicU64::new(0),
         pipeline_cache,

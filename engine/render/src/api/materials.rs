@@ -25,7 +25,6 @@ impl Renderer {
             let checked = surfaces.check_material(material);
             checked.map_err(|reason| Error::Material { index, reason })?;
         }
-        self.has_other_content = true;
         let slots = &mut surfaces.material_slots;
         let mut added = Vec::with_capacity(materials.len());
         for material in materials {
@@ -54,7 +53,6 @@ impl Renderer {
         let surfaces = surfaces.ok_or(refused(MaterialError::NoSurfaces))?;
         surfaces.check_material(to).map_err(refused)?;
         surfaces.material_slots.check_replacement(material, to).map_err(refused)?;
-        self.has_other_content = true;
         surfaces.material_slots.replace(material, to)
     }
 

@@ -43,7 +43,7 @@ impl Renderer {
         self.frames.loss_report()
     }
 
-    /// Goes on on another device, after the present one was lost
+    /// Continues on another device, after the present one was lost
     /// ([`gpu::Error::is_device_lost`]). The renderer has the same scene, ids and options as
     /// before, and the next image shows all of it: whatever was still being uploaded is there. Ids
     /// that are added later may be others than without the loss.

@@ -71,6 +71,12 @@ impl FlareCounts {
         self.queries = None;
     }
 
+    /// Goes on with the brightness of each flare, for a view whose frames are counted anew.
+    pub(crate) fn follow_device(&mut self) {
+        self.forget_ring();
+        self.histories.iter_mut().for_each(FlareHistory::forget_arrived);
+    }
+
     /// Forgets all counts, including counts in flight.
     pub(crate) fn reset(&mut self) {
         self.histories.clear();

@@ -110,6 +110,12 @@ impl FlareHistory {
         self.state
     }
 
+    /// Forgets counts that no frame has used, of frames before the numbers of frames began anew.
+    /// The brightness stays until the next counts.
+    pub(super) fn forget_arrived(&mut self) {
+        self.arrived.clear();
+    }
+
     /// Notes that the newest frame was submitted. Frames that are not submitted change no
     /// brightness.
     pub(super) fn submitted(&mut self) {

@@ -1,4 +1,4 @@
-//! Going on on another device, after the loss of the present one.
+//! Continuation on another device, after the loss of the present one.
 
 use antumbra::gpu::{Adapter, Device};
 use antumbra::pacing::{Retry, Time};
@@ -18,7 +18,7 @@ impl Session {
         tracing::warn!("{error}; {report}; the scene is drawn on another device");
     }
 
-    /// Goes on on another device. The scene, its state and the history of the user stay; images
+    /// Continues on another device. The scene, its state and the history of the user stay; images
     /// that the lost device was drawing are given up.
     ///
     /// # Errors
@@ -46,7 +46,7 @@ impl Session {
 }
 
 impl Opened {
-    /// Opens another device for the window after a loss, and goes on on it.
+    /// Opens another device for the window after a loss, and continues on it.
     pub(crate) fn recover(&mut self, options: &ShowOptions) -> Result<(), RunError> {
         let wanted = run::wanted(&options.device);
         let adapter = self.instance.pick_adapter_for(&self.surface, wanted.as_deref())?;
@@ -55,8 +55,8 @@ impl Opened {
         Ok(())
     }
 
-    /// Goes on on the next device that can present to the window, or on the same one opened again.
-    /// A device that does not take the scene is refused with a message.
+    /// Continues on the next device that can present to the window, or on the same one opened
+    /// again. A device that does not take the scene is refused with a message.
     pub(crate) fn change_device(&mut self, options: &ShowOptions) -> Result<(), RunError> {
         let adapters = self.instance.adapters()?;
         let present = &self.session.renderer().device().adapter().name;

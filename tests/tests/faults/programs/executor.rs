@@ -4,17 +4,14 @@
 use std::error::Error;
 
 use cull::{CullView, Strategy};
-use gpu::{
-    Commands, Device, FrameRing, HostImage, HostImages, ImageState, NearDepth, Purpose,
-    RenderTarget, Target, vk,
-};
-use occlusion::{BucketId, CulledScene, DrawRequest, ObjectRenderer, OcclusionState, Rendering};
+use gpu::{Device, FrameRing, HostImage, HostImages, ImageState, NearDepth, Purpose, Target, vk};
+use occlusion::{CulledScene, DrawRequest, OcclusionState};
 use tests::every_call;
 use tests::host_commands::{HostCommands, Runs};
 use tests::host_device::Host;
 use tests::host_images::{OwnBuffer, OwnImage};
 use tests::host_walk::{boxes, camera};
-use tests::numbered_boxes::{NumberedBoxes, scene_of_boxes};
+use tests::numbered_boxes::{NumberedBoxes, TargetBoxes, scene_of_boxes};
 
 use super::{Outcome, Program, SIZE, Stage, adopted};
 
@@ -60,7 +57,7 @@ fn draw_frames(own: &mut Own<'_>, device: &Device) -> Outcome {
     let mut scene = scene_of_boxes(device, &boxes()[..200], attachments, None)?;
     let mut state = scene.new_view(&target)?;
     let boxes = NumberedBoxes::new(device, scene.leaves(), attachments)?;
-    let mut objects = Boxes { target, boxes };
+    let mut objects = TargetBoxes { target, boxes };
     let mut ring = FrameRing::new(device, IN_FLIGHT)?;
     for number in 0..4 {
         let drawn =
@@ -78,7 +75,7 @@ fn draw_frame(
     number: u64,
     shown: (&mut CulledScene, &mut OcclusionState),
     ring: &mut FrameRing,
-    objects: &mut Boxes,
+    objects: &mut TargetBoxes,
 ) -> Result<(), Box<dyn Error>> {
     let begun = own.commands.begin();
     // SAFETY: the command buffer is being recorded; frames up to the safe one were waited for.
@@ -141,25 +138,5 @@ impl<'a> Own<'a> {
         self.colour.destroy(self.host);
         self.depth.destroy(self.host);
         self.copy.destroy(self.host);
-    }
-}
-
-/// The boxes of the host.
-struct Boxes {
-    target: Target,
-    boxes: NumberedBoxes,
-}
-
-impl ObjectRenderer for Boxes {
-    fn target(&mut self) -> &mut Target {
-        &mut self.target
-    }
-
-    fn rendering(&self, _view: &CullView, rendering: Rendering) -> RenderTarget {
-        self.target.render_target((rendering == Rendering::First).then_some([0.0, 0.0, 0.0, 1.0]))
-    }
-
-    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId) {
-        self.boxes.bind(commands, view);
     }
 }

@@ -1,4 +1,4 @@
-//! Programs that go on on another device when theirs is lost.
+//! Programs that continue on another device when theirs is lost.
 
 use std::error::Error;
 use std::sync::Arc;
@@ -159,7 +159,7 @@ impl Film {
         }
     }
 
-    /// Goes on on another device if `error` is a loss; else returns it.
+    /// Continues on another device if `error` is a loss; else returns it.
     fn go_on(
         &mut self,
         error: Box<dyn Error>,

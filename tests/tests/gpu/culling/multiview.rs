@@ -7,48 +7,26 @@
 use cull::{Aabb, Camera, CullView, DrawPhases, MultiView, Projection, Strategy};
 use glam::{Vec3, vec3};
 use gpu::{
-    Attachments, Commands, Device, Features, FrameRing, HostDevice, OptionalFeature, Predicates,
-    PredicationMode, Purpose, Readback, RenderTarget, Target,
+    Attachments, Device, Features, FrameRing, HostDevice, OptionalFeature, Predicates,
+    PredicationMode, Purpose, Readback, Target,
 };
 use occlusion::{
-    BucketId, CulledScene, DrawRequest, Error, ObjectRenderer, OcclusionPasses, OcclusionState,
-    Rendering, ShaderSet, TargetError,
+    CulledScene, DrawRequest, Error, OcclusionPasses, OcclusionState, ShaderSet, TargetError,
 };
 use tests::host_device::Host as HostsDevice;
-use tests::numbered_boxes::{NumberedBoxes, scene_of_boxes};
+use tests::numbered_boxes::{NumberedBoxes, TargetBoxes, scene_of_boxes};
 use tests::walk::pixels_that_differ;
 use tests::{Driver, run};
 
 const SIZE: [u32; 2] = [96, 64];
 const FRAMES: u32 = 16;
 
-/// The owner of the boxes.
-struct Boxes {
-    target: Target,
-    boxes: NumberedBoxes,
-}
-
-impl ObjectRenderer for Boxes {
-    fn target(&mut self) -> &mut Target {
-        &mut self.target
-    }
-
-    fn rendering(&self, _view: &CullView, rendering: Rendering) -> RenderTarget {
-        let clear = (rendering == Rendering::First).then_some([0.0, 0.0, 0.0, 1.0]);
-        self.target.render_target(clear)
-    }
-
-    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId) {
-        self.boxes.bind(commands, view);
-    }
-}
-
 /// Everything that a host keeps to draw its boxes in some views at once.
 struct Host {
     device: Device,
     frames: FrameRing,
     scene: CulledScene,
-    objects: Boxes,
+    objects: TargetBoxes,
     state: OcclusionState,
     images: Vec<Readback>,
 }
@@ -66,7 +44,7 @@ impl Host {
             images: Vec::new(),
             state: scene.new_view(&target).unwrap(),
             scene,
-            objects: Boxes { target, boxes },
+            objects: TargetBoxes { target, boxes },
         }
     }
 

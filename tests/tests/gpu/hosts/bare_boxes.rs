@@ -3,47 +3,25 @@
 
 use cull::{Aabb, Camera, CullView, LeafIndex, Strategy};
 use glam::Vec3;
-use gpu::{Commands, Device, FrameRing, Readback, RenderTarget, Target};
+use gpu::{Device, FrameRing, Readback, Target};
 use occlusion::{
-    AntumbraMethod, BucketId, CulledScene, DrawRequest, Error, MeshDrawId, Method, MethodRequest,
-    ObjectRenderer, OcclusionState, Rendering, ShadedObjects,
+    AntumbraMethod, CulledScene, DrawRequest, Error, MeshDrawId, Method, MethodRequest,
+    OcclusionState,
 };
 use tests::host_walk::{boxes, camera};
-use tests::numbered_boxes::{NumberedBoxes, scene_of_boxes};
+use tests::numbered_boxes::{NumberedBoxes, TargetBoxes, scene_of_boxes};
 use tests::walk::images_that_differ;
 use tests::{Driver, run};
 
 const SIZE: [u32; 2] = [160, 90];
 const FRAMES: u64 = 18;
 
-/// The owner of the boxes.
-struct Boxes {
-    target: Target,
-    boxes: NumberedBoxes,
-}
-
-impl ObjectRenderer for Boxes {
-    fn target(&mut self) -> &mut Target {
-        &mut self.target
-    }
-
-    fn rendering(&self, _view: &CullView, rendering: Rendering) -> RenderTarget {
-        self.target.render_target((rendering == Rendering::First).then_some([0.0, 0.0, 0.0, 1.0]))
-    }
-
-    fn bind(&self, commands: &Commands, view: &CullView, _bucket: BucketId) {
-        self.boxes.bind(commands, view);
-    }
-}
-
-impl ShadedObjects for Boxes {}
-
 /// Everything that a host keeps to draw its boxes by our answers.
 struct Host {
     device: Device,
     frames: FrameRing,
     scene: CulledScene,
-    objects: Boxes,
+    objects: TargetBoxes,
     state: OcclusionState,
     images: Vec<Readback>,
 }
@@ -60,7 +38,7 @@ impl Host {
             images: Vec::new(),
             state: scene.new_view(&target).unwrap(),
             scene,
-            objects: Boxes { target, boxes },
+            objects: TargetBoxes { target, boxes },
         }
     }
 
@@ -143,7 +121,7 @@ fn a_method_out_of_order_is_refused() {
         let request =
             MethodRequest { strategy: Strategy::ANTUMBRA, view: &view, visible: &[], after: None };
         let Host { frames, scene, objects, state, .. } = &mut host;
-        let record = |frame: &mut _, state: &mut _, scene: &mut _, objects: &mut Boxes| {
+        let record = |frame: &mut _, state: &mut _, scene: &mut _, objects: &mut TargetBoxes| {
             AntumbraMethod.record(frame, state, scene, objects, &request).map(drop)
         };
         let mut frame = frames.begin().unwrap();

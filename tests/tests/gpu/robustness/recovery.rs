@@ -1,4 +1,4 @@
-//! A renderer that goes on on another device shows what it would have shown without the loss.
+//! A renderer that continues on another device shows what it would have shown without the loss.
 
 use std::sync::Arc;
 
@@ -198,6 +198,8 @@ fn the_report_on_a_loss_says_where_it_was() {
         let mut film = Film::new(&device, &Arc::new(scene()));
         let before = film.renderer.loss_report();
         assert!(!before.is_ours() && before.unfinished.is_empty(), "{before}");
+        // A driver may only be asked for the fault of a lost device.
+        assert_eq!((before.fault, device.is_known_lost()), (None, false));
         drop(film.frame(Strategy::ANTUMBRA, 0));
         let completed = device.completed().unwrap();
         let request = FrameRequest::new(Strategy::ANTUMBRA, camera(1));

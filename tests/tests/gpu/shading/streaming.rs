@@ -196,8 +196,8 @@ impl Stream {
         self.remove_materials();
     }
 
-    /// Goes on on another device, as after the loss of the first. What was still being uploaded is
-    /// there at once.
+    /// Continues on another device, as after the loss of the first. What was still being uploaded
+    /// is there at once.
     fn recover(&mut self, device: &Device) {
         let is_uploading = self.renderer.is_uploading();
         let before = (!is_uploading).then(|| self.draw());

@@ -303,6 +303,7 @@ impl SwapchainState {
     /// Converts an error to a [`PresentSkipped`] if there is one for it, and repairs the state as
     /// far as possible.
     pub(super) fn settle(&mut self, error: Error) -> Result<PresentSkipped, Error> {
+        self.device.note_loss(&error);
         match error {
             Error::Vulkan { call, code: code @ vk::Result::ERROR_DEVICE_LOST } => {
                 tracing::error!("{call} failed with {code:?} while a frame was presented");
