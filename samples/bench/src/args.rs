@@ -249,7 +249,7 @@ impl Options {
 /// The numbers that a scene is made from.
 #[derive(Clone, Debug, PartialEq, Eq, Args)]
 pub struct MadeArguments {
-    /// Approximate number of objects in city, field or assembly, 1 to 2000000 [default: 10000]
+    /// Approximate number of objects in city, field or assembly, 1 to 33554432 [default: 10000]
     #[arg(long, value_name = "N", help_heading = "Scene")]
     #[arg(value_parser = value_parser!(u32).range(1..=i64::from(MAX_OBJECTS)))]
     pub objects: Option<u32>,

@@ -2,8 +2,8 @@
 
 use scene::SceneError;
 
-/// The most objects that a generated scene can have.
-pub const MAX_OBJECTS: u32 = 2_000_000;
+/// The most objects that a generated scene can have. Devices differ in how many they take.
+pub const MAX_OBJECTS: u32 = 1 << 25;
 
 /// The most street lamps in a set of lights.
 pub const MAX_LAMPS: u32 = 64;

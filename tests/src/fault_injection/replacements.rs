@@ -137,6 +137,12 @@ counted! { CALLS_THAT_SHOW calls_that_show {
         made: *mut vk::Fence);
 }}
 
+counted! { CALLS_THAT_WAIT_FOR_PRESENTS calls_that_wait_for_presents {
+    wait_for_fences PFN_vkWaitForFences c"vkWaitForFences" (
+        device: vk::Device, count: u32, fences: *const vk::Fence, all: vk::Bool32, bound_ns: u64);
+    fence_status PFN_vkGetFenceStatus c"vkGetFenceStatus" (device: vk::Device, fence: vk::Fence);
+}}
+
 counted! { CALLS_THAT_SAVE calls_that_save {
     pipeline_cache_data PFN_vkGetPipelineCacheData c"vkGetPipelineCacheData" (
         device: vk::Device, cache: vk::PipelineCache, size: *mut usize, data: *mut c_void);
@@ -217,6 +223,7 @@ pub(super) fn replacements() -> Vec<(&'static CStr, Function)> {
         calls_that_make(),
         calls_that_run(),
         calls_that_show(),
+        calls_that_wait_for_presents(),
         calls_that_save(),
         calls_that_start(),
         calls_that_draw(),

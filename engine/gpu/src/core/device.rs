@@ -331,12 +331,28 @@ impl Device {
 
     /// Frees retired objects that are no longer in use.
     pub(crate) fn free_retired(&self) -> Result<(), Error> {
-        let completed = self.completed()?;
+        self.free_over(self.completed()?);
+        Ok(())
+    }
+
+    /// Frees the retired objects of a lost device. Its work is over once a wait reports the loss
+    /// (Vulkan specification, "Lost Device"), but no frame frees anything any more. Does nothing
+    /// while the device works.
+    pub(crate) fn free_retired_of_lost(&self) {
+        let newest = self.submitted();
+        let is_over = |waited: Result<(), Error>| {
+            waited.map_or_else(|error| error.is_device_lost(), |()| true)
+        };
+        if self.is_known_lost() && is_over(self.wait(newest, WaitFor::Drain)) {
+            self.free_over(newest);
+        }
+    }
+
+    fn free_over(&self, completed: Tick) {
         let mut deletion = lock(&self.shared.deletion);
         while let Some(retired) = deletion.pop_over(completed) {
             self.shared.destroy(retired);
         }
-        Ok(())
     }
 
     /// Returns true if the device submits work, and false if it was adopted without a queue.

@@ -65,7 +65,7 @@ fn without_arguments_it_is_a_street_walk_against_both_bounds() {
 fn every_option_arrives() {
     let options = parse(&[
         "--scene=field",
-        "--objects=2000000",
+        "--objects=33554432",
         "--seed=18446744073709551615",
         "--path=cut",
         "--views=2",
@@ -174,7 +174,7 @@ fn numbers_outside_their_range_are_refused() {
             assert!(named && message.contains(&format!("'{value}'")), "{message}");
         }
     }
-    assert!(refusal(&["--objects", "0"]).contains("0 is not in 1..=2000000"));
+    assert!(refusal(&["--objects", "0"]).contains("0 is not in 1..=33554432"));
 }
 
 #[test]

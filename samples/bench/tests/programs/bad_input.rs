@@ -20,7 +20,7 @@ fn mistakes_in_the_command_line_end_with_2_and_leave_nothing() {
     for (mistake, sentence) in [
         (["--scene", "citty"], "did you mean 'city'?"),
         (["--strategy", "frustum,frustum"], "'frustum' twice"),
-        (["--objects", "2000001"], "2000001 is not in 1..=2000000"),
+        (["--objects", "33554433"], "33554433 is not in 1..=33554432"),
         (["--size", "0x0"], "'0x0'"),
         (["--predicates", "condtional"], "a similar value exists: 'conditional'"),
         (["--top-down", "-1"], "a frame, or off"),

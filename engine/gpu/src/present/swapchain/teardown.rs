@@ -49,10 +49,12 @@ impl Teardown {
 
 impl Drop for Teardown {
     fn drop(&mut self) {
-        match self.retire() {
-            Ok(()) => {}
-            Err(error) if error.is_device_lost() => {}
-            Err(error) => tracing::error!("a window was not closed in order: {error}"),
+        if let Err(error) = self.retire()
+            && !error.is_device_lost()
+        {
+            tracing::error!("a window was not closed in order: {error}");
         }
+        // The window is in use (VK_ERROR_NATIVE_WINDOW_IN_USE_KHR) for another device until then.
+        self.device.free_retired_of_lost();
     }
 }

@@ -108,3 +108,30 @@ fn what_is_dropped_after_the_last_submit_needs_no_further_one() {
         assert_eq!(device.retired(), 0);
     });
 }
+
+#[test]
+fn large_uploads_are_freed_by_frames_that_do_not_need_them() {
+    run_on_all(|device| {
+        const WORDS: u32 = 5 << 20;
+        let mut ring = FrameRing::new(device, 2).unwrap();
+        let to = readback(device);
+        let copy = |ring: &mut FrameRing, words: u32| {
+            let mut frame = ring.begin().unwrap();
+            let from = frame.uploads().push_iter(0..words).unwrap();
+            let last = u64::from(words - 1024) * 4;
+            frame.commands().copy_buffer(from.part(last, 4096), to.whole());
+            frame.submit(None).unwrap();
+            device.wait_idle().unwrap();
+            assert_eq!(to.read::<u32>(0..1024), Vec::from_iter(words - 1024..words));
+            device.memory_bytes().1
+        };
+        let small = [copy(&mut ring, 1024), copy(&mut ring, 1024)][1];
+        // A slot keeps its buffer as long as each of its frames needs it.
+        let large = [(); 4].map(|()| copy(&mut ring, WORDS));
+        assert!(large[0] >= small + u64::from(WORDS) * 4, "{small} {large:?}");
+        assert_eq!(large[1..], [large[3]; 3]);
+        // The frame of a slot after the first one that does not need it frees it.
+        let after = [(); 4].map(|()| copy(&mut ring, 1024));
+        assert_eq!(after[3], small, "{after:?}");
+    });
+}
