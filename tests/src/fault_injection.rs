@@ -3,6 +3,7 @@
 //! The calls are replaced above the validation layer, which therefore never sees the hidden parts.
 
 mod attachments;
+mod counted_calls;
 mod device_faults;
 mod draw_calls;
 mod lazy_memory;
@@ -21,15 +22,16 @@ use gpu::{CancellationToken, Entry, RequiredFeature};
 use crate::loader::{Replaces, replacing_entry};
 
 pub use attachments::{AttachmentKind, AttachmentTraffic, attachment_traffic};
+pub use counted_calls::{
+    CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_SHOW, CALLS_THAT_START,
+    CALLS_THAT_WAIT_FOR_PRESENTS,
+};
 pub use device_faults::{FAULT_ADDRESS, FAULT_DESCRIPTION};
 pub use draw_calls::CALL_THAT_COUNTS_DRAWS;
 pub use lazy_memory::LAZY_ALLOCATIONS;
 pub use lies::CONDITIONAL_BLOCKS;
 use replacements::replacements;
-pub use replacements::{
-    CALL_THAT_ASKS_A_WINDOW, CALLS_THAT_MAKE, CALLS_THAT_RESET, CALLS_THAT_RUN, CALLS_THAT_SAVE,
-    CALLS_THAT_SHOW, CALLS_THAT_START, CALLS_THAT_WAIT_FOR_PRESENTS,
-};
+pub use replacements::{CALL_THAT_ASKS_A_WINDOW, CALLS_THAT_RESET};
 pub use representative::{CALL_THAT_LISTS, OTHER_PIPELINES, REPRESENTATIVE_PIPELINES};
 
 type Function = unsafe extern "system" fn();

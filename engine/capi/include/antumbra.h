@@ -2368,9 +2368,10 @@ typedef struct AntumbraRendererDesc {
      */
     uint32_t disabled;
     /**
-     * Must be 0.
+     * 1 for a renderer that keeps its scene, so that `antumbra_renderer_recover` can draw it on
+     * another device: its meshes stay in memory, and frames cost nothing more. Default: 0.
      */
-    uint32_t reserved_2;
+    uint32_t keeps_scene;
 } AntumbraRendererDesc;
 
 /**
@@ -2571,6 +2572,21 @@ AntumbraResult antumbra_renderer_create(const AntumbraContext *context,
                                         const AntumbraRendererDesc *desc,
                                         AntumbraRenderer *renderer,
                                         AntumbraError *error);
+
+/**
+ * Continues on another device, which was adopted with a queue, after a call on the present one
+ * returned `ANTUMBRA_RESULT_DEVICE_LOST`. The renderer must have been created with `keeps_scene`.
+ * It has the same scene, ids and options as before, and begins without history; its size may
+ * change later. Takes as long as `antumbra_renderer_create`. The log has the frames that the lost
+ * device did not finish, with the labels of their passes. After an error nothing has changed, and
+ * the call can be repeated. Release the lost device afterwards.
+ *
+ * The caller promises that the host no longer uses the image of an earlier frame.
+ */
+AntumbraResult antumbra_renderer_recover(const AntumbraContext *context,
+                                         AntumbraRenderer renderer,
+                                         AntumbraDevice device,
+                                         AntumbraError *error);
 
 /**
  * Destroys a renderer without a wait: resources of frames in flight are freed when these frames

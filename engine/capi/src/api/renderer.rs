@@ -1,5 +1,7 @@
 //! Functions of renderers.
 
+use std::sync::Arc;
+
 use cull::ObjectId;
 use gpu::Purpose;
 use scene::{MeshId, Object, ObjectChange};
@@ -7,7 +9,9 @@ use scene::{MeshId, Object, ObjectChange};
 use crate::api::device::write_needs;
 use crate::context::{AntumbraContext, entry};
 use crate::error::{AntumbraError, AntumbraResult};
-use crate::executor::device::{AntumbraAdapterDesc, AntumbraFeatures, AntumbraRequirements};
+use crate::executor::device::{
+    AntumbraAdapterDesc, AntumbraDevice, AntumbraFeatures, AntumbraRequirements,
+};
 use crate::pointers::{Output, check_output, output_slice, read, slice};
 use crate::renderer::description::{
     AntumbraMeshDesc, AntumbraMeshObject, AntumbraRendererDesc, AntumbraTransform, added,
@@ -60,10 +64,42 @@ pub unsafe extern "C" fn antumbra_renderer_create(
             let device = context.devices.find(desc.device)?.read()?.clone();
             HostedRenderer::check_device(&device)?;
             let options = desc.options()?;
+            let keeps_scene = desc.keeps_scene()?;
             let scene = desc.scene()?;
-            let new = HostedRenderer::new(&device, &scene, &options)?;
+            let mut new = HostedRenderer::new(&device, &scene, &options)?;
+            if keeps_scene {
+                new.renderer.keep_scene(Arc::new(scene))?;
+            }
             *renderer = context.renderers.insert(new)?;
             Ok(())
+        })
+    }
+}
+
+/// Continues on another device, which was adopted with a queue, after a call on the present one
+/// returned `ANTUMBRA_RESULT_DEVICE_LOST`. The renderer must have been created with `keeps_scene`.
+/// It has the same scene, ids and options as before, and begins without history; its size may
+/// change later. Takes as long as `antumbra_renderer_create`. The log has the frames that the lost
+/// device did not finish, with the labels of their passes. After an error nothing has changed, and
+/// the call can be repeated. Release the lost device afterwards.
+///
+/// # Safety
+/// The rules of the interface.
+///
+/// The caller promises that the host no longer uses the image of an earlier frame.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_renderer_recover(
+    context: *const AntumbraContext,
+    renderer: AntumbraRenderer,
+    device: AntumbraDevice,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe {
+        entry(context, error, |context| {
+            let device = context.devices.find(device)?.read()?.clone();
+            HostedRenderer::check_device(&device)?;
+            context.renderers.find(renderer)?.write()?.recover(&device)
         })
     }
 }

@@ -186,13 +186,14 @@ pub struct AntumbraRendererDesc {
     /// A set of `ANTUMBRA_ASSUMPTION_..` that a self-test found broken: what rests on them is not
     /// used. Default: 0, none.
     pub disabled: u32,
-    /// Must be 0.
-    pub reserved_2: u32,
+    /// 1 for a renderer that keeps its scene, so that `antumbra_renderer_recover` can draw it on
+    /// another device: its meshes stay in memory, and frames cost nothing more. Default: 0.
+    pub keeps_scene: u32,
 }
 layout!(AntumbraRendererDesc: struct_size, frames_in_flight, device, width, height, meshes,
     mesh_count, objects, object_count, light, query_budget, cost_model, spare_objects, spare_meshes,
     spare_vertices, spare_indices, upload_bytes_per_frame, samples, reserved, shadows, disabled,
-    reserved_2);
+    keeps_scene);
 
 versioned!(AntumbraRendererDesc: 9,
     required: [width, height],
@@ -246,6 +247,17 @@ impl AntumbraRendererDesc {
             disabled: assumptions(self.disabled)?,
             ..default
         })
+    }
+
+    /// Returns true if the renderer keeps its scene.
+    pub(crate) fn keeps_scene(&self) -> Result<bool, Failure> {
+        match self.keeps_scene {
+            0 => Ok(false),
+            1 => Ok(true),
+            other => {
+                Err(Failure::argument(format_args!("desc.keeps_scene is {other}, not 0 or 1")))
+            }
+        }
     }
 
     /// Returns the scene, without a check that it can be drawn.

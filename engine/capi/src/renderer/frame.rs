@@ -161,6 +161,21 @@ impl HostedRenderer {
         Ok(Self { renderer, has_surfaces, view, submitted: VecDeque::new(), stats })
     }
 
+    /// Continues on another device. After an error nothing has changed.
+    pub fn recover(&mut self, device: &Device) -> Result<(), Failure> {
+        if !self.renderer.keeps_scene() {
+            return Err(Failure::argument(
+                "the renderer does not keep its scene: create it with \
+                 AntumbraRendererDesc::keeps_scene, or create another one on this device",
+            ));
+        }
+        tracing::warn!("a renderer continues on another device; {}", self.renderer.loss_report());
+        self.renderer.recover(device)?;
+        // Frames of the lost device have no results.
+        self.submitted.clear();
+        Ok(())
+    }
+
     /// Renders a frame and submits it.
     pub fn render(
         &mut self,

@@ -28,13 +28,14 @@ fn every_function_of_the_renderer_checks_its_handles() {
     let camera = crate::CAMERA;
     let frame = AntumbraRenderDesc { camera: &camera, ..Versioned::INIT };
     // SAFETY: of all closures: pointers to values that live as long as the call, or null.
-    let calls: [Call; 17] = unsafe {
+    let calls: [Call; 18] = unsafe {
         [
             ("create", &|x, id| {
                 let device = AntumbraDevice { id };
                 let desc = AntumbraRendererDesc { device, width: 8, height: 8, ..Versioned::INIT };
                 antumbra_renderer_create(x, &desc, &mut r(0), e())
             }),
+            ("recover", &|x, id| antumbra_renderer_recover(x, r(id), AntumbraDevice { id }, e())),
             ("destroy", &|x, id| antumbra_renderer_destroy(x, r(id), e())),
             ("render", &|x, id| antumbra_renderer_render(x, r(id), &frame, e())),
             ("image", &|x, id| {
