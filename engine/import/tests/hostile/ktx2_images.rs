@@ -8,7 +8,7 @@ use ktx2::{Format, SupercompressionScheme};
 use scene::{AstcBlock, BlockFormat, Image, Texels};
 use serde_json::json;
 
-use crate::mutations::Random;
+use gltf_files::mutations::Random;
 
 const FORMATS: [([Format; 2], BlockFormat); 7] = [
     ([Format::BC1_RGB_UNORM_BLOCK, Format::BC1_RGB_SRGB_BLOCK], BlockFormat::Bc1),

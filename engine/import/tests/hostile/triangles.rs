@@ -6,8 +6,8 @@ use antumbra_import::{
     Cause, GltfScene, ImportError, LoadOptions, MeshFormat, load, load_mesh_bytes,
 };
 
-use super::mutations::Random;
 use super::strict;
+use gltf_files::mutations::Random;
 
 /// The corners of a cube of side 20, and its faces, counter-clockwise from outside.
 const CORNERS: [[f32; 3]; 8] = [
