@@ -13,7 +13,7 @@ use crate::{Driver, open};
 
 const SIZE: [u32; 2] = [32, 18];
 
-/// What became of a file.
+/// The outcome of showing a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FileOutcome {
     /// It is no scene.

@@ -1,5 +1,5 @@
-//! Small, reproducible changes of valid files: the files of `cargo fuzz`, with other bytes and other
-//! values in their JSON.
+//! Small, reproducible changes of valid files: the files of `cargo fuzz`, with other bytes and
+//! other values in their JSON.
 
 use std::path::Path;
 
@@ -8,9 +8,9 @@ use serde_json::{Value, json};
 use crate::files::{GltfFile, everything, glb_of};
 
 /// The generator SplitMix64.
-pub struct Random(pub u64);
+pub struct SplitMix(pub u64);
 
-impl Random {
+impl SplitMix {
     /// Returns the next number.
     #[allow(clippy::should_implement_trait, reason = "an endless sequence")]
     pub fn next(&mut self) -> u64 {
@@ -44,7 +44,7 @@ pub fn corpus() -> Vec<Vec<u8>> {
 
 /// Returns a changed file. The change is in its bytes, or separately in its JSON and binary chunk,
 /// so that it remains a container.
-pub fn mutant(corpus: &[Vec<u8>], random: &mut Random) -> Vec<u8> {
+pub fn mutant(corpus: &[Vec<u8>], random: &mut SplitMix) -> Vec<u8> {
     let mut bytes = corpus[random.below(corpus.len())].clone();
     let changes = 1 + random.below(4);
     let parts = split(&bytes).filter(|_| random.below(4) > 0);
@@ -69,7 +69,7 @@ fn split(bytes: &[u8]) -> Option<(Value, Vec<u8>)> {
 }
 
 /// Changes a few bytes.
-fn change_bytes(bytes: &mut Vec<u8>, corpus: &[Vec<u8>], random: &mut Random) {
+fn change_bytes(bytes: &mut Vec<u8>, corpus: &[Vec<u8>], random: &mut SplitMix) {
     if bytes.is_empty() {
         return;
     }
@@ -94,7 +94,7 @@ fn change_bytes(bytes: &mut Vec<u8>, corpus: &[Vec<u8>], random: &mut Random) {
 }
 
 /// Changes one value of the JSON to another number or to another value of the JSON, or removes it.
-fn change_tree(json: &mut Value, random: &mut Random) {
+fn change_tree(json: &mut Value, random: &mut SplitMix) {
     let mut pointers = Vec::new();
     collect(json, String::new(), &mut pointers);
     let at = pointers[random.below(pointers.len())].clone();
@@ -122,7 +122,7 @@ fn change_tree(json: &mut Value, random: &mut Random) {
     }
 }
 
-fn number(old: &Value, random: &mut Random) -> Value {
+fn number(old: &Value, random: &mut SplitMix) -> Value {
     const NUMBERS: &[i64] = &[
         0,
         1,

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use gltf_files::mutations::{Random, corpus, mutant};
+use gltf_files::mutations::{SplitMix, corpus, mutant};
 use gltf_files::target::try_bytes;
 
 /// The number of tries in a test; `cargo fuzz` continues where this ends.
@@ -12,7 +12,7 @@ const TRIES: u64 = 200_000;
 #[test]
 fn no_change_of_a_file_makes_it_panic() {
     let corpus = corpus();
-    let mut random = Random(1);
+    let mut random = SplitMix(1);
     let mut accepted = 0;
     let start = Instant::now();
     for turn in 0..TRIES {
@@ -28,7 +28,7 @@ fn no_change_of_a_file_makes_it_panic() {
 
 #[test]
 fn random_bytes_are_refused() {
-    let mut random = Random(2);
+    let mut random = SplitMix(2);
     for turn in 0..4_000 {
         let length = random.below(300);
         let mut bytes: Vec<u8> = (0..length).map(|_| random.next() as u8).collect();
