@@ -140,8 +140,25 @@ impl LongRun {
         self.frames += 2;
         self.compared += 1;
         let wrong = pixels_that_differ(&found, &expected);
-        assert_eq!(wrong, 0, "pixels with culling differ: {}", self.context());
+        if wrong > 0 {
+            let again = self.strategies_again(&expected);
+            panic!("{wrong} pixels differ, and in later frames {again}: {}", self.context());
+        }
         found
+    }
+
+    /// Returns the pixels of later frames that differ from an image, by strategy.
+    fn strategies_again(&mut self, expected: &[u8]) -> String {
+        let strategies = [self.strategy, Strategy::FRUSTUM, Strategy::ANTUMBRA, Strategy::FRUSTUM];
+        let again = strategies.map(|strategy| {
+            let request = FrameRequest::new(strategy, self.camera);
+            let request = FrameRequest { image: Some(&self.images[0]), ..request };
+            self.renderer.render(&mut self.views[0], request).expect("a frame");
+            self.renderer.device().wait_idle().expect("it works");
+            let found = self.images[0].rgba8().expect("it is over");
+            format!("{} with {strategy}", pixels_that_differ(&found, expected))
+        });
+        again.join(", ")
     }
 
     /// Draws until everything has arrived on the GPU: what is on its way shows earlier in one of
@@ -207,6 +224,8 @@ impl LongRun {
         let added = self.renderer.update(&add).expect("there is room").added;
         self.objects = added.into_iter().zip(self.first.objects.iter().copied()).collect();
         let renderer = &mut self.renderer;
+        // The hierarchy's logs of changes are bounded, but by megabytes: this empties them.
+        renderer.rebuild_hierarchy().expect("a hierarchy");
         renderer.remove_lights(&self.lights).expect("they are there");
         self.lights.clear();
         let surfaces = self.first.surfaces.as_ref().expect("surfaces");
@@ -239,12 +258,17 @@ impl LongRun {
     fn context(&self) -> String {
         let newest = &self.calls[self.calls.len().saturating_sub(20)..];
         format!(
-            "seed {}, frame {}, {} at {:?}, {} in flight, after {newest:?}",
+            "seed {}, frame {}, {} at {:?}, {} in flight, {:?}, {} section planes, {:?}, {} lights, \
+             after {newest:?}",
             self.seed,
             self.frames,
             self.strategy,
             self.renderer.size(),
-            self.renderer.frames_in_flight()
+            self.renderer.frames_in_flight(),
+            self.renderer.shadows().method,
+            self.renderer.section().planes().len(),
+            self.renderer.edges().mode,
+            self.lights.len()
         )
     }
 }

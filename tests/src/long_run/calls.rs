@@ -35,7 +35,7 @@ pub enum Call {
     MovePane,
     /// A mesh, a material and a texture come, with an object.
     Stream,
-    /// What came goes.
+    /// A mesh that came goes, with all that came with it.
     Unstream,
     /// A material that came changes.
     SetMaterial,

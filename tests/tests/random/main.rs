@@ -10,8 +10,10 @@
 mod calls;
 mod files;
 
-/// Returns the number of seeds of a long test: that of `ANTUMBRA_SEEDS`, or this one.
-fn seeds_or(usual: u64) -> u64 {
-    let named = std::env::var("ANTUMBRA_SEEDS").ok().and_then(|seeds| seeds.parse().ok());
-    named.unwrap_or(usual)
+/// Returns the seeds of a long test: as many as `ANTUMBRA_SEEDS` says, or as usual, from
+/// `ANTUMBRA_FIRST_SEED` on.
+fn seeds(first: u64, usual: u64) -> std::ops::Range<u64> {
+    let named = |name| std::env::var(name).ok().and_then(|number| number.parse().ok());
+    let first = named("ANTUMBRA_FIRST_SEED").unwrap_or(first);
+    first..first + named("ANTUMBRA_SEEDS").unwrap_or(usual)
 }

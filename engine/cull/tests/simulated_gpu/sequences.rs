@@ -37,7 +37,7 @@ const VIEWS: usize = 2;
 #[derive(Clone, Copy, Debug)]
 struct Thing {
     bounds: Aabb,
-    /// What is drawn, inside of the box.
+    /// The drawn solid, inside of the box.
     solid: Aabb,
     shift: Shift,
     member: SectionMember,
