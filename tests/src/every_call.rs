@@ -7,6 +7,7 @@
 mod calls;
 mod codes;
 mod device;
+mod live;
 mod numbered;
 mod state;
 mod wrappers;
@@ -22,6 +23,7 @@ use crate::loader::{Replaces, replacing_entry};
 
 pub use calls::NAMES;
 pub use codes::{INVENTED, codes_of, name_of, number_of, parse_code, table_version};
+pub use live::{LiveObjects, live_objects};
 pub use state::{CallNumber, Fault, FaultPlan, Lasts, NextFault};
 use state::{Function, with_state};
 
@@ -75,7 +77,7 @@ impl Replaces for EveryCall {
         let name = name.to_str().unwrap_or_default();
         with_state(|state| {
             state.asked.insert(name.to_owned());
-            if let Some(ours) = device::replacement(name) {
+            if let Some(ours) = device::replacement(name).or_else(|| live::replacement(name)) {
                 state.others.insert(ours.name, real);
                 return Some(ours.function);
             }

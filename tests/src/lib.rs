@@ -11,6 +11,7 @@ pub mod counting;
 pub mod display;
 pub mod every_call;
 pub mod fault_injection;
+pub mod frame_of_file;
 pub mod host_commands;
 pub mod host_copy;
 pub mod host_device;
@@ -22,6 +23,7 @@ pub mod host_passes;
 pub mod host_scene;
 pub mod host_walk;
 mod loader;
+pub mod long_run;
 #[cfg(feature = "shader-compiler")]
 pub mod numbered_boxes;
 pub mod projections;

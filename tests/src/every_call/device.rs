@@ -71,7 +71,10 @@ unsafe extern "system" fn destroy_device(
     device: vk::Device,
     callbacks: *const vk::AllocationCallbacks<'_>,
 ) {
-    with_state(|state| state.devices.retain(|other| *other != device));
+    with_state(|state| {
+        state.devices.retain(|other| *other != device);
+        state.note_destroyed("Device");
+    });
     // SAFETY: as above.
     unsafe { real_other::<vk::PFN_vkDestroyDevice>(DESTROY)(device, callbacks) }
 }

@@ -7,6 +7,7 @@ use ash::vk;
 
 use super::calls::NAMES;
 use super::codes::{INVENTED, codes_of};
+use super::live::LiveObjects;
 use crate::window_fixture::Random;
 
 /// The number of a call in [`NAMES`].
@@ -76,6 +77,7 @@ pub(super) struct State {
     pub(super) real: Vec<Option<Function>>,
     pub(super) others: HashMap<&'static str, Function>,
     pub(super) devices: Vec<vk::Device>,
+    pub(super) live: LiveObjects,
 }
 
 impl State {

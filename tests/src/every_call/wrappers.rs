@@ -45,7 +45,13 @@ arities! {
 
 /// Counts a call, and returns the injected code, or the code of the real call.
 pub(super) fn answer(number: usize, real: impl FnOnce() -> vk::Result) -> vk::Result {
-    let Some(code) = with_state(|state| state.due(number)) else { return real() };
+    let Some(code) = with_state(|state| state.due(number)) else {
+        let code = real();
+        if code == vk::Result::SUCCESS {
+            with_state(|state| state.note_made(number));
+        }
+        return code;
+    };
     if code == vk::Result::ERROR_DEVICE_LOST {
         device::finish();
     }

@@ -23,7 +23,7 @@ fn kinds(batched: BatchedOptions, chc: ChcOptions) -> [BlockingKind; 4] {
     [BlockingKind::Naive, batched, BlockingKind::StopAndWait, chc]
 }
 
-fn default_kinds() -> [BlockingKind; 4] {
+pub fn default_kinds() -> [BlockingKind; 4] {
     kinds(BatchedOptions::default(), ChcOptions::default())
 }
 

@@ -283,6 +283,10 @@ impl Device {
     ) -> Vec<LeafIndex> {
         let shows = |leaf: &LeafIndex| {
             let node = hierarchy.node_of(hierarchy.leaf_objects()[leaf.0 as usize]).unwrap();
+            // A free leaf draws nothing.
+            if hierarchy.bounds(node).is_empty() {
+                return false;
+            }
             let shows = |(view, image): (&CullView, &Image)| {
                 let proxy = view.margin.proxy(&hierarchy.bounds(node));
                 // Only a leaf outside of this view's frustum may be too near.

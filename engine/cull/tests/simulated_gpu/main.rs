@@ -31,6 +31,7 @@ mod recycling;
 mod rest;
 mod scene;
 mod section;
+mod sequences;
 mod talk;
 mod tester_support;
 mod threshold;

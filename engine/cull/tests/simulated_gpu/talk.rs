@@ -6,7 +6,7 @@ use antumbra_cull::{
     TestAnswer, TestToken,
 };
 
-use crate::device::Solids;
+use crate::device::{Solids, draw_caps, seen};
 use crate::image::Image;
 use crate::random::Random;
 
@@ -66,6 +66,7 @@ impl Talk {
         solids: &Solids<'_>,
     ) -> BlockingStats {
         self.image.clear();
+        draw_caps(&mut self.image, view, hierarchy, solids.solids);
         self.drawn.clear();
         self.tested.clear();
         self.under_way.clear();
@@ -93,9 +94,11 @@ impl Talk {
         solids: &Solids<'_>,
     ) {
         for draw in &batch.draws {
-            let object = hierarchy.leaf_objects()[draw.leaf.0 as usize].0 as usize;
+            let object = hierarchy.leaf_objects()[draw.leaf.0 as usize].0;
             self.drawn.push(draw.leaf);
-            let samples = self.image.draw(view, &solids.solids[object], solids.shifts[object]);
+            let view = seen(hierarchy, object, view);
+            let solid = &solids.solids[object as usize];
+            let samples = self.image.draw(&view, solid, solids.shifts[object as usize]);
             if let Some(token) = draw.token {
                 self.answer(token, samples);
             }

@@ -8,7 +8,7 @@ use ktx2::{Format, SupercompressionScheme};
 use scene::{AstcBlock, BlockFormat, Image, Texels};
 use serde_json::json;
 
-use crate::mutations::Random;
+use gltf_files::mutations::SplitMix;
 
 const FORMATS: [([Format; 2], BlockFormat); 7] = [
     ([Format::BC1_RGB_UNORM_BLOCK, Format::BC1_RGB_SRGB_BLOCK], BlockFormat::Bc1),
@@ -279,7 +279,7 @@ fn limits_hold_for_blocks_too() {
 
 #[test]
 fn arbitrary_bytes_give_an_image_or_an_error() {
-    let mut random = Random(2);
+    let mut random = SplitMix(2);
     let mut below = |end: usize| random.below(end);
     let values = |mut file: Ktx2File| {
         file.values = vec![("KTXorientation", b"rd\0"), ("KTXwriter", b"a test")];
