@@ -3,6 +3,7 @@
 //! The calls are replaced above the validation layer, which therefore never sees the hidden parts.
 
 mod attachments;
+mod barriers;
 mod device_faults;
 mod draw_calls;
 mod lazy_memory;
@@ -21,6 +22,7 @@ use gpu::{CancellationToken, Entry, RequiredFeature};
 use crate::loader::{Replaces, replacing_entry};
 
 pub use attachments::{AttachmentKind, AttachmentTraffic, attachment_traffic};
+pub use barriers::{GuardedReads, guarded_reads};
 pub use device_faults::{FAULT_ADDRESS, FAULT_DESCRIPTION};
 pub use draw_calls::CALL_THAT_COUNTS_DRAWS;
 pub use lazy_memory::LAZY_ALLOCATIONS;
@@ -90,6 +92,8 @@ pub struct FaultInjection {
     pub describes_faults: bool,
     /// True if loads and stores of attachments are recorded ([`attachment_traffic`]).
     pub records_attachments: bool,
+    /// True if barriers and the reads behind them are recorded ([`guarded_reads`]).
+    pub records_barriers: bool,
     /// True if every device claims to have lazily allocated memory for transient attachments.
     pub is_lazy: bool,
     /// True if no device resets queries on the CPU.

@@ -7,6 +7,7 @@ use ash::vk;
 use gpu::RequiredFeature;
 
 use super::attachments::calls_that_attach;
+use super::barriers::calls_that_write;
 use super::draw_calls::calls_that_draw;
 use super::lazy_memory::that_are_lazy;
 use super::lies::lies;
@@ -220,6 +221,7 @@ pub(super) fn replacements() -> Vec<(&'static CStr, Function)> {
         calls_that_save(),
         calls_that_start(),
         calls_that_draw(),
+        calls_that_write(),
     ]
     .concat();
     let first = that_pretend().into_iter().chain(calls_that_attach()).chain(that_are_lazy());
