@@ -3,6 +3,7 @@
 //! The calls are replaced above the validation layer, which therefore never sees the hidden parts.
 
 mod attachments;
+mod barriers;
 mod counted_calls;
 mod device_faults;
 mod draw_calls;
@@ -22,6 +23,7 @@ use gpu::{CancellationToken, Entry, RequiredFeature};
 use crate::loader::{Replaces, replacing_entry};
 
 pub use attachments::{AttachmentKind, AttachmentTraffic, attachment_traffic};
+pub use barriers::{GuardedReads, guarded_reads};
 pub use counted_calls::{
     CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_SHOW, CALLS_THAT_START,
     CALLS_THAT_WAIT_FOR_PRESENTS,
@@ -92,6 +94,8 @@ pub struct FaultInjection {
     pub describes_faults: bool,
     /// True if loads and stores of attachments are recorded ([`attachment_traffic`]).
     pub records_attachments: bool,
+    /// True if barriers and the reads behind them are recorded ([`guarded_reads`]).
+    pub records_barriers: bool,
     /// True if every device claims to have lazily allocated memory for transient attachments.
     pub is_lazy: bool,
     /// True if no device resets queries on the CPU.

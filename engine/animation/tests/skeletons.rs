@@ -193,3 +193,13 @@ fn weights_are_between_the_least_and_the_largest_of_all_clips_and_the_rest() {
     assert_eq!(of(std::slice::from_ref(&cubic), 0), [[0.0, 1.0], [-0.5, 0.0]]);
     assert_eq!(of(&[linear, cubic], 1), [[0.25, 0.25]]);
 }
+
+#[test]
+fn what_hangs_on_a_moved_node_moves_with_it() {
+    let rig = rig();
+    let values = Values::Translation(vec![Vec3::X; 2]);
+    let track = Track { interpolation: Interpolation::Linear, times_s: vec![0.0, 1.0], values };
+    let channel = Channel { node: RigNodeId(2), track };
+    let clip = Clip::new("kick".into(), vec![channel], &rig).unwrap();
+    assert_eq!(rig.moved_by([&clip]), [2, 3, 4].map(RigNodeId));
+}

@@ -9,7 +9,7 @@ use std::mem::{take, transmute};
 
 use ash::vk;
 
-use super::{Function, due, injected, real};
+use super::{Function, barriers, due, injected, real};
 
 const BEGIN: &CStr = c"vkCmdBeginRendering";
 const BARRIER: &CStr = c"vkCmdPipelineBarrier2";
@@ -209,6 +209,7 @@ unsafe extern "system" fn pipeline_barrier(
             count => std::slice::from_raw_parts(rendering.p_image_memory_barriers, count as usize),
         };
         record(|recorder| images.iter().for_each(|image| recorder.change(image)));
+        barriers::passed(rendering);
         real::<vk::PFN_vkCmdPipelineBarrier2>(BARRIER)(commands, info);
     }
 }

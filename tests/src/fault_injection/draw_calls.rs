@@ -6,7 +6,7 @@ use std::mem::transmute;
 use ash::vk;
 
 use super::lies::DRAW;
-use super::{Function, Lie, due, injected, real};
+use super::{Function, Lie, barriers, due, injected, real};
 
 /// The call that reads the number of its indirect commands from a buffer.
 pub const CALL_THAT_COUNTS_DRAWS: &CStr = c"vkCmdDrawIndexedIndirectCount";
@@ -27,6 +27,7 @@ unsafe extern "system" fn draw_counted(
     stride: u32,
 ) {
     due(CALL_THAT_COUNTS_DRAWS);
+    barriers::read_draws();
     // SAFETY: the types belong to the functions. The caller passes valid arguments for the counted
     // function, and the plain one takes the same commands.
     unsafe {

@@ -5,7 +5,7 @@ use std::mem::transmute;
 
 use ash::vk;
 
-use super::{Function, Lie, due, injected, real};
+use super::{Function, Lie, barriers, due, injected, real};
 
 /// Counts the blocks of conditional rendering of a [`FaultInjection`](super::FaultInjection).
 pub const CONDITIONAL_BLOCKS: &CStr = c"vkCmdBeginConditionalRenderingEXT";
@@ -44,6 +44,7 @@ unsafe extern "system" fn copy_results(
     stride: vk::DeviceSize,
     flags: vk::QueryResultFlags,
 ) {
+    barriers::wrote_results();
     // SAFETY: here and in all functions below: the type belongs to the function, and the caller
     // passes valid arguments for it.
     unsafe {
@@ -62,6 +63,7 @@ unsafe extern "system" fn begin(
     info: *const vk::ConditionalRenderingBeginInfoEXT<'_>,
 ) {
     due(BEGIN);
+    barriers::read_predicate();
     if !is(Lie::NoConditions) {
         // SAFETY: as above.
         unsafe { real::<vk::PFN_vkCmdBeginConditionalRenderingEXT>(BEGIN)(commands, info) }
@@ -82,6 +84,7 @@ unsafe extern "system" fn draw(
     count: u32,
     stride: u32,
 ) {
+    barriers::read_draws();
     // SAFETY: as above.
     unsafe {
         let real = real::<vk::PFN_vkCmdDrawIndexedIndirect>(DRAW);

@@ -7,6 +7,7 @@ use ash::vk;
 use gpu::RequiredFeature;
 
 use super::attachments::calls_that_attach;
+use super::barriers::calls_that_write;
 use super::counted_calls::counted_calls;
 use super::draw_calls::calls_that_draw;
 use super::lazy_memory::that_are_lazy;
@@ -77,7 +78,7 @@ pub(super) fn replacements() -> Vec<(&'static CStr, Function)> {
             ),
         ]
     };
-    let counted = [counted_calls(), calls_that_draw()].concat();
+    let counted = [counted_calls(), calls_that_draw(), calls_that_write()].concat();
     let first = that_pretend().into_iter().chain(calls_that_attach()).chain(that_are_lazy());
     first.chain(that_lie).chain(lies()).chain(counted).collect()
 }

@@ -13,6 +13,7 @@ mod links;
 mod manifests;
 mod map;
 mod modules;
+mod mutants;
 mod plain;
 mod prose;
 mod rules;

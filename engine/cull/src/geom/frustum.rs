@@ -218,6 +218,28 @@ mod tests {
     }
 
     #[test]
+    fn rounding_far_from_the_origin_leaves_no_box_out() {
+        let eye = Vec3::new(1.0e6, 0.0, 0.0);
+        let camera = Camera {
+            eye,
+            forward: Vec3::NEG_Z,
+            up: Vec3::Y,
+            projection: Projection::perspective(std::f32::consts::FRAC_PI_2),
+            near: 0.1,
+        };
+        let frustum = CullView::new(&camera, [64, 64], 8).frustum;
+        // The numbers beside a million are sixteenths, so that the middle of a box between two of
+        // them is none. One corner of each box is a centimetre within the frustum.
+        for step in 0..8 {
+            let aside = 20.0 + step as f32 / 16.0;
+            let low = Vec3::new(eye.x + aside, -1.0, -aside - 0.01);
+            let bounds = Aabb::new(low, Vec3::new(low.x + 1.0 / 16.0, 1.0, -1.0));
+            let (containment, _) = frustum.classify(&bounds, PlaneMask::ALL);
+            assert_eq!(containment, Containment::Intersects, "{bounds:?}");
+        }
+    }
+
+    #[test]
     fn nothing_is_never_inside() {
         for mask in [PlaneMask::ALL, PlaneMask(0)] {
             let (containment, _) = looking_down_z().classify(&Aabb::EMPTY, mask);

@@ -204,3 +204,29 @@ const ROUNDING: f32 = 16.0 * f32::EPSILON;
 pub(crate) fn rounding(bounds: &Aabb, coordinate: f32) -> f32 {
     ROUNDING * bounds.largest_coordinate().max(coordinate)
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::vec3;
+
+    use super::*;
+    use crate::geom::camera::{Camera, Projection};
+    use crate::geom::view::CullView;
+
+    #[test]
+    fn a_deep_box_grows_by_the_pixel_at_its_far_end() {
+        let camera = Camera {
+            eye: Vec3::ZERO,
+            forward: Vec3::NEG_Z,
+            up: Vec3::Y,
+            projection: Projection::perspective(1.0),
+            near: 0.1,
+        };
+        let margin = CullView::new(&camera, [64, 64], 8).margin;
+        for far_m in [11.0, 100.0, 1000.0] {
+            let bounds = Aabb::new(vec3(-1.0, -1.0, -far_m), vec3(1.0, 1.0, -10.0));
+            let least = margin.pixels() * margin.pixel_m(far_m);
+            assert!(margin.distance_m(&bounds) >= least, "{far_m} m");
+        }
+    }
+}

@@ -123,3 +123,18 @@ impl NodeRecord {
         self.visited.since(self.since)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_frame_has_passed_since_what_is_later() {
+        let early = FrameStamp::FIRST;
+        let late = early.plus(7);
+        assert_eq!((late.since(early), early.since(late)), (7, 0));
+        // An answer of a newer frame than that of the last visit hid it.
+        let record = NodeRecord { since: late, visited: early, ..NodeRecord::default() };
+        assert_eq!(record.hidden_frames(), 0);
+    }
+}

@@ -87,6 +87,27 @@ fn states(culler: &Culler, hierarchy: &Hierarchy) -> Vec<NodeState> {
 }
 
 #[test]
+fn an_older_answer_does_not_hide_what_a_newer_one_showed() {
+    let mut walk = settled_city();
+    let generation = walk.hierarchy.generation();
+    let nodes = (0..walk.hierarchy.node_count() as u32).map(NodeId);
+    let mut leaves = nodes.filter(|node| walk.hierarchy.children(*node).is_none());
+    let leaf = leaves.find(|leaf| walk.culler.state(*leaf) == NodeState::Visible).unwrap();
+    let kind = QueryKind::VisibleDrawQuery;
+    let answer = |frame, samples| {
+        let tag = QueryTag { node: leaf, generation, frame, kind, sample_threshold: 0 };
+        Answer { tag, samples }
+    };
+    let frame = walk.culler.frame();
+    walk.culler.ingest(&walk.hierarchy, [answer(frame, 7)]);
+    walk.culler.ingest(&walk.hierarchy, [answer(FrameId(frame.0 - 1), 0)]);
+    assert_eq!(walk.culler.state(leaf), NodeState::Visible);
+    walk.step(&STREET);
+    walk.culler.ingest(&walk.hierarchy, [answer(walk.culler.frame(), 0)]);
+    assert_eq!(walk.culler.state(leaf), NodeState::Hidden);
+}
+
+#[test]
 fn answers_that_fit_nothing_are_ignored() {
     let mut walk = settled_city();
     let generation = walk.hierarchy.generation();

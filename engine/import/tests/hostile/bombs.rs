@@ -28,6 +28,13 @@ fn large_meshes_without_bytes_are_refused() {
     scene.set("/accessors/0", json!({ "componentType": F32, "type": "VEC3", "count": 1u64 << 40 }));
     too_large(scene.glb(), &["accessor 0", "elements up to it"]);
 
+    // Each accessor is within the limit, both together are not.
+    let mut scene = GltfFile::triangle();
+    let half = Limits::default().elements / 2;
+    scene.set("/accessors/0", json!({ "componentType": F32, "type": "VEC3", "count": half + 1 }));
+    scene.set("/accessors/1", json!({ "componentType": U16, "type": "SCALAR", "count": half }));
+    too_large(scene.glb(), &["accessor 1", "elements up to it"]);
+
     let mut scene = GltfFile::triangle();
     scene.set("/accessors/0", json!({ "componentType": F32, "type": "VEC3", "count": 1 << 26 }));
     too_large(scene.glb(), &["mesh 0, primitive 0", "vertices: 67108864, more than"]);

@@ -122,3 +122,29 @@ impl LeafBoxPass {
         commands.push_constants(pipeline, &Constants::of(view));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use cull::{Aabb, Camera, Projection};
+    use glam::{Vec3, vec3};
+
+    use super::*;
+
+    #[test]
+    fn boxes_of_leaves_grow_as_much_as_proxies() {
+        let camera = Camera {
+            eye: Vec3::ZERO,
+            forward: Vec3::NEG_Z,
+            up: Vec3::Y,
+            projection: Projection::perspective(1.0),
+            near: 0.1,
+        };
+        let view = CullView::new(&camera, [64, 48], 4);
+        let bounds = Aabb::new(vec3(-1.0, -1.0, -40.0), vec3(1.0, 1.0, -30.0));
+        let proxy = view.margin.proxy(&bounds).unwrap();
+        // The formula of `leaf_box.glsl`.
+        let [of_depth, least] = Constants::of(&view).margin_m;
+        let grown_m = (1.0 + 1.0 / 65536.0) * (of_depth * 40.0 + least.max(3.814_697_3e-6 * 40.0));
+        assert!(grown_m >= proxy.max.x - bounds.max.x && of_depth > 0.0, "{grown_m}");
+    }
+}

@@ -7,7 +7,9 @@ use ::shadows::{
     CasterCulling as CullingOption, MASK_LIGHTS, PlannedVolumes, ShadowLight, ShadowOptions,
     ShadowStats, VolumeCounting, VolumeEnd, VolumePlan,
 };
-use cull::{Aabb, BoxShadowVolumes, CullView, Frustum, Hierarchy, LeafIndex, LightReach};
+use cull::{
+    Aabb, BoxShadowVolumes, CullView, Frustum, Hierarchy, LeafIndex, LightReach, SectionPlanes,
+};
 use glam::Vec4;
 use gpu::{
     AttachmentStore, Buffer, BufferSlice, Commands, Device, Frame, IndirectDraw, MemoryKind,
@@ -219,6 +221,8 @@ impl VolumeShadows {
             let draw = geometry.volume_draw(object);
             draw.map_or(0, |(draw, volumes)| volumes.draw(draw).index_count / 6)
         };
+        // Volumes are made of uncut objects: what section planes remove still casts its shadow.
+        let view = &CullView { section: SectionPlanes::default(), ..*view };
         let scene = CastersInView { hierarchy, geometry, receivers: *receivers, view, triangles };
         let mut groups = Vec::new();
         if let Some(culling) = &mut culling {

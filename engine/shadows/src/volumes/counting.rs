@@ -140,6 +140,14 @@ mod tests {
     }
 
     #[test]
+    fn open_meshes_have_a_near_cap_where_closed_ones_have_none() {
+        let caps = [VolumeCounting::ZPass, VolumeCounting::ZFail].map(|counting| {
+            [VolumeKind::Plain, VolumeKind::Robust].map(|kind| counting.caps(kind))
+        });
+        assert_eq!(caps, [[Caps::None, Caps::Near], [Caps::Both; 2]]);
+    }
+
+    #[test]
     fn casters_between_eye_and_light_are_counted_by_z_fail() {
         let roof = (vec3(-5.0, 4.0, -5.0), vec3(5.0, 4.5, 5.0));
         assert_eq!(of(roof.0, roof.1, SUN), VolumeCounting::ZFail);

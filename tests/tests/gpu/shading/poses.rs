@@ -159,6 +159,39 @@ fn what_stays_hidden_is_not_skinned() {
     });
 }
 
+#[test]
+fn a_pose_that_came_behind_a_wall_shows_when_the_wall_goes() {
+    run_on_all(|device| {
+        let Pose { joints, weights } = pose(0.1);
+        let mut renderer = Renderer::new(device, &scene(), &options(2)).unwrap();
+        let mut view = renderer.new_view().unwrap();
+        let mut frame = |renderer: &mut Renderer| {
+            let image = Readback::new(device, SIZE).unwrap();
+            let request = FrameRequest::new(Strategy::ANTUMBRA, camera());
+            let request = FrameRequest { image: Some(&image), ..request };
+            let report = renderer.render(&mut view, request).unwrap();
+            renderer.wait_idle(&mut view).unwrap();
+            (report, image)
+        };
+        for _ in 0..8 {
+            frame(&mut renderer);
+        }
+        renderer.set_pose(SkinnedMeshId(1), &joints, &weights).unwrap();
+        for _ in 0..4 {
+            let (report, _) = frame(&mut renderer);
+            assert_eq!(report.skinned_vertices, 0, "it is hidden");
+        }
+        let wall = ObjectChange::Remove { object: ObjectId(2) };
+        renderer.update(&[wall]).unwrap();
+        let (_, found) = frame(&mut renderer);
+        let mut reference = Renderer::new(device, &scene(), &options(2)).unwrap();
+        reference.update(&[wall]).unwrap();
+        reference.set_pose(SkinnedMeshId(1), &joints, &weights).unwrap();
+        let expected = draw(&mut reference, Strategy::FRUSTUM);
+        assert_eq!(images_that_differ(&expected, &found), 0);
+    });
+}
+
 /// Returns all frames of a camera that looks around. With `sees_all`, all poses are uploaded in
 /// each frame.
 fn looking_about(device: &Device, strategy: Strategy, sees_all: bool) -> Vec<Readback> {

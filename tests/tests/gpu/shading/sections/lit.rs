@@ -4,7 +4,7 @@ use cull::{Camera, ObjectId, SectionMember, SectionPlanes, Strategy};
 use glam::{DVec3, Vec3, vec3};
 use gpu::Device;
 use render::RendererOptions;
-use shadows::{ShadowMethod, ShadowOptions};
+use shadows::{CasterCulling, ShadowMethod, ShadowOptions};
 use tests::section::{CutScene, plane, planes};
 use tests::shapes::box_at;
 use tests::{run_on_all, shadow_scene};
@@ -73,6 +73,28 @@ fn what_is_cut_away_casts_no_shadow_by_maps() {
             shown.renderer.degradations()
         };
         assert_eq!(lost.planes_without_shadows, 1);
+    });
+}
+
+#[test]
+fn what_is_cut_away_casts_its_shadow_by_volumes_whether_casters_are_culled_or_not() {
+    run_on_all(|device| {
+        let [sun, ..] = shadow_scene::lights();
+        let shown = |blocks: usize, culling: CasterCulling| {
+            let scene = shadow_scene::scene(&boxes(blocks), &[sun]);
+            let mut options = options(ShadowMethod::Volumes);
+            options.shadows.culling = culling;
+            let mut shown = CutScene::new(device, &scene, options);
+            shown.renderer.set_section_member(GROUND, SectionMember::Whole);
+            shown.renderer.set_section(planes(&[plane([-1.0, 0.0, 0.0], 2.0)])).unwrap();
+            let draw = |strategy| shown.pixels(camera(Vec3::ZERO), strategy);
+            let images = [Strategy::FRUSTUM, Strategy::ANTUMBRA, Strategy::ANTUMBRA].map(draw);
+            assert!(images.iter().all(|image| *image == images[0]), "{culling:?}");
+            images.into_iter().next().unwrap()
+        };
+        let unculled = shown(2, CasterCulling::Unculled);
+        assert!(apart(&unculled, &shown(1, CasterCulling::Unculled)) > 100, "a small shadow");
+        assert!(shown(2, CasterCulling::Culled) == unculled);
     });
 }
 
