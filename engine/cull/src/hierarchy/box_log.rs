@@ -6,8 +6,12 @@ use std::collections::VecDeque;
 use crate::geom::bounds::Aabb;
 use crate::ids::ObjectId;
 
-/// The most changes that are held: after more changes in a frame, readers should start afresh.
+/// The most changes that are held for any number of objects: after more changes in a frame, readers
+/// should start afresh.
 const CHANGES_MAX: usize = 1 << 16;
+
+/// The number of changes that are held for a few objects: enough for readers that pause for a while.
+const CHANGES_OF_FEW: usize = 1 << 10;
 
 /// A change of an object's box.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,9 +33,11 @@ pub(super) struct BoxLog {
 }
 
 impl BoxLog {
+    /// Notes a change of one of `objects` objects. Drops the oldest if each object has changed
+    /// several times since.
     #[inline]
-    pub(super) fn push(&mut self, change: BoxChange) {
-        if self.changes.len() == CHANGES_MAX {
+    pub(super) fn push(&mut self, change: BoxChange, objects: usize) {
+        if self.changes.len() >= objects.saturating_mul(4).clamp(CHANGES_OF_FEW, CHANGES_MAX) {
             self.changes.pop_front();
         }
         self.changes.push_back(change);
@@ -73,15 +79,20 @@ mod tests {
             before: Aabb::EMPTY,
             after: Aabb::EMPTY,
         };
-        (0..5).for_each(|object| log.push(change(object)));
+        (0..5).for_each(|object| log.push(change(object), 5));
         assert_eq!(objects(&log, 5), Some(vec![]));
         assert_eq!(objects(&log, 3), Some(vec![3, 4]));
         assert_eq!(objects(&log, 6), None, "that is the future");
         log.clear();
         assert_eq!(objects(&log, 5), None);
         assert_eq!(objects(&log, 6), Some(vec![]));
-        (0..CHANGES_MAX as u32 + 1).for_each(|object| log.push(change(object)));
-        assert_eq!(objects(&log, 6), None);
-        assert_eq!(objects(&log, 7).map(|all| all.len()), Some(CHANGES_MAX));
+        let mut first = log.count();
+        for (count, held) in [(1, CHANGES_OF_FEW), (1_000, 4_000), (usize::MAX / 2, CHANGES_MAX)] {
+            (0..held as u32 + 1).for_each(|object| log.push(change(object), count));
+            assert_eq!(objects(&log, first), None, "{count} objects");
+            assert_eq!(objects(&log, first + 1).map(|all| all.len()), Some(held));
+            log.clear();
+            first = log.count();
+        }
     }
 }

@@ -98,7 +98,8 @@ pub(super) fn refit(
         check(object.0 as usize, &target)?;
         let node = occupied(topology, nodes, object)?;
         let moved = &mut nodes.all[node as usize];
-        log.push(BoxChange { object, before: moved.bounds(), after: target });
+        let change = BoxChange { object, before: moved.bounds(), after: target };
+        log.push(change, topology.object_nodes.len());
         *moved = Node::leaf(target);
         stale.insert(node);
         Ok(())

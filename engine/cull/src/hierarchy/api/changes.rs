@@ -58,7 +58,8 @@ impl Hierarchy {
     pub fn remove(&mut self, object: ObjectId) -> Result<(), HierarchyError> {
         let before = self.node_of(object).map_or(Aabb::EMPTY, |node| self.bounds(node));
         let node = occupancy::vacate(&self.topology, &mut self.nodes, object)?;
-        self.boxes.push(BoxChange { object, before, after: Aabb::EMPTY });
+        let objects = self.topology.object_nodes.len();
+        self.boxes.push(BoxChange { object, before, after: Aabb::EMPTY }, objects);
         self.refit_above(node);
         self.list_whole();
         Ok(())
@@ -148,7 +149,8 @@ impl Hierarchy {
         self.rebuild_below(root, &more, reordered)?;
         let ids: Vec<ObjectId> = (before as u32..wanted as u32).map(ObjectId).collect();
         for (object, bounds) in ids.iter().zip(boxes) {
-            self.boxes.push(BoxChange { object: *object, before: Aabb::EMPTY, after: *bounds });
+            let change = BoxChange { object: *object, before: Aabb::EMPTY, after: *bounds };
+            self.boxes.push(change, self.topology.object_nodes.len());
         }
         Ok(ids)
     }
@@ -183,7 +185,8 @@ impl Hierarchy {
         let leaf = self.topology.nodes[node as usize].first_leaf;
         let object = self.topology.leaf_objects[leaf as usize];
         self.arrivals[object.0 as usize] = generation;
-        self.boxes.push(BoxChange { object, before: Aabb::EMPTY, after: bounds });
+        let objects = self.topology.object_nodes.len();
+        self.boxes.push(BoxChange { object, before: Aabb::EMPTY, after: bounds }, objects);
         Ok(object)
     }
 
