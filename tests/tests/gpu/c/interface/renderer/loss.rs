@@ -142,6 +142,7 @@ fn a_renderer_that_keeps_its_scene_continues_on_another_device_of_the_host() {
         let done = recover(&mut c, renderer);
         assert_eq!(done, Ok, "{}", text(&c.error));
         let mut image = AntumbraFinishedImage::INIT;
+        // SAFETY: as above.
         let none =
             unsafe { antumbra_renderer_image(c.context, renderer, &mut image, &mut c.error) };
         assert_eq!(none, BadArgument, "an image before the first frame");
