@@ -5,8 +5,8 @@
 mod attachments;
 mod device_faults;
 mod draw_calls;
-mod lazy_memory;
 mod lies;
+mod memory;
 mod replacements;
 mod representative;
 
@@ -23,8 +23,8 @@ use crate::loader::{Replaces, replacing_entry};
 pub use attachments::{AttachmentKind, AttachmentTraffic, attachment_traffic};
 pub use device_faults::{FAULT_ADDRESS, FAULT_DESCRIPTION};
 pub use draw_calls::CALL_THAT_COUNTS_DRAWS;
-pub use lazy_memory::LAZY_ALLOCATIONS;
 pub use lies::CONDITIONAL_BLOCKS;
+pub use memory::{HOST_ALLOCATIONS, LAZY_ALLOCATIONS, most_allocated};
 use replacements::replacements;
 pub use replacements::{
     CALL_THAT_ASKS_A_WINDOW, CALLS_THAT_MAKE, CALLS_THAT_RESET, CALLS_THAT_RUN, CALLS_THAT_SAVE,
@@ -92,6 +92,10 @@ pub struct FaultInjection {
     pub records_attachments: bool,
     /// True if every device claims to have lazily allocated memory for transient attachments.
     pub is_lazy: bool,
+    /// True if every device claims to have host memory for buffers beside its device memory.
+    pub has_host_memory: bool,
+    /// The bytes of device memory, for all devices together.
+    pub device_bytes: Option<u64>,
     /// True if no device resets queries on the CPU.
     pub resets_by_commands: bool,
     /// True if no device indexes arrays of textures.

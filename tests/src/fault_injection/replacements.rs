@@ -8,8 +8,8 @@ use gpu::RequiredFeature;
 
 use super::attachments::calls_that_attach;
 use super::draw_calls::calls_that_draw;
-use super::lazy_memory::that_are_lazy;
 use super::lies::lies;
+use super::memory::calls_of_memory;
 use super::representative::that_pretend;
 use super::{Function, device_proc_addr, due, injected, real};
 
@@ -222,7 +222,7 @@ pub(super) fn replacements() -> Vec<(&'static CStr, Function)> {
         calls_that_draw(),
     ]
     .concat();
-    let first = that_pretend().into_iter().chain(calls_that_attach()).chain(that_are_lazy());
+    let first = that_pretend().into_iter().chain(calls_that_attach()).chain(calls_of_memory());
     first.chain(that_lie).chain(lies()).chain(counted).collect()
 }
 
