@@ -7,8 +7,8 @@ mod barriers;
 mod counted_calls;
 mod device_faults;
 mod draw_calls;
-mod lazy_memory;
 mod lies;
+mod memory;
 mod replacements;
 mod representative;
 
@@ -30,8 +30,8 @@ pub use counted_calls::{
 };
 pub use device_faults::{FAULT_ADDRESS, FAULT_DESCRIPTION};
 pub use draw_calls::CALL_THAT_COUNTS_DRAWS;
-pub use lazy_memory::LAZY_ALLOCATIONS;
 pub use lies::CONDITIONAL_BLOCKS;
+pub use memory::{HOST_ALLOCATIONS, LAZY_ALLOCATIONS, most_allocated};
 use replacements::replacements;
 pub use replacements::{CALL_THAT_ASKS_A_WINDOW, CALLS_THAT_RESET};
 pub use representative::{CALL_THAT_LISTS, OTHER_PIPELINES, REPRESENTATIVE_PIPELINES};
@@ -98,6 +98,10 @@ pub struct FaultInjection {
     pub records_barriers: bool,
     /// True if every device claims to have lazily allocated memory for transient attachments.
     pub is_lazy: bool,
+    /// True if every device claims to have host memory for buffers beside its device memory.
+    pub has_host_memory: bool,
+    /// The bytes of device memory, for all devices together.
+    pub device_bytes: Option<u64>,
     /// True if no device resets queries on the CPU.
     pub resets_by_commands: bool,
     /// True if no device indexes arrays of textures.

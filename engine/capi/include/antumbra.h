@@ -1049,6 +1049,12 @@ typedef struct AntumbraDeviceDesc {
      * device on which scenes are recorded into command buffers of the host.
      */
     const AntumbraQueueDesc *queue;
+    /**
+     * The most bytes of Vulkan memory that the library allocates on the device, in blocks that
+     * buffers and images share. What does not fit fails with `ANTUMBRA_RESULT_NO_MEMORY`. Default:
+     * 0, for no bound but that of the device.
+     */
+    uint64_t memory_budget_bytes;
 } AntumbraDeviceDesc;
 
 /**

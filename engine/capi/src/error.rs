@@ -175,7 +175,7 @@ impl From<gpu::Error> for Failure {
             | E::TargetUsage { .. }
             | E::Samples { .. }
             | E::NoImage => AntumbraResult::BadArgument,
-            E::Memory { .. } => AntumbraResult::NoMemory,
+            E::Memory(_) => AntumbraResult::NoMemory,
             _ => AntumbraResult::Vulkan,
         };
         Self::new(result, error)
@@ -188,7 +188,9 @@ impl From<render::Error> for Failure {
         match error {
             render::Error::Gpu(error) => error.into(),
             render::Error::Hierarchy(error) => error.into(),
-            render::Error::NoMemory { .. } => Self::new(AntumbraResult::NoMemory, error),
+            render::Error::NoMemory { .. } | render::Error::SceneMemory { .. } => {
+                Self::new(AntumbraResult::NoMemory, error)
+            }
             render::Error::Change { index, reason } => Self::argument(format_args!(
                 "objects[{index}]: {reason}; no object was added, moved or removed"
             )),

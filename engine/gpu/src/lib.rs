@@ -88,6 +88,8 @@ pub use crate::memory::buffer::{Buffer, BufferSlice, MemoryKind};
 pub use crate::memory::depth_layers::{DepthLayers, DepthTile};
 pub use crate::memory::dynamic_texture::DynamicTexture;
 pub use crate::memory::instance_numbers::NUMBER_LOCATION;
+pub use crate::memory::memory_error::{MemoryError, MemoryFailure};
+pub use crate::memory::memory_use::MemoryUse;
 pub use crate::memory::readback::{Pixels, Readback};
 pub use crate::memory::resample::resampled;
 pub use crate::memory::sampled_texture::SampledTexture;

@@ -25,5 +25,6 @@ mod shadows;
 mod snapshot;
 mod textures;
 mod transparency;
+mod untested;
 mod update;
 mod visible_set;

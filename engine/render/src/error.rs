@@ -6,6 +6,14 @@ use crate::update_errors::{ChangeError, LightError, PoseError, TransparentError}
 /// The name of a view in [`Error::ForeignRenderer`].
 pub(crate) const FOREIGN_VIEW: &str = "a view (`RenderView`)";
 
+/// Returns the words about the size of textures in [`Error::SceneMemory`].
+fn with_textures(side: u32) -> String {
+    match side {
+        0 => String::new(),
+        side => format!(" with textures of at most {side} texels per side"),
+    }
+}
+
 /// An error of the engine. Its text is a sentence for the user.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -53,6 +61,22 @@ pub enum Error {
         what: &'static str,
         /// The size of the request in bytes.
         size_bytes: usize,
+    },
+    /// A scene does not fit into the memory of the device or its budget, also with smaller
+    /// textures. Nothing else on the device has changed.
+    #[error(
+        "the scene needs about {needed_mib} MiB of GPU memory{}, and {left_mib} MiB are left: {source}",
+        with_textures(*.texture_side)
+    )]
+    SceneMemory {
+        /// About the size of the scene (MiB), rounded up, without what it takes for a time only.
+        needed_mib: u64,
+        /// The memory that was left before the scene (MiB).
+        left_mib: u64,
+        /// The most texels per side of a texture in the last attempt; 0 without textures.
+        texture_side: u32,
+        /// The failed allocation.
+        source: Box<gpu::Error>,
     },
     /// A view is finished that the newest frame does not show.
     #[error(

@@ -9,6 +9,7 @@ use scene::{Light, Scene, TransparentId};
 use crate::error::Error;
 use crate::kept_scene::KeptScene;
 use crate::resources::geometry::Geometry;
+use crate::resources::scene_memory::SceneMemory;
 use crate::resources::skinned_meshes::{Skinned, SkinnedMeshes};
 use crate::resources::volume_meshes::VolumeMeshes;
 use crate::shading::fragments::Fragments;
@@ -39,8 +40,31 @@ pub(crate) struct GpuSceneOptions<'a> {
 }
 
 impl GpuScene {
-    /// Uploads a scene, with a hierarchy over its objects.
+    /// Uploads a scene, with a hierarchy over its objects. If memory is short, its textures become
+    /// smaller.
     pub(crate) fn upload(
+        device: &Device,
+        scene: &Scene,
+        hierarchy: &Hierarchy,
+        options: &GpuSceneOptions<'_>,
+    ) -> Result<Self, Error> {
+        let leaves = hierarchy.leaf_objects().len();
+        let mut memory = SceneMemory::plan(device, scene, leaves, options.surfaces);
+        loop {
+            let surfaces = memory.surface_options();
+            let options = GpuSceneOptions { surfaces: &surfaces, ..*options };
+            match Self::upload_as_planned(device, scene, hierarchy, &options) {
+                Err(Error::Gpu(error)) if error.is_out_of_memory() => memory.reduce(error)?,
+                Err(error) => return Err(error),
+                Ok(uploaded) => {
+                    memory.report();
+                    return Ok(uploaded);
+                }
+            }
+        }
+    }
+
+    fn upload_as_planned(
         device: &Device,
         scene: &Scene,
         hierarchy: &Hierarchy,

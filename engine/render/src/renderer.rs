@@ -204,6 +204,8 @@ pub struct Renderer {
     /// The usable options of transparency.
     pub(crate) transparency: TransparencyOptions,
     pub(crate) query_shares: QueryShares,
+    /// True once a frame was drawn without tests, for which there was no memory.
+    pub(crate) has_untested_frames: bool,
 }
 
 impl Renderer {
@@ -302,6 +304,7 @@ impl Renderer {
             transparency: options.transparency,
             options: options.clone(),
             query_shares: QueryShares::default(),
+            has_untested_frames: false,
         })
     }
 

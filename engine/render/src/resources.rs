@@ -8,6 +8,7 @@ pub(crate) mod limits;
 pub(crate) mod lod;
 pub(crate) mod mesh_slots;
 pub(crate) mod object_bounds;
+pub(crate) mod scene_memory;
 pub(crate) mod skinned_mesh_state;
 pub(crate) mod skinned_meshes;
 pub(crate) mod spare_capacity;

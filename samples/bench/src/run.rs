@@ -296,7 +296,7 @@ fn device_report(adapter: &Adapter) -> DeviceReport {
 fn memory_report(device: &Device) -> MemoryReport {
     MemoryReport {
         peak_resident_mib: memory::peak_resident_mib(),
-        gpu_allocated_mib: Some(device.memory_bytes().1 as f64 / f64::from(1 << 20)),
+        gpu_allocated_mib: Some(device.memory_use().used_bytes as f64 / f64::from(1 << 20)),
     }
 }
 

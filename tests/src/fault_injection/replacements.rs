@@ -10,8 +10,8 @@ use super::attachments::calls_that_attach;
 use super::barriers::calls_that_write;
 use super::counted_calls::counted_calls;
 use super::draw_calls::calls_that_draw;
-use super::lazy_memory::that_are_lazy;
 use super::lies::lies;
+use super::memory::calls_of_memory;
 use super::representative::that_pretend;
 use super::{Function, device_proc_addr, due, injected, real};
 
@@ -79,7 +79,7 @@ pub(super) fn replacements() -> Vec<(&'static CStr, Function)> {
         ]
     };
     let counted = [counted_calls(), calls_that_draw(), calls_that_write()].concat();
-    let first = that_pretend().into_iter().chain(calls_that_attach()).chain(that_are_lazy());
+    let first = that_pretend().into_iter().chain(calls_that_attach()).chain(calls_of_memory());
     first.chain(that_lie).chain(lies()).chain(counted).collect()
 }
 

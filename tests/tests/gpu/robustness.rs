@@ -2,6 +2,7 @@
 
 mod driver_faults;
 mod limits;
+mod memory;
 mod misuse;
 mod nothing_to_do;
 mod object_pairs;

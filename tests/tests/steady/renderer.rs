@@ -130,11 +130,11 @@ fn a_thousand_switches_leave_the_image_and_keep_nothing() {
                 }
             }
             if switch == 500 {
-                halfway = (stage.device.memory_bytes().0, most_retired);
+                halfway = (stage.device.memory_use().block_bytes, most_retired);
             }
         }
         stage.device.wait_idle().unwrap();
-        let memory = stage.device.memory_bytes().0;
+        let memory = stage.device.memory_use().block_bytes;
         // The strategies used memory in turn, so its layout may differ slightly.
         assert!(memory <= halfway.0 + (8 << 20), "{driver:?}: {memory} bytes, {}", halfway.0);
         assert!(most_retired <= 2 * halfway.1, "{driver:?}: {most_retired}, {}", halfway.1);

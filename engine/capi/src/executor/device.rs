@@ -133,9 +133,13 @@ pub struct AntumbraDeviceDesc {
     /// The queue that a renderer submits to, of the family `queue_family`. Default: null, for a
     /// device on which scenes are recorded into command buffers of the host.
     pub queue: *const AntumbraQueueDesc,
+    /// The most bytes of Vulkan memory that the library allocates on the device, in blocks that
+    /// buffers and images share. What does not fit fails with `ANTUMBRA_RESULT_NO_MEMORY`. Default:
+    /// 0, for no bound but that of the device.
+    pub memory_budget_bytes: u64,
 }
 layout!(AntumbraDeviceDesc: struct_size, queue_family, adapter, device, features, extensions,
-    extension_count, allocation_callbacks, pipeline_cache, queue);
+    extension_count, allocation_callbacks, pipeline_cache, queue, memory_budget_bytes);
 
 versioned!(AntumbraDeviceDesc: 7, required: [adapter, device, features], defaults: {});
 
@@ -251,7 +255,11 @@ pub(crate) unsafe fn adopt(desc: &AntumbraDeviceDesc) -> Result<Device, Failure>
             allocation_callbacks: (!callbacks.is_null()).then(|| *callbacks),
             pipeline_cache: has_cache.then_some(desc.pipeline_cache),
             queue,
-            options: DeviceOptions::default(),
+            options: DeviceOptions {
+                memory_budget_bytes: (desc.memory_budget_bytes > 0)
+                    .then_some(desc.memory_budget_bytes),
+                ..DeviceOptions::default()
+            },
         })?)
     }
 }

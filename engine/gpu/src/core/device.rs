@@ -5,7 +5,6 @@ use std::sync::{Arc, MutexGuard};
 use std::time::Duration;
 
 use ash::{ext, vk};
-use gpu_allocator::vulkan::Allocator;
 
 use crate::core::adapter::Adapter;
 use crate::core::capabilities::{Capabilities, OptionalFeature};
@@ -24,6 +23,8 @@ use crate::core::ownership::{self, OfDevice, OwnerId, Ownership};
 use crate::core::pending_uploads::PendingUploads;
 use crate::core::queue_lock::{QueueLock, lock};
 use crate::core::tick::Tick;
+use crate::memory::device_memory::DeviceMemory;
+use crate::memory::memory_use::MemoryUse;
 
 /// The numbers of times that the CPU waited for the GPU since the device was created.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -235,13 +236,10 @@ impl Device {
         }
     }
 
-    /// Returns the memory taken from the driver and the memory in use, in bytes.
-    pub fn memory_bytes(&self) -> (u64, u64) {
-        let allocator = lock(&self.shared.allocator);
-        allocator.as_ref().map_or((0, 0), |allocator| {
-            let report = allocator.generate_report();
-            (report.total_capacity_bytes, report.total_allocated_bytes)
-        })
+    /// Returns the memory taken from the driver and the memory in use.
+    pub fn memory_use(&self) -> MemoryUse {
+        let memory = self.memory();
+        memory.as_ref().map(DeviceMemory::in_use).unwrap_or_default()
     }
 
     /// Returns the number of dropped objects that commands being recorded, or the GPU, may still
@@ -432,8 +430,8 @@ impl Device {
         self.shared.pipeline_cache.raw
     }
 
-    pub(crate) fn allocator(&self) -> MutexGuard<'_, Option<Allocator>> {
-        lock(&self.shared.allocator)
+    pub(crate) fn memory(&self) -> MutexGuard<'_, Option<DeviceMemory>> {
+        lock(&self.shared.memory)
     }
 
     /// Gives a Vulkan object its debug name if a debugger or layer is active.

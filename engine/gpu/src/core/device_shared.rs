@@ -5,7 +5,6 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use ash::vk;
-use gpu_allocator::vulkan::Allocator;
 
 use crate::core::adapter::Adapter;
 use crate::core::clock::{Clock, ClockSource};
@@ -20,6 +19,7 @@ use crate::core::pending_uploads::PendingUploads;
 use crate::core::pipeline_cache::PipelineCache;
 use crate::core::queue_lock::lock;
 use crate::core::tick::Tick;
+use crate::memory::device_memory::DeviceMemory;
 
 /// The Vulkan device and all objects with the same lifetime.
 pub(crate) struct DeviceShared {
@@ -32,7 +32,7 @@ pub(crate) struct DeviceShared {
     pub(super) adapter: Adapter,
     pub(super) queue_family: u32,
     // None only while dropping.
-    pub(super) allocator: Mutex<Option<Allocator>>,
+    pub(super) memory: Mutex<Option<DeviceMemory>>,
     pub(super) deletion: Mutex<DeletionQueue<Retired>>,
     pub(super) clock: Clock,
     /// The frames of a host, with the knowledge of which ran.
@@ -51,20 +51,18 @@ pub(crate) struct DeviceShared {
 
 impl DeviceShared {
     /// Leaks everything, because destroying objects that the GPU still uses would be worse.
-    /// Otherwise the allocator would free its memory on drop, and the instance would be destroyed
+    /// Otherwise the memory would free its memory on drop, and the instance would be destroyed
     /// before its device.
     fn abandon(&self) {
-        std::mem::forget(lock(&self.allocator).take());
+        std::mem::forget(lock(&self.memory).take());
         std::mem::forget(Arc::clone(&self.instance));
     }
 
     /// Destroys the payload of a dropped object that nothing uses any more.
     pub(super) fn destroy(&self, retired: Retired) {
         let free = |allocation| {
-            if let Some(allocator) = lock(&self.allocator).as_mut()
-                && let Err(error) = allocator.free(allocation)
-            {
-                tracing::error!("memory could not be given back: {error}");
+            if let Some(memory) = lock(&self.memory).as_mut() {
+                memory.free(allocation);
             }
         };
         let callbacks = self.callbacks.get();
@@ -174,9 +172,9 @@ impl Drop for DeviceShared {
         }
         self.pipeline_cache.save(&self.raw);
         self.pipeline_cache.destroy(&self.raw, &self.callbacks);
-        if let Some(allocator) = lock(&self.allocator).take() {
+        if let Some(memory) = lock(&self.memory).take() {
             // The allocator frees leaked blocks on drop, so no layer would report a leak.
-            let leaked = allocator.generate_report().allocations;
+            let leaked = memory.parts_in_use();
             for allocation in &leaked {
                 tracing::error!(
                     "leaked GPU memory: {} ({} bytes)",

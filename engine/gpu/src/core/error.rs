@@ -3,6 +3,8 @@
 use ash::vk;
 use gpu_allocator::AllocationError;
 
+use crate::memory::memory_error::MemoryError;
+
 /// An error of the GPU layer. Its text is one sentence for the user of the machine.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -227,19 +229,9 @@ pub enum Error {
         /// The result that it returned.
         code: vk::Result,
     },
-    /// The allocation of memory failed.
-    #[error(
-        "no GPU memory for {what} ({size_bytes} bytes): {}; use fewer or smaller objects and images",
-        failed_allocation(.source)
-    )]
-    Memory {
-        /// The purpose of the memory.
-        what: String,
-        /// The requested size in bytes.
-        size_bytes: u64,
-        /// The error of the allocator.
-        source: AllocationError,
-    },
+    /// The allocation of memory failed, and so did everything that is tried then.
+    #[error(transparent)]
+    Memory(Box<MemoryError>),
     /// The work was cancelled by its [`CancellationToken`](crate::CancellationToken). This is not a
     /// failure.
     #[error("the work was given up, as was asked for")]
@@ -281,6 +273,12 @@ impl Error {
     pub fn is_device_lost(&self) -> bool {
         matches!(self, Error::Vulkan { code: vk::Result::ERROR_DEVICE_LOST, .. })
     }
+
+    /// Returns true if no memory of the device was left, or none within the budget: something
+    /// smaller may fit.
+    pub fn is_out_of_memory(&self) -> bool {
+        matches!(self, Error::Memory(error) if error.failure.is_out_of_memory())
+    }
 }
 
 /// Adds the name of the call to a failed result.
@@ -312,29 +310,6 @@ fn broken_rule(current: u64, safe: u64, newest: u64, over: u64) -> String {
             "frame {current} cannot begin while `FrameNumbers::safe` is {safe}: all frames up to \
              {over} were over before, and `safe` must not fall, so it must be {over} or more"
         )
-    }
-}
-
-/// Returns the call and the code behind an error of the allocator, which keeps them as texts of its
-/// own.
-fn failed_allocation(error: &AllocationError) -> String {
-    match error {
-        AllocationError::OutOfMemory => {
-            "the heap is smaller, or vkAllocateMemory failed with ERROR_OUT_OF_DEVICE_MEMORY"
-                .to_owned()
-        }
-        AllocationError::FailedToMap(text) => {
-            let codes = [
-                vk::Result::ERROR_OUT_OF_HOST_MEMORY,
-                vk::Result::ERROR_OUT_OF_DEVICE_MEMORY,
-                vk::Result::ERROR_MEMORY_MAP_FAILED,
-                vk::Result::ERROR_UNKNOWN,
-            ];
-            let code = codes.into_iter().find(|code| code.to_string() == *text);
-            let code = code.map_or_else(|| text.clone(), |code| format!("{code:?}"));
-            format!("vkMapMemory failed with {code}")
-        }
-        other => other.to_string(),
     }
 }
 

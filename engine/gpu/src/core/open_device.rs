@@ -7,7 +7,6 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use ash::vk;
-use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
 use crate::core::adapter::Adapter;
 use crate::core::capabilities::Purpose;
@@ -24,6 +23,7 @@ use crate::core::pipeline_cache::PipelineCache;
 use crate::core::queue_lock::QueueLock;
 use crate::core::requirements::Requirements;
 use crate::core::tick::create_semaphore;
+use crate::memory::device_memory::DeviceMemory;
 
 /// The options of a [`Device`](crate::Device).
 #[derive(Debug, Clone)]
@@ -33,12 +33,21 @@ pub struct DeviceOptions {
     pub pipeline_cache: Option<PathBuf>,
     /// The bound of every wait. A frame that takes longer results in an error, not a hang.
     pub wait_bound: Duration,
+    /// The most bytes of memory that the device takes from the driver, of all kinds, in blocks that
+    /// buffers and images share. Beyond it, scenes are loaded with smaller textures, and what does
+    /// not fit is an error ([`Error::Memory`](crate::Error::Memory)). `None` for no bound but that
+    /// of the device.
+    pub memory_budget_bytes: Option<u64>,
 }
 
 impl Default for DeviceOptions {
     fn default() -> Self {
         // A frame of a million objects takes half a minute on a software driver.
-        Self { pipeline_cache: None, wait_bound: Duration::from_secs(300) }
+        Self {
+            pipeline_cache: None,
+            wait_bound: Duration::from_secs(300),
+            memory_budget_bytes: None,
+        }
     }
 }
 
@@ -62,15 +71,8 @@ pub(crate) fn equip(device: RawDevice, options: &DeviceOptions) -> Result<Device
     let RawDevice { instance, adapter, raw, ownership, queue_family, queue, callbacks, .. } =
         device;
     // Owns no object of the device until memory is requested.
-    let allocator = Allocator::new(&AllocatorCreateDesc {
-        instance: instance.raw.clone(),
-        device: raw.clone(),
-        physical_device: adapter.physical,
-        debug_settings: gpu_allocator::AllocatorDebugSettings::default(),
-        buffer_device_address: false,
-        allocation_sizes: gpu_allocator::AllocationSizes::default(),
-    })
-    .map_err(Error::Allocator)?;
+    let budget_bytes = options.memory_budget_bytes;
+    let memory = DeviceMemory::new(&instance, adapter.physical, &raw, budget_bytes)?;
     let pipeline_cache = match device.pipeline_cache {
         Some(cache) => PipelineCache::of_host(cache),
         None => {
@@ -94,7 +96,7 @@ pub(crate) fn equip(device: RawDevice, options: &DeviceOptions) -> Result<Device
         ownership,
         queue_family,
         callbacks,
-        allocator: Mutex::new(Some(allocator)),
+        memory: Mutex::new(Some(memory)),
         deletion: Mutex::new(DeletionQueue::new()),
         clock: Clock::new(source),
         executions: Mutex::default(),

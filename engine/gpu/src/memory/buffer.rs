@@ -5,13 +5,15 @@ use std::ops::Range;
 use ash::vk;
 use bytemuck::Pod;
 use gpu_allocator::MemoryLocation;
-use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
+use gpu_allocator::vulkan::Allocation;
 
 use crate::core::deletion::Retired;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
 use crate::core::ownership::{OfDevice, OwnerId};
 use crate::core::pending_uploads::UploadToken;
+use crate::memory::allocation::{allocate, free};
+use crate::memory::device_memory::{MemoryOwner, MemoryRequest};
 
 /// The kind of memory of a buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -107,7 +109,9 @@ impl Buffer {
             MemoryKind::Upload => MemoryLocation::CpuToGpu,
             MemoryKind::ReadBack => MemoryLocation::GpuToCpu,
         };
-        let allocation = allocate(device, name, requirements, location, true).and_then(|memory| {
+        let owner = MemoryOwner::Buffer(raw);
+        let request = MemoryRequest { name, owner, requirements, location };
+        let allocation = allocate(device, &request).and_then(|memory| {
             // SAFETY: fresh memory that fits the buffer's requirements.
             let bound =
                 unsafe { device.raw().bind_buffer_memory(raw, memory.memory(), memory.offset()) };
@@ -192,38 +196,5 @@ impl Drop for Buffer {
         if let Some(allocation) = self.allocation.take() {
             self.device.retire(Retired::Buffer(self.raw, allocation));
         }
-    }
-}
-
-/// Allocates memory for a buffer (`linear`) or an image.
-pub(crate) fn allocate(
-    device: &Device,
-    name: &str,
-    requirements: vk::MemoryRequirements,
-    location: MemoryLocation,
-    linear: bool,
-) -> Result<Allocation, Error> {
-    let size_bytes = requirements.size;
-    let memory = |source| Error::Memory { what: name.to_owned(), size_bytes, source };
-    let mut allocator = device.allocator();
-    let Some(allocator) = allocator.as_mut() else {
-        return Err(memory(gpu_allocator::AllocationError::OutOfMemory));
-    };
-    allocator
-        .allocate(&AllocationCreateDesc {
-            name,
-            requirements,
-            location,
-            linear,
-            allocation_scheme: AllocationScheme::GpuAllocatorManaged,
-        })
-        .map_err(memory)
-}
-
-pub(crate) fn free(device: &Device, allocation: Allocation) {
-    if let Some(allocator) = device.allocator().as_mut()
-        && let Err(error) = allocator.free(allocation)
-    {
-        tracing::error!("memory could not be given back: {error}");
     }
 }

@@ -2,12 +2,13 @@
 
 use ash::vk;
 use gpu_allocator::MemoryLocation;
-use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
+use gpu_allocator::vulkan::Allocation;
 
 use crate::core::deletion::Retired;
 use crate::core::device::Device;
 use crate::core::error::{Called, Error};
-use crate::memory::buffer::{allocate, free};
+use crate::memory::allocation::{allocate, allocate_lazily, free};
+use crate::memory::device_memory::{MemoryOwner, MemoryRequest};
 use crate::record::access::{Access, LayoutChange};
 
 /// An image with a view of the whole image and its memory.
@@ -151,10 +152,13 @@ impl Image {
         // SAFETY: just made.
         let requirements = unsafe { device.raw().get_image_memory_requirements(raw) };
         let is_transient = info.usage.contains(vk::ImageUsageFlags::TRANSIENT_ATTACHMENT);
-        let lazily = is_transient.then(|| allocate_lazily(device, name, requirements, raw));
+        let owner = MemoryOwner::Image(raw);
+        let location = MemoryLocation::GpuOnly;
+        let request = MemoryRequest { name, owner, requirements, location };
+        let lazily = is_transient.then(|| allocate_lazily(device, &request));
         let memory = match lazily.flatten() {
             Some(memory) => Ok(memory),
-            None => allocate(device, name, requirements, MemoryLocation::GpuOnly, false),
+            None => allocate(device, &request),
         };
         let made =
             memory.and_then(|memory| match bind_and_view(device, &memory, view.image(raw)) {
@@ -185,40 +189,6 @@ impl Image {
     ) -> LayoutChange {
         LayoutChange::new(self.raw, aspect, from, to)
     }
-}
-
-/// Allocates memory for an image that the device provides only when the image is stored; `None` if
-/// there is no memory of this kind.
-fn allocate_lazily(
-    device: &Device,
-    name: &str,
-    requirements: vk::MemoryRequirements,
-    image: vk::Image,
-) -> Option<Allocation> {
-    let physical = device.adapter().physical;
-    // SAFETY: the device's own adapter.
-    let memory = unsafe { device.instance().raw.get_physical_device_memory_properties(physical) };
-    let memory_type_bits = requirements.memory_type_bits & lazy_types(&memory);
-    if memory_type_bits == 0 {
-        return None;
-    }
-    let requirements = vk::MemoryRequirements { memory_type_bits, ..requirements };
-    let wanted = AllocationCreateDesc {
-        name,
-        requirements,
-        location: MemoryLocation::GpuOnly,
-        linear: false,
-        allocation_scheme: AllocationScheme::DedicatedImage(image),
-    };
-    device.allocator().as_mut()?.allocate(&wanted).ok()
-}
-
-/// Returns a bit mask of the memory types that are allocated lazily.
-fn lazy_types(memory: &vk::PhysicalDeviceMemoryProperties) -> u32 {
-    let lazily = vk::MemoryPropertyFlags::LAZILY_ALLOCATED;
-    let is_lazy = |(_, kind): &(u32, &vk::MemoryType)| kind.property_flags.contains(lazily);
-    let types = (0..memory.memory_type_count).zip(&memory.memory_types);
-    types.filter(is_lazy).fold(0, |bits, (number, _)| bits | 1 << number)
 }
 
 fn plain_image<'a>(
@@ -299,25 +269,5 @@ impl Drop for Image {
         if let Some(allocation) = self.allocation.take() {
             self.device.retire(Retired::Image(self.raw, self.view, allocation));
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lazy_memory_is_found_among_all_types() {
-        let plain = vk::MemoryPropertyFlags::DEVICE_LOCAL;
-        let lazy = plain | vk::MemoryPropertyFlags::LAZILY_ALLOCATED;
-        let mut memory = vk::PhysicalDeviceMemoryProperties::default();
-        for (kind, property_flags) in memory.memory_types.iter_mut().zip([plain, lazy, plain, lazy])
-        {
-            kind.property_flags = property_flags;
-        }
-        memory.memory_type_count = 3;
-        assert_eq!(lazy_types(&memory), 0b10, "the fourth is not there");
-        memory.memory_type_count = 4;
-        assert_eq!(lazy_types(&memory), 0b1010);
     }
 }

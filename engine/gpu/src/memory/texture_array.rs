@@ -59,6 +59,32 @@ pub struct TextureArrayInfo<'a> {
     pub mip_making: MipGeneration,
 }
 
+impl TextureArrayInfo<'_> {
+    /// Returns the number of levels.
+    fn levels(&self) -> u32 {
+        let all = match self.between_levels {
+            Some(_) => self.size[0].max(self.size[1]).max(1).ilog2() + 1,
+            None => 1,
+        };
+        match self.mip_making {
+            MipGeneration::Given(levels) => levels.clamp(1, all),
+            MipGeneration::Blits | MipGeneration::Cpu => all,
+        }
+    }
+
+    /// Returns the size of all layers with all their mip maps; 0 for an unsupported format. On a
+    /// device, an image may take somewhat more.
+    #[must_use]
+    pub fn size_bytes(&self) -> u64 {
+        let Some(blocks) = TexelBlocks::of(self.format) else { return 0 };
+        let of_level = |level: u32| {
+            let [width, height] = self.size.map(|side| (side >> level).max(1));
+            blocks.row_bytes(width) * u64::from(blocks.rows(height))
+        };
+        (0..self.levels()).map(of_level).sum::<u64>() * u64::from(self.layers)
+    }
+}
+
 /// Layers of one size, format and sampler. The array can be bound once every layer was [written or
 /// reserved](crate::TextureUploads).
 pub struct TextureArray {
@@ -119,14 +145,10 @@ impl TextureArray {
             | vk::FormatFeatureFlags::BLIT_DST
             | vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR;
         let can_blit = device.has_format_feature(info.format, blits);
-        let all_levels = match info.between_levels {
-            Some(_) => width.max(height).ilog2() + 1,
-            None => 1,
-        };
-        let (levels, mip_making) = match info.mip_making {
-            MipGeneration::Given(levels) => (levels.clamp(1, all_levels), info.mip_making),
-            MipGeneration::Blits if can_blit => (all_levels, MipGeneration::Blits),
-            MipGeneration::Blits | MipGeneration::Cpu => (all_levels, MipGeneration::Cpu),
+        let levels = info.levels();
+        let mip_making = match info.mip_making {
+            MipGeneration::Blits if !can_blit => MipGeneration::Cpu,
+            source => source,
         };
         let usage = vk::ImageUsageFlags::SAMPLED
             | vk::ImageUsageFlags::TRANSFER_DST
@@ -348,5 +370,32 @@ fn level_of(layer: u32, level: u32) -> vk::ImageSubresourceLayers {
         mip_level: level,
         base_array_layer: layer,
         layer_count: 1,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_array_takes_the_bytes_of_all_its_levels_and_layers() {
+        let info = TextureArrayInfo {
+            name: "",
+            size: [8, 4],
+            layers: 3,
+            format: vk::Format::R8G8B8A8_SRGB,
+            wrap: [vk::SamplerAddressMode::REPEAT; 2],
+            magnified: vk::Filter::LINEAR,
+            minified: vk::Filter::LINEAR,
+            between_levels: Some(vk::SamplerMipmapMode::LINEAR),
+            anisotropy: 1.0,
+            mip_making: MipGeneration::Blits,
+        };
+        assert_eq!(info.size_bytes(), 3 * 4 * (32 + 8 + 2 + 1));
+        assert_eq!(TextureArrayInfo { between_levels: None, ..info }.size_bytes(), 3 * 4 * 32);
+        let format = vk::Format::BC7_SRGB_BLOCK;
+        let blocks = TextureArrayInfo { format, mip_making: MipGeneration::Given(2), ..info };
+        assert_eq!(blocks.size_bytes(), 3 * 16 * (2 + 1));
+        assert_eq!(TextureArrayInfo { format: vk::Format::R8_UNORM, ..info }.size_bytes(), 0);
     }
 }

@@ -53,8 +53,13 @@ impl Uploads {
         self.large.retain_mut(|large| std::mem::take(&mut large.is_used));
         if self.chunks.len() > 1 {
             let total: u64 = self.chunks.iter().map(Buffer::size_bytes).sum();
-            self.chunks.clear();
-            self.add_chunk(total.next_power_of_two())?;
+            // The newest is the largest, and is used again if there is no memory for all of them.
+            self.chunks.drain(..self.chunks.len() - 1);
+            match self.add_chunk(total.next_power_of_two()) {
+                Ok(()) => drop(self.chunks.remove(0)),
+                Err(error) if error.is_out_of_memory() => {}
+                Err(error) => return Err(error),
+            }
         }
         Ok(())
     }
@@ -94,7 +99,10 @@ impl Uploads {
         let mut start = self.used_bytes.next_multiple_of(self.alignment_bytes);
         let room = self.chunks.last().map_or(0, Buffer::size_bytes);
         if start + size_bytes > room {
-            self.add_chunk(size_bytes.max(room * 2).max(FIRST_CHUNK_BYTES))?;
+            match self.add_chunk(size_bytes.max(room * 2).max(FIRST_CHUNK_BYTES)) {
+                Err(error) if error.is_out_of_memory() => self.add_chunk(size_bytes)?,
+                added => added?,
+            }
             start = 0;
         }
         self.used_bytes = start + size_bytes;

@@ -55,8 +55,9 @@ impl Renderer {
     /// strategy that the device does not support; an area that is not in the image; an image of
     /// another size; a view or visible set of another renderer; an image or timeline of another
     /// device; [`Error::CullView`] and [`Error::StandardDepth`] for a matrix;
-    /// [`Error::NoVisibleSet`], [`Error::OldVisibleSet`]; no memory, a lost device, a frame that
-    /// takes too long.
+    /// [`Error::NoVisibleSet`], [`Error::OldVisibleSet`]; no memory, even for a frame without tests
+    /// ([`Strategy::FRUSTUM`]), which is drawn if there is none for them; a lost device, a frame
+    /// that takes too long.
     pub fn render_views(
         &mut self,
         targets: &mut [ViewRequest<'_>],
@@ -65,9 +66,8 @@ impl Renderer {
         self.render_targets(targets, request, None)
     }
 
-    /// Renders like [`Renderer::render_views`], and copies the image of the scene alone to
-    /// `scene_image`.
-    pub(crate) fn render_targets(
+    /// Renders a frame like [`Renderer::render_targets`], with the memory that is there.
+    pub(crate) fn render_tested(
         &mut self,
         targets: &mut [ViewRequest<'_>],
         request: &ViewsRequest<'_>,

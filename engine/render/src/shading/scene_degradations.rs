@@ -46,9 +46,11 @@ impl SceneDegradations {
         let Self { crowded_objects, dark_suns, broken_lights, unshadowed_objects, .. } = *self;
         let Self { shrunk_images, unpacked_images, borrowed_samplers, textures, .. } = *self;
         let shrunk_by = match textures {
-            TextureStorage::Bindless => "the device takes no larger ones".to_owned(),
+            TextureStorage::Bindless => {
+                "the device takes no larger ones, or has no memory for them".to_owned()
+            }
             TextureStorage::ArrayPacked => format!(
-                "{MAX_PAGES} texture pages hold no more sizes, or the device takes no larger ones"
+                "{MAX_PAGES} texture pages hold no more sizes, or the device takes no larger ones, or has no memory for them"
             ),
         };
         let unpacked_by = match textures {

@@ -21,6 +21,7 @@ mod textures;
 
 pub use lights::reach_m;
 pub(crate) use lights::{LightTable, is_bright};
+pub(crate) use page_groups::SMALL_PAGES_BYTES;
 pub use resources::SurfaceResources;
 pub use surface_options::SurfaceOptions;
 pub(crate) use texture_slots::TexturePlace;

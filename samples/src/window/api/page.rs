@@ -126,7 +126,7 @@ impl Session {
             in_frustum: self.outcome.and_then(|outcome| self.in_frustum(outcome.frame)),
             times: &self.times,
             lists_passes: self.is_timing_passes,
-            used_bytes: device.memory_bytes().1,
+            used_bytes: device.memory_use().used_bytes,
             device: &device.adapter().name,
             size: self.renderer.size(),
             strategy: self.strategy,

@@ -62,7 +62,8 @@ impl Stage {
     }
 
     /// Runs a user's whole program, from the device to its end.
-    fn walk(&self, options: &RendererOptions, goes: Goes) -> Result<(), render::Error> {
+    /// Returns the number of queries.
+    fn walk(&self, options: &RendererOptions, goes: Goes) -> Result<u32, render::Error> {
         let wait_bound = Duration::from_secs(2);
         let device_options = DeviceOptions { wait_bound, ..Default::default() };
         let device = Device::new(&self.instance, &self.adapter, &device_options)?;
@@ -94,8 +95,7 @@ impl Stage {
         renderer.render(history, request(Strategy::FRUSTUM, FRAMES - 1, &images[0]))?;
         renderer.wait_idle(history)?;
         assert!(last == *images[0].rgba8()?, "a wrong image");
-        assert!(queries > 0, "a walk that asks nothing proves little");
-        failed
+        failed.map(|()| queries)
     }
 
     /// Walks on a machine with one fault; returns the message of the error, if any.
@@ -144,7 +144,8 @@ fn clean_calls(
     names: &[&'static std::ffi::CStr],
 ) -> Vec<usize> {
     FaultInjection::default().install();
-    stage.walk(options, Goes::Home).unwrap();
+    let queries = stage.walk(options, Goes::Home).unwrap();
+    assert!(queries > 0, "a walk that asks nothing proves little");
     names.iter().map(|name| calls(name)).collect()
 }
 
@@ -173,7 +174,10 @@ fn exhaust(most: usize) {
             // From this call on no memory is left, of any kind.
             let fault = Fault { call, fails: first..usize::MAX, code };
             let sentence = stage.walk_with(fault, &options, Goes::Home);
-            assert_eq!(sentence.is_some(), first < count, "{call:?}, {first}: {sentence:?}");
+            // Frames without memory for their tests are drawn without them.
+            let is_forgiven = call == memory[0] && first > 0;
+            assert!(sentence.is_none() || first < count, "{call:?}, {first}: {sentence:?}");
+            assert!(sentence.is_some() || first >= count || is_forgiven, "{call:?}, {first}");
             if let Some(sentence) = sentence {
                 assert!(sentence.contains("memory"), "{sentence}");
                 assert!(sentence.contains("use fewer or smaller objects and images"), "{sentence}");
@@ -195,10 +199,9 @@ fn any_call_that_makes_something_may_fail() {
         for number in (0..count.min(3)).chain((3..count).step_by(count.div_ceil(4).max(1))) {
             let fault = Fault { call, fails: number..number + 1, code };
             let sentence = stage.walk_with(fault, &options, Goes::Home);
-            // A GPU has memory of another kind, which the allocator takes instead.
-            let has_other_memory = call == c"vkMapMemory" && !stage.adapter.is_software();
-            let forgiven =
-                has_other_memory || [c"vkAllocateMemory", c"vkCreatePipelineCache"].contains(&call);
+            // Memory is taken from another block.
+            let forgiven = [c"vkAllocateMemory", c"vkMapMemory", c"vkCreatePipelineCache"];
+            let forgiven = forgiven.contains(&call);
             assert!(sentence.is_some() || forgiven, "call {number} of {call:?} failed unnoticed");
         }
     }

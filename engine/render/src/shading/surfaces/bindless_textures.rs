@@ -46,16 +46,16 @@ impl BindlessTextures {
         PagePlan::of_images(surfaces, max_side, SampledBlocks::default()).pages.len() as u64
     }
 
-    /// Uploads the textures that `surfaces` use. Waits for copies.
+    /// Uploads the textures that `surfaces` use, by their plan. Waits for copies.
     pub(crate) fn new(
         device: &Device,
         surfaces: &Surfaces,
         sampling: Sampling,
+        plan: &PagePlan,
         cancellation: &CancellationToken,
-    ) -> Result<(Self, PagePlan), Error> {
+    ) -> Result<Self, Error> {
         let max_side = device.adapter().limits.max_image_dimension2_d;
         let sampled = SampledBlocks::of(device);
-        let plan = PagePlan::of_images(surfaces, max_side, sampled);
         let count = plan.pages.len() as u64;
         let most = device.adapter().indexed_textures.min(MAX_OWN_IMAGES);
         const FEWER: &str = "let materials share textures, or take `TextureStorage::ArrayPacked`";
@@ -63,14 +63,14 @@ impl BindlessTextures {
         let room = room(device.adapter().kind, count as u32, most);
         let mut table = TextureTable::new(device, "textures", room)?;
         let create = |info: &gpu::TextureArrayInfo<'_>| table.create(info);
-        for texture in upload_pages(device, surfaces, &plan, sampling, cancellation, create)? {
+        for texture in upload_pages(device, surfaces, plan, sampling, cancellation, create)? {
             table.add(texture)?;
         }
         let of_scene = surfaces.textures.len() as u32;
         let to_come = room.saturating_sub(count as u32);
         let ids = SpareRanges::behind("textures", of_scene, to_come);
         let places = Vec::new();
-        Ok((Self { table, sampling, max_side, sampled, ids, of_scene, places }, plan))
+        Ok(Self { table, sampling, max_side, sampled, ids, of_scene, places })
     }
 
     /// Returns the table in which draws look up textures.

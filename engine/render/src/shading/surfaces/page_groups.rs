@@ -7,7 +7,7 @@ use std::hash::Hash;
 use scene::{Encoding, ImageId, Sampler, Wrap};
 
 /// The bytes that pages may always take, even if their images are smaller.
-pub const SMALL_PAGES_BYTES: u64 = 256 << 20;
+pub(crate) const SMALL_PAGES_BYTES: u64 = 256 << 20;
 
 /// The highest number of groups that are joined in pairs. More groups are first joined by classes.
 const MOST_PAIRED: usize = 96;

@@ -12,14 +12,15 @@ use crate::resources::spare_capacity::TextureCapacity;
 use crate::shading::surfaces::pages::{Page, PagePlan};
 use crate::shading::surfaces::surface_options::SurfaceOptions;
 
-/// Plans the page of each image.
+/// Plans the page of each image. No image has more than `max_side` texels per side.
 pub(super) fn plan(
     device: &Device,
     surfaces: &Surfaces,
     rooms: &[TextureCapacity],
+    max_side: u32,
 ) -> Result<PagePlan, Error> {
     let limits = &device.adapter().limits;
-    let max_side = limits.max_image_dimension2_d;
+    let max_side = max_side.min(limits.max_image_dimension2_d);
     let max_layers = limits.max_image_array_layers;
     limits::check(
         "kinds of textures that may come",
@@ -66,6 +67,11 @@ impl Sampling {
             made => made,
         };
         Self { anisotropy, mip_making }
+    }
+
+    /// Returns the size of all pages of a plan.
+    pub(super) fn size_bytes(self, plan: &PagePlan) -> u64 {
+        plan.pages.iter().map(|page| self.array_info("", page).size_bytes()).sum()
     }
 
     /// Returns the description of a page's array.

@@ -16,6 +16,9 @@ pub struct SurfaceOptions {
     pub mip_making: MipGeneration,
     /// The storage of textures on the GPU; `None` takes the device's best.
     pub textures: Option<TextureStorage>,
+    /// The highest number of texels per side of the scene's textures: larger images are halved
+    /// until they fit. Does not apply to textures that are added later.
+    pub max_texture_side: u32,
     /// Room for things that are added later.
     pub spare: SpareCapacity,
     /// Cancels the upload; checked between its parts.
@@ -30,6 +33,7 @@ impl Default for SurfaceOptions {
             anisotropy: None,
             mip_making: MipGeneration::Blits,
             textures: None,
+            max_texture_side: u32::MAX,
             spare: SpareCapacity::default(),
             cancellation: CancellationToken::default(),
             transparency: TransparencyOptions::default(),

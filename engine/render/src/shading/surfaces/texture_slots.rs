@@ -92,6 +92,25 @@ impl TextureSlots {
         Err(full)
     }
 
+    /// Takes over from `lost`, textures of the same scene, which places are taken. The pages may
+    /// follow another number of pages of the scene, since a device with less memory has smaller
+    /// textures, and so fewer sizes.
+    pub(crate) fn restore(&mut self, lost: &Self) {
+        let page_of = |old: usize| {
+            let number = lost.pages.iter().position(|page| page.page == old);
+            number.and_then(|number| self.pages.get(number)).map(|page| page.page)
+        };
+        let moved = |place: &TexturePlace| {
+            let page = page_of(place.page)?;
+            Some(TexturePlace { page, bit: 1 << page, ..*place })
+        };
+        self.places = lost.places.iter().map(|place| place.as_ref().and_then(moved)).collect();
+        self.ids.clone_from(&lost.ids);
+        for (page, lost) in self.pages.iter_mut().zip(&lost.pages) {
+            page.layers.clone_from(&lost.layers);
+        }
+    }
+
     /// Returns the place of an added texture.
     pub(crate) fn place(&self, texture: TextureId) -> Option<TexturePlace> {
         removable(texture, self.of_scene, &self.places).ok()

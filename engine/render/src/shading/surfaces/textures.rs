@@ -7,6 +7,7 @@ use scene::{PreparedTexture, Surfaces, Texels, TextureId};
 use crate::error::Error;
 use crate::resource_errors::TextureError;
 use crate::shading::surfaces::bindless_textures::BindlessTextures;
+use crate::shading::surfaces::blocks::SampledBlocks;
 use crate::shading::surfaces::page_upload::{Sampling, plan, upload_all_pages};
 use crate::shading::surfaces::pages::PagePlan;
 use crate::shading::surfaces::surface_options::SurfaceOptions;
@@ -27,24 +28,30 @@ impl SurfaceTextures {
         surfaces: &Surfaces,
         options: &SurfaceOptions,
     ) -> Result<(Self, PagePlan), Error> {
-        let storage = options.textures.unwrap_or_else(|| {
-            TextureStorage::best(
-                BindlessTextures::count(device, surfaces),
-                BindlessTextures::most(device),
-            )
-        });
         let sampling = Sampling::of(device, options);
-        if storage == TextureStorage::Bindless {
-            let (images, plan) =
-                BindlessTextures::new(device, surfaces, sampling, &options.cancellation)?;
+        let plan = plan_of(device, surfaces, options, options.max_texture_side)?;
+        if plan.are_own {
+            let cancellation = &options.cancellation;
+            let images = BindlessTextures::new(device, surfaces, sampling, &plan, cancellation)?;
             return Ok((Self::Images(Box::new(images)), plan));
         }
         let rooms = &options.spare.textures;
-        let plan = plan(device, surfaces, rooms)?;
         let arrays = upload_all_pages(device, surfaces, &plan, sampling, &options.cancellation)?;
         let first_page = plan.pages.len().saturating_sub(rooms.len());
         let slots = TextureSlots::new(surfaces.textures.len() as u32, first_page, rooms);
         Ok((Self::Pages { arrays, slots }, plan))
+    }
+
+    /// Returns the size of the textures of `surfaces` if none has more than `max_side` texels per
+    /// side; 0 if they cannot be planned.
+    pub(crate) fn size_bytes(
+        device: &Device,
+        surfaces: &Surfaces,
+        options: &SurfaceOptions,
+        max_side: u32,
+    ) -> u64 {
+        let plan = plan_of(device, surfaces, options, max_side);
+        plan.map_or(0, |plan| Sampling::of(device, options).size_bytes(&plan))
     }
 
     pub(crate) fn storage(&self) -> TextureStorage {
@@ -112,7 +119,7 @@ impl SurfaceTextures {
     /// taken. Separate images are created again by [`SurfaceTextures::place_again`].
     pub(crate) fn restore(&mut self, lost: &Self) {
         match (self, lost) {
-            (Self::Pages { slots, .. }, Self::Pages { slots: lost, .. }) => slots.clone_from(lost),
+            (Self::Pages { slots, .. }, Self::Pages { slots: lost, .. }) => slots.restore(lost),
             (Self::Images(images), Self::Images(lost)) => images.restore(lost),
             (Self::Pages { .. }, Self::Images(_)) | (Self::Images(_), Self::Pages { .. }) => {}
         }
@@ -147,4 +154,25 @@ impl SurfaceTextures {
             Self::Images(images) => images.remove(texture),
         }
     }
+}
+
+/// Plans the places of the textures of `surfaces` in the requested or best storage. No texture has
+/// more than `max_side` texels per side.
+fn plan_of(
+    device: &Device,
+    surfaces: &Surfaces,
+    options: &SurfaceOptions,
+    max_side: u32,
+) -> Result<PagePlan, Error> {
+    let storage = options.textures.unwrap_or_else(|| {
+        TextureStorage::best(
+            BindlessTextures::count(device, surfaces),
+            BindlessTextures::most(device),
+        )
+    });
+    if storage == TextureStorage::Bindless {
+        let max_side = max_side.min(device.adapter().limits.max_image_dimension2_d);
+        return Ok(PagePlan::of_images(surfaces, max_side, SampledBlocks::of(device)));
+    }
+    plan(device, surfaces, &options.spare.textures, max_side)
 }

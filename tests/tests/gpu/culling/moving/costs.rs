@@ -61,7 +61,7 @@ fn memory_does_not_grow_while_objects_come_and_go() {
             show_motion(&mut renderer, &moving.motion, &mut cast, frame).unwrap();
             let camera = moving.path.camera(0);
             render(&mut renderer, &mut view, Strategy::ANTUMBRA, camera, &image);
-            bytes.push(device.memory_bytes().1);
+            bytes.push(device.memory_use().used_bytes);
         }
         device.wait_idle().unwrap();
         assert_eq!(bytes[30], bytes[89], "{bytes:?}");

@@ -25,18 +25,18 @@ fn what_is_dropped_lives_until_its_tick() {
         let to = Buffer::new(device, "to", 4096, usage, MemoryKind::ReadBack).unwrap();
         // The staging memory of the upload is retired, too.
         device.wait_idle().unwrap();
-        let (_, in_use) = device.memory_bytes();
+        let in_use = device.memory_use().used_bytes;
         let frame = ring.begin().unwrap();
         frame.commands().copy_buffer(from.whole(), to.whole());
         frame.submit(Some(gate.at(Tick(1)))).unwrap();
         drop(from);
         ring.begin().unwrap().submit(None).unwrap();
-        assert_eq!((device.retired(), device.memory_bytes().1), (1, in_use));
+        assert_eq!((device.retired(), device.memory_use().used_bytes), (1, in_use));
         gate.signal(Tick(1)).unwrap();
         device.wait_idle().unwrap();
         assert_eq!(to.read::<u32>(0..1024), [5; 1024]);
         assert_eq!(device.retired(), 0);
-        assert!(device.memory_bytes().1 < in_use);
+        assert!(device.memory_use().used_bytes < in_use);
     });
 }
 
@@ -123,7 +123,7 @@ fn large_uploads_are_freed_by_frames_that_do_not_need_them() {
             frame.submit(None).unwrap();
             device.wait_idle().unwrap();
             assert_eq!(to.read::<u32>(0..1024), Vec::from_iter(words - 1024..words));
-            device.memory_bytes().1
+            device.memory_use().used_bytes
         };
         let small = [copy(&mut ring, 1024), copy(&mut ring, 1024)][1];
         // A slot keeps its buffer as long as each of its frames needs it.
