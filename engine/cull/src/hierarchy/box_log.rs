@@ -10,7 +10,8 @@ use crate::ids::ObjectId;
 /// should start afresh.
 const CHANGES_MAX: usize = 1 << 16;
 
-/// The number of changes that are held for a few objects: enough for readers that pause for a while.
+/// The number of changes that are held for a few objects: enough for readers that pause for a
+/// while.
 const CHANGES_OF_FEW: usize = 1 << 10;
 
 /// A change of an object's box.
