@@ -163,10 +163,7 @@ impl DeviceMemory {
         let failure = lock(&self.source.failure).take();
         allocated.map_err(|error| match (error, failure) {
             (_, Some(BlockFailure::OverBudget)) => MemoryFailure::OverBudget,
-            (_, Some(BlockFailure::Code(code))) => {
-                MemoryFailure::Call { call: "vkAllocateMemory", code }
-            }
-            (AllocationError::FailedToMap(text), None) => MemoryFailure::of_map(text),
+            (_, Some(BlockFailure::Call { call, code })) => MemoryFailure::Call { call, code },
             (AllocationError::OutOfMemory, None) => MemoryFailure::SmallHeap,
             (AllocationError::NoCompatibleMemoryTypeFound, None) => MemoryFailure::NoType,
             (error, None) => MemoryFailure::Allocator(error),
@@ -211,13 +208,21 @@ struct BlockSource {
 #[derive(Clone, Copy)]
 enum BlockFailure {
     OverBudget,
-    Code(vk::Result),
+    Call { call: &'static str, code: vk::Result },
 }
 
 impl BlockSource {
     fn new(device: &ash::Device) -> Arc<Self> {
         let device = device.clone();
         Arc::new(Self { device, left_bytes: AtomicU64::new(0), failure: Mutex::default() })
+    }
+
+    /// Notes the code of a call that failed, and returns it.
+    fn noted(&self, call: &'static str, code: vk::Result) -> vk::Result {
+        if code != vk::Result::SUCCESS {
+            *lock(&self.failure) = Some(BlockFailure::Call { call, code });
+        }
+        code
     }
 
     /// Returns the device for the allocator, which must not outlive the source.
@@ -266,8 +271,7 @@ unsafe extern "system" fn allocate_block(
     let real = source.device.fp_v1_0().allocate_memory;
     // SAFETY: as above.
     let code = unsafe { real(source.device.handle(), info, callbacks, memory) };
-    *lock(&source.failure) = (code != vk::Result::SUCCESS).then_some(BlockFailure::Code(code));
-    code
+    source.noted("vkAllocateMemory", code)
 }
 
 unsafe extern "system" fn free_block(
@@ -292,8 +296,10 @@ unsafe extern "system" fn map_block(
 ) -> vk::Result {
     // SAFETY: as above.
     unsafe {
-        let device = &BlockSource::of(device).device;
-        (device.fp_v1_0().map_memory)(device.handle(), memory, offset, size, flags, data)
+        let source = BlockSource::of(device);
+        let real = source.device.fp_v1_0().map_memory;
+        let code = real(source.device.handle(), memory, offset, size, flags, data);
+        source.noted("vkMapMemory", code)
     }
 }
 

@@ -43,20 +43,6 @@ pub enum MemoryFailure {
 }
 
 impl MemoryFailure {
-    /// Returns the failure of `vkMapMemory`, whose code the allocator keeps as a text.
-    pub(crate) fn of_map(text: String) -> Self {
-        let codes = [
-            vk::Result::ERROR_OUT_OF_HOST_MEMORY,
-            vk::Result::ERROR_OUT_OF_DEVICE_MEMORY,
-            vk::Result::ERROR_MEMORY_MAP_FAILED,
-            vk::Result::ERROR_UNKNOWN,
-        ];
-        match codes.into_iter().find(|code| code.to_string() == text) {
-            Some(code) => Self::Call { call: "vkMapMemory", code },
-            None => Self::Allocator(AllocationError::FailedToMap(text)),
-        }
-    }
-
     /// Returns true if a smaller block or other memory may help.
     pub fn is_out_of_memory(&self) -> bool {
         match self {
@@ -128,9 +114,6 @@ mod tests {
         let failed = error(MemoryFailure::Call { call: "vkAllocateMemory", code }, None);
         assert!(failed.contains("vkAllocateMemory failed with ERROR_OUT_OF_HOST_MEMORY; 41 MiB"));
         assert!(failed.contains("ulimit -v") && !failed.contains("budget"), "{failed}");
-        let unmapped = MemoryFailure::of_map(vk::Result::ERROR_MEMORY_MAP_FAILED.to_string());
-        assert!(unmapped.is_out_of_memory());
-        assert!(error(unmapped, None).contains("vkMapMemory failed with ERROR_MEMORY_MAP_FAILED"));
     }
 
     #[test]
@@ -139,6 +122,7 @@ mod tests {
         assert!(of(vk::Result::ERROR_OUT_OF_DEVICE_MEMORY));
         assert!(of(vk::Result::ERROR_OUT_OF_HOST_MEMORY));
         assert!(!of(vk::Result::ERROR_UNKNOWN) && !of(vk::Result::ERROR_DEVICE_LOST));
+        assert!(of(vk::Result::ERROR_MEMORY_MAP_FAILED));
         assert!(MemoryFailure::OverBudget.is_out_of_memory());
         assert!(!MemoryFailure::NoType.is_out_of_memory());
     }
