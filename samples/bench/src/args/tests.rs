@@ -91,7 +91,7 @@ fn every_option_arrives() {
         "--depth-complexity",
     ])
     .unwrap();
-    let field = MadeScene { scene: GeneratorChoice::Field, objects: 2_000_000, seed: u64::MAX };
+    let field = MadeScene { scene: GeneratorChoice::Field, objects: 33_554_432, seed: u64::MAX };
     assert_eq!(options.scene, SceneChoice::Made(field));
     assert_eq!(options.path, PathChoice::Made(CameraPathChoice::Cut));
     assert_eq!(options.strategies, [Strategy::ANTUMBRA, Strategy::FRUSTUM]);
@@ -159,7 +159,7 @@ fn of_an_option_said_twice_the_last_counts() {
 #[test]
 fn numbers_outside_their_range_are_refused() {
     for (option, values) in [
-        ("--objects", ["0", "4000001", "-5", "many", "", "1e6"]),
+        ("--objects", ["0", "33554433", "-5", "many", "", "1e6"]),
         ("--views", ["0", "3", "-1", "two", "", "1.0"]),
         ("--moving-percent", ["101", "-1", "ten", "5%", "", "1.5"]),
         ("--threshold", ["-1", "4294967296", "few", "", "1.5", "2px"]),
