@@ -41,6 +41,7 @@ mod page_text;
 mod pending_scenes;
 pub mod pointer;
 pub mod profiler;
+pub mod recovery;
 mod scene_files;
 pub mod scene_view;
 pub mod screen;

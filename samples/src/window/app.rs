@@ -113,7 +113,7 @@ impl App<'_> {
     /// Passes a key or a click to the open list or field.
     fn choose(&mut self, key: MenuKey) -> Result<(), RunError> {
         let Some(opened) = &mut self.opened else { return Ok(()) };
-        if opened.recovers_at.is_some() {
+        if opened.recovery.due().is_some() {
             return Ok(());
         }
         let settings = || self.source.settings_for_another();

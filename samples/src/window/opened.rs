@@ -8,7 +8,7 @@ use antumbra::gpu::{
     CancellationToken, DisplayLink, Fallback, Instance, PresentMode, PresentResult, PresentSkipped,
     Surface,
 };
-use antumbra::pacing::{PacedFrameId, RecoverySchedule, Step, Time};
+use antumbra::pacing::{PacedFrameId, Step, Time};
 use egui::ViewportId;
 use winit::event::WindowEvent;
 use winit::event_loop::ActiveEventLoop;
@@ -23,6 +23,7 @@ use super::loaded_scene::check_options;
 use super::menu::Menu;
 use super::pending_scenes::PendingScenes;
 use super::pointer::Pointer;
+use super::recovery::WindowRecovery;
 use super::screen::Screen;
 use super::session::{Files, Session};
 use super::show::ShowOptions;
@@ -46,10 +47,7 @@ pub(super) struct Opened {
     pub(super) surface: Surface,
     /// The refresh period of the window's monitor, if it is known.
     pub(super) refresh: Option<Duration>,
-    /// The decision when to open another device after a loss.
-    pub(super) recovery: RecoverySchedule,
-    /// The time at which another device is opened, while the present one is lost.
-    pub(super) recovers_at: Option<Time>,
+    pub(super) recovery: WindowRecovery,
     pub(super) window: Arc<Window>,
     pub(super) instance: Instance,
     pub(super) pointer: Pointer,
@@ -111,8 +109,7 @@ impl Opened {
             screen,
             surface,
             refresh,
-            recovery: RecoverySchedule::default(),
-            recovers_at: None,
+            recovery: WindowRecovery::default(),
             window,
             instance,
             pointer: Pointer::default(),
@@ -157,7 +154,7 @@ impl Opened {
         if self.is_gone || self.display.is_lost() {
             return Ok(Next::End);
         }
-        let turned = match self.recovers_at {
+        let turned = match self.recovery.due() {
             Some(at) if now < at => return Ok(Next::At(at)),
             Some(_) => self.recover(options).map(|()| Next::Now),
             None => self.draw_next(input, options, now),
@@ -270,7 +267,7 @@ impl Opened {
         match action {
             Action::Quit => return Ok(true),
             // The present device takes no more actions.
-            _ if self.recovers_at.is_some() => return Ok(false),
+            _ if self.recovery.due().is_some() => return Ok(false),
             Action::Escape => return self.escape(),
             Action::ListScenes => {
                 self.session.menu = Some(self.scenes());

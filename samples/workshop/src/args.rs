@@ -9,6 +9,8 @@ use bench::options::{FrameSize, UsageError, parse_samples};
 use bench::transparency::TransparencyChoice;
 use clap::{Parser, value_parser};
 
+use crate::viewport::ViewportOptions;
+
 /// Shows a CAD model: its parts are picked, hidden, taken apart, measured and exported. The lid of
 /// the waffle maker is dragged until it touches something.
 ///
@@ -108,10 +110,11 @@ impl WorkshopArguments {
         }
     }
 
-    /// Returns the options of transparent parts.
-    pub fn transparency_options(&self) -> TransparencyOptions {
+    /// Returns the options of a viewport with images of this size.
+    pub fn viewport_options(&self, size: FrameSize) -> ViewportOptions {
         let options = self.transparency.options();
         let fragments_per_pixel = self.fragments_per_pixel.unwrap_or(options.fragments_per_pixel);
-        TransparencyOptions { fragments_per_pixel, ..options }
+        let transparency = TransparencyOptions { fragments_per_pixel, ..options };
+        ViewportOptions { size, samples: self.msaa, transparency, keeps_scene: false }
     }
 }

@@ -69,9 +69,8 @@ fn carry_out(
     let device = open_device(&instance, &adapter)?;
     let Model { document, path } = model(arguments)?;
     let mut report = begin_report(&document, &adapter.name);
-    let WorkshopArguments { size, msaa, .. } = *arguments;
-    let transparency = arguments.transparency_options();
-    let mut session = WorkshopSession::new(&device, document, path, size, msaa, transparency)?;
+    let options = arguments.viewport_options(arguments.size);
+    let mut session = WorkshopSession::new(&device, document, path, &options)?;
     report.transparency = session.transparency();
     let mut failed = Ok(());
     for ScriptLine { text, command } in &lines {

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use antumbra::cull::{Aabb, CullView, FrameId, SectionMember, SectionPlanes};
 use antumbra::glam::{DVec2, DVec3};
-use antumbra::gpu::{Device, SampleCount};
-use antumbra::render::{EdgeMode, EdgePath, HostOverlay, TransparencyOptions};
+use antumbra::gpu::Device;
+use antumbra::render::{EdgeMode, EdgePath, HostOverlay};
 use antumbra::{Camera, ObjectId, Renderer};
 use bench::legend;
 use bench::options::FrameSize;
@@ -25,7 +25,7 @@ use crate::orbit::OrbitCamera;
 use crate::report::{CommandOutcome, LidTurn, PickedPoint, not_blended};
 use crate::retessellate::{CurvedParts, Tessellated};
 use crate::script::{Command, Pixel};
-use crate::viewport::{ModelViewport, PointedPixel, SeenObject};
+use crate::viewport::{ModelViewport, PointedPixel, SeenObject, ViewportOptions};
 
 /// Millimetres per metre.
 const MM: f64 = 1000.0;
@@ -76,12 +76,10 @@ impl WorkshopSession {
         device: &Device,
         document: Document,
         path: Vec<Camera>,
-        size: FrameSize,
-        samples: SampleCount,
-        transparency: TransparencyOptions,
+        options: &ViewportOptions,
     ) -> Result<Self, RunError> {
-        let pixels = [size.width, size.height];
-        let viewport = ModelViewport::new(device, &document, pixels, samples, transparency)?;
+        let viewport = ModelViewport::new(device, &document, options)?;
+        let size = options.size;
         let bounds = document.shown_bounds();
         let camera = fitted(&bounds, size);
         let hovered = None;
@@ -432,6 +430,17 @@ impl WorkshopSession {
     /// Returns the renderer, to present its image.
     pub fn renderer(&self) -> &Renderer {
         self.viewport.renderer()
+    }
+
+    /// Continues on another device after the loss of the present one. Commands that the lost
+    /// device did not carry out are carried out.
+    ///
+    /// # Errors
+    /// A session that does not keep its scene; a device that does not take it, or fails. The call
+    /// can be repeated.
+    pub fn recover(&mut self, device: &Device) -> Result<(), RunError> {
+        self.viewport.recover(device)?;
+        self.follow()
     }
 
     /// Changes the size of images.

@@ -1,5 +1,7 @@
 //! The document on the GPU: follows its state, draws it, and finds the part under a pixel.
 
+use std::sync::Arc;
+
 use antumbra::cull::{CullView, FrameId, SectionPlanes, Strategy};
 use antumbra::glam::Affine3A;
 use antumbra::gpu::{Device, Readback, SampleCount};
@@ -12,6 +14,7 @@ use antumbra::scene::{
     MeshId, Object, ObjectChange, PreparedMesh, SceneUpdate, TransparentId, TransparentMove,
 };
 use antumbra::{Camera, FrameRequest, ObjectId, RenderView, Renderer, RendererOptions};
+use bench::options::FrameSize;
 use bench::transparency::{FragmentsReport, TransparencyReport};
 
 use crate::document::{CommandError, Display, Document};
@@ -49,6 +52,19 @@ struct Placed {
     object: Option<ObjectId>,
     display: Display,
     transform: Affine3A,
+}
+
+/// The options of a viewport.
+#[derive(Clone, Debug)]
+pub struct ViewportOptions {
+    /// The size of images in pixels.
+    pub size: FrameSize,
+    /// The samples per pixel.
+    pub samples: SampleCount,
+    /// The method of transparent parts.
+    pub transparency: TransparencyOptions,
+    /// True if the scene is kept in memory, for [`ModelViewport::recover`].
+    pub keeps_scene: bool,
 }
 
 /// A document on the GPU.
@@ -99,16 +115,23 @@ impl ModelViewport {
     pub fn new(
         device: &Device,
         document: &Document,
-        size: [u32; 2],
-        samples: SampleCount,
-        transparency: TransparencyOptions,
+        options: &ViewportOptions,
     ) -> Result<Self, Error> {
+        let ViewportOptions { size, samples, transparency, keeps_scene } = options.clone();
         let mut scene = document.scene.clone().with_surfaces();
         let first_ghost = add_ghosts(&mut scene);
         let spare = if document.curved.is_empty() { SpareCapacity::default() } else { CURVED_ROOM };
-        let options =
-            RendererOptions { size, samples, transparency, spare, ..RendererOptions::default() };
-        let renderer = Renderer::new(device, &scene, &options)?;
+        let options = RendererOptions {
+            size: [size.width, size.height],
+            samples,
+            transparency,
+            spare,
+            ..RendererOptions::default()
+        };
+        let mut renderer = Renderer::new(device, &scene, &options)?;
+        if keeps_scene {
+            renderer.keep_scene(Arc::new(scene))?;
+        }
         let placed = |object: ObjectId| Placed {
             object: Some(object),
             display: Display::Shown,
@@ -154,14 +177,24 @@ impl ModelViewport {
         FragmentsReport::most(std::iter::once(self.renderer.fragment_counts()))
     }
 
+    /// Continues on another device after the loss of the present one.
+    ///
+    /// # Errors
+    /// A viewport that does not keep its scene; a device that does not take it, or fails. The
+    /// viewport is as before then.
+    pub fn recover(&mut self, device: &Device) -> Result<(), Error> {
+        self.renderer.recover(device)
+    }
+
     /// Applies the changes of the document.
     ///
     /// # Errors
-    /// No memory, a failed call.
+    /// No memory, a failed call. Nothing is applied then, and the next call applies it.
     pub fn follow(&mut self, document: &Document) -> Result<(), Error> {
         let mut update = SceneUpdate::default();
         let mut added = Vec::new();
-        for (index, placed) in self.placed.iter_mut().enumerate() {
+        let mut wanted = self.placed.clone();
+        for (index, placed) in wanted.iter_mut().enumerate() {
             let id = ObjectId(index as u32);
             let display = document.display(id);
             let transform = document.transform(id);
@@ -201,6 +234,7 @@ impl ModelViewport {
             self.renumber();
         }
         let report = self.renderer.apply(&update)?;
+        self.placed = wanted;
         for (index, object) in added.into_iter().zip(report.added) {
             self.placed[index].object = Some(object);
         }

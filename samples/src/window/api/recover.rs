@@ -1,7 +1,7 @@
 //! Continuation on another device, after the loss of the present one.
 
 use antumbra::gpu::{Adapter, Device};
-use antumbra::pacing::{Retry, Time};
+use antumbra::pacing::Time;
 use bench::run;
 use bench::run_error::{Blame, RunError};
 use bench::strategy::Strategy;
@@ -83,23 +83,16 @@ impl Opened {
         // The window's images follow with the next frame, once the former device is closed.
         self.screen = screen;
         self.fallback = None;
-        self.recovers_at = None;
+        self.recovery.continued();
         self.next_layout = Time::ZERO;
         Ok(())
     }
 
-    /// Decides when to try to go on after an error. Errors other than a lost device end the
-    /// program, but not while one is replaced: then they may pass.
+    /// Decides when to try to continue after an error, or returns it.
     pub(crate) fn plan_recovery(&mut self, error: RunError) -> Result<Next, RunError> {
         let now = self.clock_now();
-        let retry = match self.recovers_at {
-            Some(_) => self.recovery.failed(now),
-            None if error.blame == Blame::LostDevice => self.recovery.lost(now),
-            None => Retry::GiveUp,
-        };
-        let Retry::At(at) = retry else { return Err(error) };
+        let Some(at) = self.recovery.after(&error, now) else { return Err(error) };
         self.session.tell_loss(&error);
-        self.recovers_at = Some(at);
         Ok(Next::At(at))
     }
 }

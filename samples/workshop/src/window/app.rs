@@ -94,7 +94,8 @@ impl ApplicationHandler for App<'_> {
             event_loop.exit();
         }
         if let Err(error) = opened.take(&event) {
-            self.follow(event_loop, Err(error));
+            let next = opened.plan_recovery(error);
+            self.follow(event_loop, next);
         }
     }
 

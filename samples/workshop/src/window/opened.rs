@@ -6,16 +6,18 @@ use std::time::Duration;
 
 use antumbra::cull::Aabb;
 use antumbra::glam::Vec2;
-use antumbra::gpu::{DisplayLink, Instance, PresentMode, PresentResult, PresentSkipped};
+use antumbra::gpu::{DisplayLink, Instance, PresentMode, PresentResult, PresentSkipped, Surface};
 use antumbra::pacing::{PacedFrameId, Step, Time};
 use bench::choices::DeviceChoice;
 use bench::options::FrameSize;
 use bench::outputs::OutputFile;
+use bench::run;
 use bench::run_error::RunError;
 use egui::{Context, Popup, Rect, ViewportId};
 use samples::hud::{HudFrame, HudOverlay, Measures};
 use samples::window::clock::Clock;
 use samples::window::failures::check_log;
+use samples::window::recovery::WindowRecovery;
 use samples::window::screen::{Screen, ScreenOptions};
 use samples::window::window_device::{WindowDevice, WindowOptions};
 use winit::event::{ElementState, MouseScrollDelta, WindowEvent};
@@ -36,9 +38,11 @@ use crate::report::{CommandOutcome, ScriptReport, ScriptStep};
 use crate::run::{Model, begin_report};
 use crate::script::Command;
 use crate::session::{FrameQuestions, LateResults, WorkshopSession};
+use crate::viewport::ViewportOptions;
 
-/// The number of frames in flight.
-const FRAMES_IN_FLIGHT: u32 = 2;
+/// How frames reach the window.
+const SCREEN: ScreenOptions =
+    ScreenOptions { present_mode: PresentMode::Fifo, frames_in_flight: 2, frame_limit_hz: None };
 
 /// The number of frames that are drawn after the last change, until late results arrive.
 const SETTLING_FRAMES: u32 = 8;
@@ -73,6 +77,12 @@ pub(super) struct Opened {
     egui: egui_winit::State,
     overlay: HudOverlay,
     screen: Screen,
+    surface: Surface,
+    /// The refresh period of the window's monitor, if it is known.
+    refresh: Option<Duration>,
+    recovery: WindowRecovery,
+    /// The device that the user requested.
+    device: DeviceChoice,
     window: Arc<Window>,
     instance: Instance,
     display: DisplayLink,
@@ -109,18 +119,12 @@ impl Opened {
         let opened = WindowDevice::open(event_loop, &wanted)?;
         let WindowDevice { window, display, instance, surface, device, refresh } = opened;
         let size: [u32; 2] = window.inner_size().into();
-        let screen_options = ScreenOptions {
-            present_mode: PresentMode::Fifo,
-            frames_in_flight: FRAMES_IN_FLIGHT,
-            frame_limit_hz: None,
-        };
-        let screen = Screen::new(&device, &surface, screen_options, refresh)?;
+        let screen = Screen::new(&device, &surface, SCREEN, refresh)?;
         let Model { document, path } = model;
         let report = begin_report(&document, &device.adapter().name);
-        let drawn = frame_size(size);
-        let WorkshopArguments { msaa, .. } = *arguments;
-        let transparency = arguments.transparency_options();
-        let mut session = WorkshopSession::new(&device, document, path, drawn, msaa, transparency)?;
+        let options =
+            ViewportOptions { keeps_scene: true, ..arguments.viewport_options(frame_size(size)) };
+        let mut session = WorkshopSession::new(&device, document, path, &options)?;
         let bounds = session.bounds();
         let middle = (bounds.min + bounds.max) * 0.5;
         let own = session.path().iter().map(|camera| OrbitCamera::of_camera(camera, middle));
@@ -147,6 +151,10 @@ impl Opened {
             context,
             egui,
             screen,
+            surface,
+            refresh,
+            recovery: WindowRecovery::default(),
+            device: wanted.device.clone(),
             window,
             instance,
             display,
@@ -279,12 +287,48 @@ impl Opened {
         Ok(keep_inputs(output.as_slice(), &self.inputs)?)
     }
 
-    /// Runs one iteration of the loop, and returns its next step.
+    /// Runs one iteration of the loop, and returns its next step. After the loss of the device it
+    /// continues on another one.
     pub(super) fn turn(&mut self) -> Result<Next, RunError> {
         if self.is_gone || self.display.is_lost() {
             return Ok(Next::End);
         }
         let now = Clock.now();
+        let turned = match self.recovery.due() {
+            Some(at) if now < at => return Ok(Next::At(at)),
+            Some(_) => self.recover().map(|()| Next::Now),
+            None => self.draw_next(now),
+        };
+        turned.or_else(|error| self.plan_recovery(error))
+    }
+
+    /// Decides when to try to continue after an error, or returns it.
+    pub(super) fn plan_recovery(&mut self, error: RunError) -> Result<Next, RunError> {
+        let Some(at) = self.recovery.after(&error, Clock.now()) else { return Err(error) };
+        let report = self.session.renderer().loss_report();
+        tracing::warn!("{error}; {report}; the model is drawn on another device");
+        Ok(Next::At(at))
+    }
+
+    /// Opens another device for the window after a loss, and continues on it.
+    fn recover(&mut self) -> Result<(), RunError> {
+        let wanted = run::wanted(&self.device);
+        let adapter = self.instance.pick_adapter_for(&self.surface, wanted.as_deref())?;
+        let device = run::open_device(&self.instance, &adapter)?;
+        let screen = Screen::new(&device, &self.surface, SCREEN, self.refresh)?;
+        let overlay = self.overlay.on(&device)?;
+        self.session.recover(&device)?;
+        // The window's images follow with the next frame, once the former device is closed.
+        self.screen = screen;
+        self.overlay = overlay;
+        self.recovery.continued();
+        self.frames_due = SETTLING_FRAMES;
+        self.interaction.tell(&format!("the device was lost; now on {}", adapter.name));
+        Ok(())
+    }
+
+    /// Draws a frame if something changes and its time has come.
+    fn draw_next(&mut self, now: Time) -> Result<Next, RunError> {
         if self.repaint_at.take_if(|at| *at <= now).is_some() {
             self.frames_due = self.frames_due.max(1);
         }
@@ -331,7 +375,7 @@ impl Opened {
         match self.screen.show(self.session.renderer(), frame, self.size)? {
             PresentResult::Not(PresentSkipped::WindowGone) => Ok(Next::End),
             PresentResult::Not(reason @ PresentSkipped::DeviceLost) => {
-                Err(RunError::machine(reason))
+                Err(RunError::lost_device(reason))
             }
             PresentResult::Not(_) => {
                 self.frames_due = self.frames_due.max(1);
@@ -383,13 +427,15 @@ impl Opened {
     /// Destroys the window and its objects. Returns the report, and the result of the validation
     /// layer.
     pub(super) fn close(self) -> (ScriptReport, Result<(), RunError>) {
-        let Self { session, overlay, screen, window, instance, egui, mut report, .. } = self;
+        let Self { session, overlay, screen, surface, window, instance, egui, mut report, .. } =
+            self;
         // The final value: a change of the size may have changed it.
         report.transparency = session.transparency();
         drop(session);
         drop(overlay);
         drop(egui);
         drop(screen);
+        drop(surface);
         drop(window);
         let log = instance.validation_log().clone();
         drop(instance);
