@@ -23,7 +23,7 @@ use crate::loader::{Replaces, replacing_entry};
 
 pub use calls::NAMES;
 pub use codes::{INVENTED, codes_of, name_of, number_of, parse_code, table_version};
-pub use live::{LiveObjects, live_objects};
+pub use live::{LiveObjects, live_objects, take_unnamed};
 pub use state::{CallNumber, Fault, FaultPlan, Lasts, NextFault};
 use state::{Function, with_state};
 

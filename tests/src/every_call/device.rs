@@ -5,6 +5,7 @@ use std::ffi::{CStr, c_char};
 use std::mem::transmute;
 
 use ash::vk;
+use ash::vk::Handle;
 
 use super::EveryCall;
 use super::state::{Function, State, real, real_other, with_state};
@@ -62,7 +63,10 @@ unsafe extern "system" fn create_device(
     if code == vk::Result::SUCCESS {
         // SAFETY: the call has written it.
         let device = unsafe { *made };
-        with_state(|state| state.devices.push(device));
+        with_state(|state| {
+            state.devices.push(device);
+            state.note_made("Device", device.as_raw());
+        });
     }
     code
 }
@@ -73,7 +77,7 @@ unsafe extern "system" fn destroy_device(
 ) {
     with_state(|state| {
         state.devices.retain(|other| *other != device);
-        state.note_destroyed("Device");
+        state.note_destroyed("Device", device.as_raw());
     });
     // SAFETY: as above.
     unsafe { real_other::<vk::PFN_vkDestroyDevice>(DESTROY)(device, callbacks) }

@@ -1,7 +1,9 @@
-//! The objects that are alive: what calls made, without what other calls destroyed.
+//! The objects that are alive, and those without a debug name: what calls made, without what other
+//! calls destroyed or named.
 
 use std::collections::BTreeMap;
-use std::mem::transmute;
+use std::ffi::c_void;
+use std::mem::{take, transmute};
 
 use ash::vk;
 use ash::vk::Handle;
@@ -9,12 +11,26 @@ use ash::vk::Handle;
 use super::device::Replacement;
 use super::state::{CallNumber, Function, State, real_other, with_state};
 
+const NAMING: &str = "vkSetDebugUtilsObjectNameEXT";
+
 /// The number of objects of each type.
 pub type LiveObjects = BTreeMap<&'static str, i64>;
 
 /// Returns the number of objects that are alive, by their type.
 pub fn live_objects() -> LiveObjects {
     with_state(|state| state.live.clone())
+}
+
+/// Returns the number of objects that never got a debug name since the last call, by their type:
+/// those that are alive, and those that were destroyed without one.
+pub fn take_unnamed() -> LiveObjects {
+    with_state(|state| {
+        let mut unnamed = take(&mut state.never_named);
+        for (_, kind) in state.unnamed.drain() {
+            *unnamed.entry(kind).or_default() += 1;
+        }
+        unnamed
+    })
 }
 
 /// Returns the type of the object that a call makes.
@@ -31,17 +47,38 @@ fn is_counted(kind: &str) -> bool {
     kind == "Device" || DESTROYERS.iter().any(|name| name.strip_prefix("vkDestroy") == Some(kind))
 }
 
+/// Notes the object that a call made or named.
+///
+/// # Safety
+/// `last` points to the last argument of the call, which succeeded.
+pub(super) unsafe fn note_success(call: CallNumber, last: *const c_void) {
+    let name = super::name_of(call);
+    if name == NAMING {
+        let info = last.cast::<*const vk::DebugUtilsObjectNameInfoEXT<'_>>();
+        // SAFETY: this function has such an argument.
+        let handle = unsafe { (**info).object_handle };
+        with_state(|state| state.unnamed.remove(&handle));
+    } else if let Some(kind) = made_by(name) {
+        // SAFETY: the last argument of functions that make an object is a pointer to its handle,
+        // which has 64 bits.
+        let handle = unsafe { **last.cast::<*const u64>() };
+        with_state(|state| state.note_made(kind, handle));
+    }
+}
+
 impl State {
-    /// Notes that a call made its object.
-    pub(super) fn note_made(&mut self, call: CallNumber) {
-        if let Some(kind) = made_by(super::name_of(call)) {
-            *self.live.entry(kind).or_default() += 1;
-        }
+    /// Notes that a call made an object.
+    pub(super) fn note_made(&mut self, kind: &'static str, handle: u64) {
+        *self.live.entry(kind).or_default() += 1;
+        self.unnamed.insert(handle, kind);
     }
 
     /// Notes that an object is destroyed.
-    pub(super) fn note_destroyed(&mut self, kind: &'static str) {
+    pub(super) fn note_destroyed(&mut self, kind: &'static str, handle: u64) {
         *self.live.entry(kind).or_default() -= 1;
+        if self.unnamed.remove(&handle).is_some() {
+            *self.never_named.entry(kind).or_default() += 1;
+        }
     }
 }
 
@@ -90,7 +127,7 @@ fn destroyer<const N: usize, A, B: Handle + Copy, C>(
         let name = DESTROYERS[N];
         if !object.is_null() {
             let kind = name.strip_prefix("vkDestroy").unwrap_or("Memory");
-            with_state(|state| state.note_destroyed(kind));
+            with_state(|state| state.note_destroyed(kind, object.as_raw()));
         }
         type Real<A, B, C> = unsafe extern "system" fn(A, B, C);
         // SAFETY: the caller passes what it would pass to the real function.

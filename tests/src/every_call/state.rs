@@ -78,6 +78,10 @@ pub(super) struct State {
     pub(super) others: HashMap<&'static str, Function>,
     pub(super) devices: Vec<vk::Device>,
     pub(super) live: LiveObjects,
+    /// The objects that are alive and have no debug name yet, with their types.
+    pub(super) unnamed: HashMap<u64, &'static str>,
+    /// The objects that were destroyed without a debug name.
+    pub(super) never_named: LiveObjects,
 }
 
 impl State {

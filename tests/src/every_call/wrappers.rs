@@ -1,10 +1,12 @@
 //! The wrappers, one for each number of arguments.
 
+use std::ffi::c_void;
 use std::mem::transmute;
 
 use ash::vk;
 
 use super::device;
+use super::live::note_success;
 use super::state::{Function, real, with_state};
 
 /// The number of a call, as a value whose type carries it.
@@ -13,16 +15,22 @@ pub(super) struct Index<const N: usize>;
 /// Defines functions that make the wrapper of a function of some type.
 macro_rules! arities {
     ($($wrap:ident ($($argument:ident: $kind:ident),+);)+) => {$(
-        pub(super) fn $wrap<const N: usize, $($kind),+>(
+        pub(super) fn $wrap<const N: usize, $($kind: Copy),+>(
             _: Index<N>,
             _: Option<unsafe extern "system" fn($($kind),+) -> vk::Result>,
         ) -> Function {
-            unsafe extern "system" fn wrapper<const N: usize, $($kind),+>(
+            unsafe extern "system" fn wrapper<const N: usize, $($kind: Copy),+>(
                 $($argument: $kind),+
             ) -> vk::Result {
                 type Real<$($kind),+> = unsafe extern "system" fn($($kind),+) -> vk::Result;
                 // SAFETY: the caller passes valid arguments for the function of this number.
-                answer(N, || unsafe { real::<Real<$($kind),+>>(N)($($argument),+) })
+                let code = answer(N, || unsafe { real::<Real<$($kind),+>>(N)($($argument),+) });
+                if code == vk::Result::SUCCESS {
+                    let arguments = [$((&raw const $argument).cast::<c_void>()),+];
+                    // SAFETY: the last argument of a call that succeeded.
+                    unsafe { note_success(N, arguments[arguments.len() - 1]) };
+                }
+                code
             }
             let wrapper: unsafe extern "system" fn($($kind),+) -> vk::Result =
                 wrapper::<N, $($kind),+>;
@@ -46,11 +54,7 @@ arities! {
 /// Counts a call, and returns the injected code, or the code of the real call.
 pub(super) fn answer(number: usize, real: impl FnOnce() -> vk::Result) -> vk::Result {
     let Some(code) = with_state(|state| state.due(number)) else {
-        let code = real();
-        if code == vk::Result::SUCCESS {
-            with_state(|state| state.note_made(number));
-        }
-        return code;
+        return real();
     };
     if code == vk::Result::ERROR_DEVICE_LOST {
         device::finish();

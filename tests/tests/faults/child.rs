@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use gpu::{Instance, InstanceOptions, Validation};
 use tests::Driver;
 use tests::captured_log::CapturedLog;
-use tests::every_call::{self, CallNumber, FaultPlan, name_of, number_of};
+use tests::every_call::{self, CallNumber, FaultPlan, LiveObjects, name_of, number_of};
 
 use crate::plans::parse;
 use crate::programs::{Outcome, Program, ProgramKind, Stage};
@@ -112,6 +112,7 @@ impl Bench {
             bench.trace = every_call::trace();
             bench.reference = found.outcome.unwrap_or_else(|error| panic!("{error}"));
             assert_eq!(found.faults, Vec::<String>::new(), "without a fault");
+            assert_eq!(every_call::take_unnamed(), LiveObjects::new(), "objects without a name");
             bench.kept = Resources::now().beyond(before);
         }
         let mut pixels = bench.reference.as_chunks::<4>().0.iter();

@@ -70,6 +70,10 @@ fn main() -> ExitCode {
     if left.values().any(|count| *count != 0) {
         problems.push(format!("alive in the end: {left:?}"));
     }
+    let unnamed = every_call::take_unnamed();
+    if !unnamed.is_empty() {
+        problems.push(format!("without a debug name: {unnamed:?}"));
+    }
     problems.extend(log.drain().iter().map(|message| format!("{}: {}", message.id, message.text)));
     problems.iter().for_each(|problem| println!("FAILED: {problem}"));
     if problems.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }

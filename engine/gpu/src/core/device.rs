@@ -88,6 +88,7 @@ impl Device {
             // SAFETY: nothing made from the device is left.
             .inspect_err(|_| unsafe { raw.destroy_device(None) })?;
         let device = Self::of(shared);
+        device.name(device.raw().handle(), &adapter.name);
         device.name(queue, "queue");
         Ok(device)
     }
@@ -97,6 +98,9 @@ impl Device {
         let device = Self { shared: Arc::new(shared) };
         if let ClockSource::Timeline(timeline) = &device.shared.clock.source {
             device.name(timeline.semaphore, "device timeline");
+        }
+        if device.shared.pipeline_cache.ownership == Ownership::Ours {
+            device.name(device.pipeline_cache(), "compiled pipelines");
         }
         device
     }

@@ -72,7 +72,9 @@ pub(crate) fn equip(device: RawDevice, options: &DeviceOptions) -> Result<Device
         device;
     // Owns no object of the device until memory is requested.
     let budget_bytes = options.memory_budget_bytes;
-    let memory = DeviceMemory::new(&instance, adapter.physical, &raw, budget_bytes)?;
+    let extensions = Extensions::load(&instance, &raw, &adapter.capabilities);
+    let debug = extensions.debug.clone();
+    let memory = DeviceMemory::new(&instance, adapter.physical, &raw, debug, budget_bytes)?;
     let pipeline_cache = match device.pipeline_cache {
         Some(cache) => PipelineCache::of_host(cache),
         None => {
@@ -90,7 +92,7 @@ pub(crate) fn equip(device: RawDevice, options: &DeviceOptions) -> Result<Device
     };
     Ok(DeviceShared {
         id: OwnerId::new(),
-        extensions: Extensions::load(&instance, &raw, &adapter.capabilities),
+        extensions,
         instance,
         adapter,
         ownership,

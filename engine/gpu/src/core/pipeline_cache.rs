@@ -22,7 +22,7 @@ pub(crate) struct PipelineCache {
     pub(crate) raw: vk::PipelineCache,
     path: Option<PathBuf>,
     identity: Identity,
-    ownership: Ownership,
+    pub(crate) ownership: Ownership,
 }
 
 /// The identity of a device and of the exact build of its driver.

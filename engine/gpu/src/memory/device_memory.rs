@@ -5,10 +5,12 @@
 //! failed call. So it gets a device whose functions for memory are ours: they refuse a block beyond
 //! the budget, and keep the code.
 
-use std::ffi::c_void;
+use std::ffi::{CString, c_void};
+use std::ptr;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
+use ash::ext::debug_utils;
 use ash::vk::{self, Handle as _};
 use gpu_allocator::vulkan::{
     Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc,
@@ -55,12 +57,13 @@ impl DeviceMemory {
         instance: &InstanceShared,
         physical: vk::PhysicalDevice,
         device: &ash::Device,
+        debug: Option<debug_utils::Device>,
         budget_bytes: Option<u64>,
     ) -> Result<Self, Error> {
         // SAFETY: a physical device of the instance.
         let types = unsafe { instance.raw.get_physical_device_memory_properties(physical) };
         let [device_bytes, host_bytes] = block_bytes(budget_bytes);
-        let source = BlockSource::new(device);
+        let source = BlockSource::new(device, debug);
         let allocator = Allocator::new(&AllocatorCreateDesc {
             instance: instance.raw.clone(),
             device: source.as_device(),
@@ -193,11 +196,13 @@ fn warn_of_host_memory(
     );
 }
 
-/// A device as the allocator sees it: its handle points here, and its functions for memory are the
+/// A device as the allocator sees it: its handle points here, and it has no other functions than the
 /// ones below.
 struct BlockSource {
     /// The real device.
     device: ash::Device,
+    /// The functions that name blocks, if a debugger or layer is active.
+    debug: Option<debug_utils::Device>,
     /// The bytes that the budget leaves for the next block.
     left_bytes: AtomicU64,
     /// The failure of the newest block.
@@ -212,9 +217,21 @@ enum BlockFailure {
 }
 
 impl BlockSource {
-    fn new(device: &ash::Device) -> Arc<Self> {
+    fn new(device: &ash::Device, debug: Option<debug_utils::Device>) -> Arc<Self> {
         let device = device.clone();
-        Arc::new(Self { device, left_bytes: AtomicU64::new(0), failure: Mutex::default() })
+        Arc::new(Self { device, debug, left_bytes: AtomicU64::new(0), failure: Mutex::default() })
+    }
+
+    /// Gives a block its debug name.
+    fn name(&self, block: vk::DeviceMemory, info: &vk::MemoryAllocateInfo<'_>) {
+        let Some(debug) = &self.debug else { return };
+        let kib = info.allocation_size.div_ceil(1 << 10);
+        let name = format!("block of {kib} KiB, memory type {}", info.memory_type_index);
+        let name = CString::new(name).unwrap_or_default();
+        let info =
+            vk::DebugUtilsObjectNameInfoEXT::default().object_handle(block).object_name(&name);
+        // SAFETY: a live object of this device. A failure to set a name is ignored.
+        let _unnamed_is_fine = unsafe { debug.set_debug_utils_object_name(&info) };
     }
 
     /// Notes the code of a call that failed, and returns it.
@@ -227,8 +244,9 @@ impl BlockSource {
 
     /// Returns the device for the allocator, which must not outlive the source.
     fn as_device(self: &Arc<Self>) -> ash::Device {
-        let real = &self.device;
-        let mut core = real.fp_v1_0().clone();
+        // A function that an allocator newly calls ends the program with its name, instead of
+        // giving the real driver our pointer.
+        let mut core = ash::DeviceFnV1_0::load(|_| ptr::null());
         core.allocate_memory = allocate_block;
         core.free_memory = free_block;
         core.map_memory = map_block;
@@ -236,9 +254,9 @@ impl BlockSource {
         ash::Device::from_parts_1_3(
             vk::Device::from_raw(Arc::as_ptr(self).expose_provenance() as u64),
             core,
-            real.fp_v1_1().clone(),
-            real.fp_v1_2().clone(),
-            real.fp_v1_3().clone(),
+            ash::DeviceFnV1_1::load(|_| ptr::null()),
+            ash::DeviceFnV1_2::load(|_| ptr::null()),
+            ash::DeviceFnV1_3::load(|_| ptr::null()),
         )
     }
 
@@ -247,7 +265,7 @@ impl BlockSource {
     /// # Safety
     /// The handle is of a source that lives as long as the reference.
     unsafe fn of<'a>(device: vk::Device) -> &'a Self {
-        let source = std::ptr::with_exposed_provenance::<Self>(device.as_raw() as usize);
+        let source = ptr::with_exposed_provenance::<Self>(device.as_raw() as usize);
         // SAFETY: the caller's promise.
         unsafe { &*source }
     }
@@ -271,6 +289,10 @@ unsafe extern "system" fn allocate_block(
     let real = source.device.fp_v1_0().allocate_memory;
     // SAFETY: as above.
     let code = unsafe { real(source.device.handle(), info, callbacks, memory) };
+    if code == vk::Result::SUCCESS {
+        // SAFETY: as above; the call has written the handle.
+        unsafe { source.name(*memory, &*info) };
+    }
     source.noted("vkAllocateMemory", code)
 }
 

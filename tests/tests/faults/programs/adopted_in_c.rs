@@ -178,8 +178,8 @@ pub(super) fn adopt(
         conditional_rendering: (&raw mut structures.conditional).cast(),
         ..Versioned::INIT
     };
-    let extensions: Vec<*const c_char> =
-        host.needs.extensions().iter().map(|name| name.as_ptr()).collect();
+    let extensions = host.needs.extensions().into_iter().chain([ash::ext::debug_utils::NAME]);
+    let extensions: Vec<*const c_char> = extensions.map(CStr::as_ptr).collect();
     let adapter = AntumbraAdapterDesc {
         instance_proc_addr: Some(every_call::entry().static_fn().get_instance_proc_addr),
         instance: host.instance.handle(),

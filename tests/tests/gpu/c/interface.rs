@@ -104,8 +104,8 @@ fn adopt_with(
         conditional_rendering: (&raw mut structures.conditional).cast(),
         ..Versioned::INIT
     };
-    let extensions: Vec<*const c_char> =
-        host.needs.extensions().iter().map(|name| name.as_ptr()).collect();
+    let extensions = host.needs.extensions().into_iter().chain([ash::ext::debug_utils::NAME]);
+    let extensions: Vec<*const c_char> = extensions.map(CStr::as_ptr).collect();
     let adapter = adapter(host);
     let mut desc = AntumbraDeviceDesc {
         queue_family: host.needs.queue_family.unwrap(),

@@ -12,6 +12,9 @@ use tests::{run_on_all, shadow_scene};
 const SIZE: [u32; 2] = [160, 120];
 const GROUND: ObjectId = ObjectId(0);
 
+/// Frames at rest after which shadow maps are kept.
+const KEPT_AFTER: usize = 8;
+
 fn options(method: ShadowMethod) -> RendererOptions {
     let shadows = ShadowOptions {
         method,
@@ -55,8 +58,12 @@ fn what_is_cut_away_casts_no_shadow_by_maps() {
             let scene = shadow_scene::scene(&boxes(blocks), &[sun]);
             let mut shown = CutScene::new(device, &scene, options(ShadowMethod::Maps));
             shown.renderer.set_section_member(GROUND, SectionMember::Whole);
-            // Drawn before there are planes, so that a cached map must be drawn again.
-            shown.pixels(camera(Vec3::ZERO), Strategy::ANTUMBRA);
+            // A plane that cuts nothing, for long enough that maps are kept: those of the same
+            // passes must be drawn again.
+            shown.renderer.set_section(planes(&[plane([-1.0, 0.0, 0.0], 100.0)])).unwrap();
+            for _ in 0..KEPT_AFTER {
+                shown.pixels(camera(Vec3::ZERO), Strategy::ANTUMBRA);
+            }
             shown.renderer.set_section(section).unwrap();
             shown.pixels(camera(Vec3::ZERO), Strategy::ANTUMBRA)
         };
