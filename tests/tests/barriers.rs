@@ -15,7 +15,8 @@ use gpu::{
     Access, Device, DeviceOptions, FlagRing, FrameRing, MemoryBarrier, OptionalFeature,
     ResultSource,
 };
-use render::{CostModel, FrameRequest, Renderer, RendererOptions};
+use render::{CostModel, FrameRequest, Renderer, RendererOptions, SpareCapacity};
+use scene::PreparedMesh;
 use scenes::PathKind;
 use tests::fault_injection::{FaultInjection, guarded_reads};
 use tests::walk::{SceneKind, cameras_along};
@@ -56,6 +57,33 @@ fn results_are_read_behind_barriers() {
         drop((renderer, device));
         assert_eq!(instance.validation_log().drain(), []);
     }
+}
+
+#[test]
+fn streams_wait_for_the_frames_before_them() {
+    let scene = SceneKind::City.build(40);
+    let faults = FaultInjection { records_barriers: true, ..FaultInjection::default() };
+    let instance = instance_with(faults.entry());
+    let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
+    let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
+    let spare =
+        SpareCapacity { meshes: 1, vertices: 1 << 12, indices: 1 << 12, ..Default::default() };
+    let options = RendererOptions { size: [128, 72], spare, ..RendererOptions::default() };
+    let mut renderer = Renderer::new(&device, &scene.scene, &options).unwrap();
+    let mut view = renderer.new_view().unwrap();
+    guarded_reads();
+    for camera in cameras_along(&scene, PathKind::Street, 4) {
+        let mesh = PreparedMesh::new(scene.scene.meshes[0].clone()).unwrap();
+        let added = renderer.add_meshes(vec![mesh]).unwrap();
+        renderer.render(&mut view, FrameRequest::new(Strategy::ANTUMBRA, camera)).unwrap();
+        let reads = guarded_reads();
+        assert!(!reads.unguarded.iter().any(|what| what.contains("a stream")));
+        assert_eq!(reads.streams, 1);
+        renderer.remove_meshes(&added).unwrap();
+        renderer.wait_idle(&mut view).unwrap();
+    }
+    drop((view, renderer, device));
+    assert_eq!(instance.validation_log().drain(), []);
 }
 
 #[test]

@@ -1,5 +1,5 @@
 //! Barriers that no validation layer misses: before results become predicates, before draws that
-//! fragments enabled, and before the CPU reads. Follows the commands of one thread in their order.
+//! fragments enabled, before the CPU reads, and before streams overwrite what earlier frames read. Follows the commands of one thread in their order.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -22,7 +22,9 @@ pub struct GuardedReads {
     pub enabled: usize,
     /// The number of copies between buffers.
     pub copies: usize,
-    /// The reads that had no barrier before them.
+    /// The number of passes that stream meshes and textures.
+    pub streams: usize,
+    /// The reads, and the writes of streams, that had no barrier before them.
     pub unguarded: BTreeSet<&'static str>,
 }
 
@@ -32,6 +34,8 @@ struct Recorder {
     has_new_results: bool,
     has_new_draws: bool,
     has_new_copies: bool,
+    /// True in a pass that streams, until earlier reads are over.
+    is_stream_unguarded: bool,
 }
 
 thread_local! {
@@ -99,6 +103,7 @@ pub(super) unsafe fn passed(info: &vk::DependencyInfo<'_>) {
             recorder.has_new_results &= !reads(vk::AccessFlags2::CONDITIONAL_RENDERING_READ_EXT);
             recorder.has_new_draws &= !(from_shaders && is_indirect);
             recorder.has_new_copies &= !reads(vk::AccessFlags2::HOST_READ);
+            recorder.is_stream_unguarded &= !reads(vk::AccessFlags2::TRANSFER_WRITE);
         }
     });
 }
@@ -123,6 +128,9 @@ unsafe extern "system" fn copy_buffer(
     record(|recorder| {
         recorder.reads.copies += 1;
         recorder.has_new_copies = true;
+        if recorder.is_stream_unguarded {
+            recorder.reads.unguarded.insert("a stream overwrites what frames in flight read");
+        }
     });
     // SAFETY: here and below: the type belongs to the function, and the caller passes valid
     // arguments for it.
@@ -141,6 +149,10 @@ unsafe extern "system" fn begin_label(
             b"leaf boxes" => record(|recorder| {
                 recorder.reads.enabled += 1;
                 recorder.has_new_draws = true;
+            }),
+            b"stream meshes and textures" => record(|recorder| {
+                recorder.reads.streams += 1;
+                recorder.is_stream_unguarded = true;
             }),
             _ => {}
         }
