@@ -1,10 +1,11 @@
 //! A renderer that continues on another device shows what it would have shown without the loss.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use cull::{Aabb, Hierarchy, ObjectId, SectionMode, SectionPlane, SectionPlanes, Strategy};
 use glam::{Affine3A, DVec3, Quat, Vec3, vec3};
-use gpu::{Device, DeviceOptions, Readback};
+use gpu::{Device, DeviceOptions, Readback, Tick, Timeline};
 use render::{
     EdgeMode, EdgeOptions, Error, FrameRequest, LightShadow, ObjectOutline, RenderView, Renderer,
     RendererOptions, SpareCapacity,
@@ -223,6 +224,41 @@ fn the_report_on_a_loss_says_where_it_was() {
         }
         fine.install();
         device.wait_idle().unwrap();
+    }
+}
+
+/// Checks that a GPU which hangs, and whose driver does not lose it, is noticed, named, and left for
+/// another device.
+#[test]
+fn a_gpu_that_hangs_is_left_for_another_device() {
+    let instance = tests::instance();
+    let scene = Arc::new(scene());
+    for driver in Driver::ALL {
+        let adapter = instance.pick_adapter(Some(driver.device_name())).unwrap();
+        let wait_bound = Duration::from_millis(100);
+        let options = DeviceOptions { wait_bound, ..DeviceOptions::default() };
+        let device = Device::new(&instance, &adapter, &options).unwrap();
+        let twin_device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
+        let mut film = Film::new(&device, &scene);
+        let mut twin = Film::new(&twin_device, &scene);
+        let gate = Timeline::new(&device, "gate").unwrap();
+        let request = FrameRequest::new(Strategy::ANTUMBRA, camera(0));
+        let request = FrameRequest { after: Some(gate.at(Tick(1))), ..request };
+        film.renderer.render(&mut film.view, request).unwrap();
+        let waited = film.renderer.wait_idle(&mut film.view).unwrap_err();
+        assert!(matches!(&waited, Error::Gpu(gpu::Error::Timeout { .. })), "{waited}");
+        let report = film.renderer.loss_report();
+        assert!(report.is_ours() && report.unfinished[0].passes.contains(&"draw visible"));
+        // The work of the GPU that hangs is not waited for.
+        film.renderer.recover(&another(&instance, &twin_device)).unwrap();
+        for frame in 1..4 {
+            let found = film.frame(Strategy::ANTUMBRA, frame);
+            let expected = twin.frame(Strategy::FRUSTUM, frame);
+            assert_eq!(images_that_differ(&found, &expected), 0, "{driver:?}, frame {frame}");
+        }
+        gate.signal(Tick(1)).unwrap();
+        drop((film, twin, gate, device, twin_device));
+        assert_eq!(instance.validation_log().drain(), []);
     }
 }
 
