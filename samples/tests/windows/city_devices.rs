@@ -2,7 +2,9 @@
 
 use std::fs;
 
+use crate::running::Running;
 use harness::{Scratch, pixels, program, stderr};
+use tests::xvfb::Xvfb;
 
 const SMALL: [&str; 5] = ["--headless", "--objects", "500", "--size", "320x180"];
 
@@ -46,4 +48,20 @@ fn another_device_shows_the_same_images() {
     }
     let shot = pixels(&scratch.0.join("out-change/city_00004.png"));
     assert!(shot == image("change", 4), "the screenshot is another image");
+}
+
+/// Checks that a window that continues on another device keeps the present mode that its user
+/// chose: the next one follows it.
+#[test]
+fn a_window_on_another_device_keeps_its_present_mode() {
+    let server = Xvfb::start();
+    let scratch = Scratch::new("city-devices-window");
+    let script = "5 present_mode mailbox\n10 another_device\n20 present_mode\n";
+    fs::write(scratch.0.join("script"), script).unwrap();
+    let mut running = Running::city(&scratch, &server, &["--script", "script", "--frames", "30"]);
+    let status = running.end();
+    let log = running.log();
+    assert!(status.success(), "{status}: {log}");
+    assert!(log.contains("now on SwiftShader"), "{log}");
+    assert!(log.contains("present mode immediate"), "{log}");
 }

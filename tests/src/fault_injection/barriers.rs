@@ -1,5 +1,6 @@
 //! Barriers that no validation layer misses: before results become predicates, before draws that
-//! fragments enabled, before the CPU reads, and before streams overwrite what earlier frames read. Follows the commands of one thread in their order.
+//! fragments enabled, before the CPU reads, and before streams overwrite what earlier frames read.
+//! Follows the commands of one thread in their order.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;

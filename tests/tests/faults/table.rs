@@ -10,8 +10,8 @@ use crate::worker::Memory;
 /// The most bytes of ours that a run may leave behind, on average over the last half of the runs.
 const LEAK_BYTES: i64 = 2048;
 
-/// The fewest runs whose growth is checked.
-const LEAK_RUNS: usize = 7;
+/// The fewest runs whose growth is checked: those behind the first half of the sample in `ci/test`.
+const LEAK_RUNS: usize = 4;
 
 /// The counts of a program on a driver.
 #[derive(Default)]

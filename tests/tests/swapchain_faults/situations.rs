@@ -322,8 +322,8 @@ fn the_first_swapchain_and_the_first_image_may_fail() {
             (ACQUIRE, Code::ERROR_OUT_OF_DATE_KHR),
             (ACQUIRE, Code::ERROR_SURFACE_LOST_KHR),
         ] {
-            // No other swapchain: SwiftShader refuses a second one for a window until the first one is
-            // destroyed, which is a thread's work.
+            // No other swapchain: SwiftShader refuses a second one for a window until the first one
+            // is destroyed, which is a thread's work.
             let mut liar = Liar::without_frames(&server, driver, FaultInjection::default());
             failing(call, 0..1, code).install();
             let outcome = liar.try_show();

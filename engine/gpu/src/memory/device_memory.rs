@@ -196,8 +196,8 @@ fn warn_of_host_memory(
     );
 }
 
-/// A device as the allocator sees it: its handle points here, and it has no other functions than the
-/// ones below.
+/// A device as the allocator sees it: its handle points here, and it has no other functions than
+/// the ones below.
 struct BlockSource {
     /// The real device.
     device: ash::Device,

@@ -7,7 +7,7 @@ use bench::run_error::{Blame, RunError};
 use bench::strategy::Strategy;
 
 use super::super::opened::{Next, Opened};
-use super::super::screen::Screen;
+use super::super::screen::{Screen, ScreenOptions};
 use super::super::session::Session;
 use super::super::show::ShowOptions;
 
@@ -76,7 +76,13 @@ impl Opened {
 
     fn go_on(&mut self, adapter: &Adapter, options: &ShowOptions) -> Result<(), RunError> {
         let device = run::open_device(&self.instance, adapter)?;
-        let screen = Screen::new(&device, &self.surface, options.screen(), self.refresh)?;
+        // As the user has set it since the window opened.
+        let shown = ScreenOptions {
+            present_mode: self.screen.wanted_mode(),
+            frames_in_flight: self.session.frames_in_flight() as u32,
+            ..options.screen()
+        };
+        let screen = Screen::new(&device, &self.surface, shown, self.refresh)?;
         self.session.recover(&device)?;
         let size = self.session.renderer().size();
         self.arrivals.restart(&device, options, size)?;

@@ -40,7 +40,7 @@ use crate::script::Command;
 use crate::session::{FrameQuestions, LateResults, WorkshopSession};
 use crate::viewport::ViewportOptions;
 
-/// How frames reach the window.
+/// The way of frames to the window.
 const SCREEN: ScreenOptions =
     ScreenOptions { present_mode: PresentMode::Fifo, frames_in_flight: 2, frame_limit_hz: None };
 

@@ -227,8 +227,8 @@ fn the_report_on_a_loss_says_where_it_was() {
     }
 }
 
-/// Checks that a GPU which hangs, and whose driver does not lose it, is noticed, named, and left for
-/// another device.
+/// Checks that a GPU which hangs, and whose driver does not lose it, is noticed, named, and left
+/// for another device.
 #[test]
 fn a_gpu_that_hangs_is_left_for_another_device() {
     let instance = tests::instance();
