@@ -36,13 +36,22 @@ pub(crate) trait RetiredObject: Send {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub struct RecordingId(u64);
 
+/// A dropped object that open recordings may use.
+struct Recorded<T> {
+    /// The newest recording that may use it.
+    newest: RecordingId,
+    /// The tick until which the GPU uses it in any case.
+    until: Tick,
+    payload: T,
+}
+
 /// Dropped objects, in the order in which they are freed.
 pub(crate) struct DeletionQueue<T> {
     newest: RecordingId,
     /// Recordings that are neither submitted nor abandoned, oldest first.
     open: Vec<RecordingId>,
-    /// Objects that open recordings may use. No recording opened after the given one uses them.
-    recorded: VecDeque<(RecordingId, T)>,
+    /// Objects that open recordings may use.
+    recorded: VecDeque<Recorded<T>>,
     /// Objects that only the GPU may still use, until the given tick.
     submitted: VecDeque<(Tick, T)>,
 }
@@ -68,24 +77,28 @@ impl<T> DeletionQueue<T> {
     pub(crate) fn close(&mut self, recording: RecordingId, submitted: Tick) {
         self.open.retain(|open| *open != recording);
         let oldest = self.open.first().copied();
-        while let Some((newest, _)) = self.recorded.front()
-            && oldest.is_none_or(|oldest| oldest > *newest)
+        while let Some(first) = self.recorded.front()
+            && oldest.is_none_or(|oldest| oldest > first.newest)
         {
-            let payload = self.recorded.pop_front().map(|(_, payload)| (submitted, payload));
-            self.submitted.extend(payload);
+            let Some(Recorded { until, payload, .. }) = self.recorded.pop_front() else { return };
+            self.keep_until(until.max(submitted), payload);
         }
     }
 
-    /// Keeps `payload` until every open recording is closed, and then until the last submit before
-    /// that is over. Without open recordings, keeps it until `submitted`, the newest tick, is over.
-    /// `submitted` must never decrease from call to call.
-    pub(crate) fn retire(&mut self, submitted: Tick, payload: T) {
-        debug_assert!(self.submitted.back().is_none_or(|(last, _)| *last <= submitted));
+    /// Keeps `payload` until every open recording is closed and the last submit before that is over,
+    /// and until the tick `until` is over, which is the newest tick or a later one.
+    pub(crate) fn retire(&mut self, until: Tick, payload: T) {
         if self.open.is_empty() {
-            self.submitted.push_back((submitted, payload));
+            self.keep_until(until, payload);
         } else {
-            self.recorded.push_back((self.newest, payload));
+            self.recorded.push_back(Recorded { newest: self.newest, until, payload });
         }
+    }
+
+    /// Keeps `payload` until a tick is over, and at least as long as what was retired before.
+    fn keep_until(&mut self, tick: Tick, payload: T) {
+        let last = self.submitted.back().map_or(Tick::ZERO, |(last, _)| *last);
+        self.submitted.push_back((tick.max(last), payload));
     }
 
     /// Returns the next payload that nothing uses if `completed` is over.
@@ -120,6 +133,20 @@ mod tests {
         assert_eq!(queue.pop_over(Tick(4)), None);
         assert_eq!(queue.len(), 1);
         assert_eq!(queue.pop_over(Tick(9)), Some('d'));
+    }
+
+    #[test]
+    fn what_waits_for_a_later_submit_holds_back_what_comes_after_it() {
+        let mut queue = DeletionQueue::new();
+        queue.retire(Tick(3), 'a');
+        queue.retire(Tick(2), 'b');
+        assert_eq!(queue.pop_over(Tick(2)), None);
+        let frame = queue.open();
+        queue.retire(Tick(5), 'c');
+        // Given up: it was never submitted.
+        queue.close(frame, Tick(3));
+        assert_eq!([3, 3, 4].map(|tick| queue.pop_over(Tick(tick))), [Some('a'), Some('b'), None]);
+        assert_eq!(queue.pop_over(Tick(5)), Some('c'));
     }
 
     #[test]

@@ -326,6 +326,13 @@ impl Device {
         deletion.retire(self.submitted(), retired);
     }
 
+    /// Takes the payload of an object that a present uses. No tick so far proves that the present
+    /// is over, so it is freed when the next submit is over.
+    pub(crate) fn retire_behind_next_submit(&self, retired: Retired) {
+        let mut deletion = lock(&self.shared.deletion);
+        deletion.retire(self.submitted().next(), retired);
+    }
+
     /// Begins a recording. Objects that are dropped before the guard is dropped stay alive for it.
     pub(crate) fn open_recording(&self) -> OpenRecording {
         OpenRecording { device: self.clone(), number: lock(&self.shared.deletion).open() }
@@ -346,7 +353,7 @@ impl Device {
             waited.map_or_else(|error| error.is_device_lost(), |()| true)
         };
         if self.is_known_lost() && is_over(self.wait(newest, WaitFor::Drain)) {
-            self.free_over(newest);
+            self.free_over(Tick(u64::MAX));
         }
     }
 

@@ -64,12 +64,19 @@ impl RetiredSwapchains {
         if count == 0 {
             return Ok(());
         }
-        let submitted = device.submit(None, &Order::default());
-        // Even if the submit failed: the existing ticks cover all work of the GPU.
-        for _ in 0..count {
-            self.retire_oldest(device);
+        let submit = || device.submit(None, &Order::default()).map(|_| ());
+        // A failure other than a loss may pass.
+        let submitted =
+            submit().or_else(|error| if error.is_device_lost() { Err(error) } else { submit() });
+        for chain in self.chains.drain(..count) {
+            let retired = Retired::Other(Box::new(chain));
+            if submitted.is_ok() {
+                device.retire(retired);
+            } else {
+                device.retire_behind_next_submit(retired);
+            }
         }
-        submitted.map(|_| ())
+        submitted
     }
 
     pub(super) fn len(&self) -> usize {
