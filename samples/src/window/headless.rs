@@ -108,7 +108,11 @@ fn go_on(
 ) -> Result<Device, RunError> {
     loop {
         thread::sleep(at.since(session.clock.now()));
-        let recovered = reopen().and_then(|device| session.recover(&device).map(|()| device));
+        let recovered = reopen().and_then(|device| {
+            session.recover(&device)?;
+            session.search_again()?;
+            Ok(device)
+        });
         let error = match recovered {
             Ok(device) => return Ok(device),
             Err(error) => error,

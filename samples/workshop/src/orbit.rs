@@ -3,8 +3,10 @@
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
+use antumbra::cull::Aabb;
 use antumbra::glam::Vec3;
 use antumbra::{Camera, Projection};
+use bench::options::FrameSize;
 
 /// The vertical field of view in full perspective, in radians.
 const FOV_Y_RAD: f32 = 40.0 * PI / 180.0;
@@ -50,6 +52,15 @@ impl OrbitCamera {
         let height_m = 2.0 * radius_m.max(1.0e-6) / (FOV_Y_RAD * 0.5).cos();
         let (yaw_rad, pitch_rad) = CubeView::ISOMETRIC.angles();
         Self { target, yaw_rad, pitch_rad, height_m, flatness: 0.0 }
+    }
+
+    /// Returns a camera that sees a whole box from a corner, in images of this size.
+    pub fn fitted(bounds: &Aabb, size: FrameSize) -> Self {
+        let middle = (bounds.min + bounds.max) * 0.5;
+        let camera = Self::around(middle, (bounds.max - bounds.min).length() * 0.5);
+        // In images that are higher than wide, the width decides.
+        let narrow = (size.height as f32 / size.width as f32).max(1.0);
+        Self { height_m: camera.height_m * narrow, ..camera }
     }
 
     /// Returns the view direction.

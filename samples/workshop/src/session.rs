@@ -81,7 +81,7 @@ impl WorkshopSession {
         let viewport = ModelViewport::new(device, &document, options)?;
         let size = options.size;
         let bounds = document.shown_bounds();
-        let camera = fitted(&bounds, size);
+        let camera = OrbitCamera::fitted(&bounds, size);
         let hovered = None;
         let curved = CurvedParts::default();
         let mut session = Self { camera, document, viewport, curved, path, size, bounds, hovered };
@@ -133,7 +133,8 @@ impl WorkshopSession {
                 CommandOutcome::Done
             }
             Command::Fit => {
-                let OrbitCamera { target, height_m, .. } = fitted(&self.bounds, self.size);
+                let fitted = OrbitCamera::fitted(&self.bounds, self.size);
+                let OrbitCamera { target, height_m, .. } = fitted;
                 self.camera = OrbitCamera { target, height_m, ..self.camera };
                 CommandOutcome::Done
             }
@@ -481,15 +482,6 @@ impl WorkshopSession {
             seen: self.viewport.seen().collect(),
         }
     }
-}
-
-/// Returns a camera that sees everything shown, from a corner.
-fn fitted(bounds: &Aabb, size: FrameSize) -> OrbitCamera {
-    let middle = (bounds.min + bounds.max) * 0.5;
-    let camera = OrbitCamera::around(middle, (bounds.max - bounds.min).length() * 0.5);
-    // In images that are higher than wide, the width decides.
-    let narrow = (size.height as f32 / size.width as f32).max(1.0);
-    OrbitCamera { height_m: camera.height_m * narrow, ..camera }
 }
 
 /// Returns the camera at a place of a closed path, interpolated between its cameras.

@@ -158,8 +158,9 @@ impl Bench {
         let took = began.elapsed();
         let fired = every_call::fired();
         let kind = match &found.outcome {
-            Ok(_) if fired.is_empty() => "unreached".to_owned(),
-            Ok(image) if *image == self.reference => "survived".to_owned(),
+            Ok(image) if *image == self.reference => {
+                if fired.is_empty() { "unreached" } else { "survived" }.to_owned()
+            }
             Ok(_) if self.is_degraded(&found.log, &fired) => "degraded".to_owned(),
             Ok(_) => {
                 found.faults.push(format!("a wrong image: {}", found.log));

@@ -9,6 +9,12 @@ const LEAK_BYTES: i64 = 2_048;
 /// The bytes by which two samples differ anyway: lists keep the room that they once needed.
 const SPREAD_BYTES: i64 = 256 << 10;
 
+/// The frames after which resident memory is level: the heap of the C library is fragmented by then.
+const SETTLED_FRAMES: u64 = 200_000;
+
+/// The share by which resident memory may grow after these frames.
+const SETTLED_GROWTH: f64 = 0.03;
+
 /// The state of the process, when the scene is the first one again.
 pub struct Sample {
     frames: u64,
@@ -84,6 +90,14 @@ pub fn growth(samples: &[Sample]) -> Vec<String> {
     }
     let share = last.resident_kib as f64 / first.resident_kib as f64 - 1.0;
     println!("resident memory grew by {:.2} % after the first sample", share * 100.0);
+    let settled = samples.iter().find(|sample| sample.frames >= SETTLED_FRAMES);
+    if let Some(settled) = settled.filter(|settled| settled.frames < last.frames) {
+        let share = last.resident_kib as f64 / settled.resident_kib as f64 - 1.0;
+        println!("and by {:.2} % after {} frames", share * 100.0, settled.frames);
+        if share > SETTLED_GROWTH {
+            problems.push(format!("resident memory grew after {} frames", settled.frames));
+        }
+    }
     problems
 }
 

@@ -32,6 +32,11 @@ pub struct Adapter {
 }
 
 impl Adapter {
+    /// Returns true if both are the same physical device, which others may share the name with.
+    pub fn is_same_as(&self, other: &Self) -> bool {
+        self.instance == other.instance && self.physical == other.physical
+    }
+
     /// Reads the properties of a physical device, and derives its capabilities from `offer`.
     ///
     /// # Safety

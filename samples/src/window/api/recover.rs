@@ -19,21 +19,22 @@ impl Session {
     }
 
     /// Continues on another device. The scene, its state and the history of the user stay; images
-    /// that the lost device was drawing are given up.
+    /// that the lost device was drawing are given up. Visible sets must be
+    /// [searched again](Session::search_again).
     ///
     /// # Errors
     /// A device that does not take the scene, or fails. The session is as before then.
     pub fn recover(&mut self, device: &Device) -> Result<(), RunError> {
         let overlay = self.overlay.on(device)?;
+        let clocks = device.clocks()?;
         self.renderer.recover(device)?;
         if let Err(error) = self.renderer.supports(self.strategy) {
             self.refuse(error.to_string());
             self.strategy = Strategy::ANTUMBRA;
         }
-        self.search_again()?;
         self.viewed.clear();
         if let Some(trace) = &mut self.trace {
-            trace.follow_device(device)?;
+            trace.follow_device(device, clocks.as_ref());
         }
         self.overlay = overlay;
         self.screenshots.give_up();
@@ -59,8 +60,9 @@ impl Opened {
     /// again. A device that does not take the scene is refused with a message.
     pub(crate) fn change_device(&mut self, options: &ShowOptions) -> Result<(), RunError> {
         let adapters = self.instance.adapters()?;
-        let present = &self.session.renderer().device().adapter().name;
-        let at = adapters.iter().position(|adapter| adapter.name == *present).unwrap_or_default();
+        let present = self.session.renderer().device().adapter();
+        let at = adapters.iter().position(|adapter| adapter.is_same_as(present));
+        let at = at.unwrap_or_default();
         let in_turn = (1..=adapters.len()).map(|step| (at + step) % adapters.len());
         let fits = |index: usize| {
             self.instance.pick_adapter_for(&self.surface, Some(&index.to_string())).ok()
@@ -84,14 +86,14 @@ impl Opened {
         };
         let screen = Screen::new(&device, &self.surface, shown, self.refresh)?;
         self.session.recover(&device)?;
-        let size = self.session.renderer().size();
-        self.arrivals.restart(&device, options, size)?;
         // The window's images follow with the next frame, once the former device is closed.
         self.screen = screen;
         self.fallback = None;
         self.recovery.continued();
         self.next_layout = Time::ZERO;
-        Ok(())
+        self.session.search_again()?;
+        let size = self.session.renderer().size();
+        self.arrivals.restart(&device, options, size)
     }
 
     /// Decides when to try to continue after an error, or returns it.
