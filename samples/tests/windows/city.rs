@@ -413,7 +413,7 @@ fn shaders_are_loaded_while_it_runs() {
     let await_text = |text: &str| {
         let began = Instant::now();
         while !fs::read_to_string(scratch.0.join("log")).unwrap().contains(text) {
-            assert!(began.elapsed() < Duration::from_secs(60), "never said: {text}");
+            assert!(began.elapsed() < Duration::from_secs(240), "never said: {text}");
             std::thread::sleep(Duration::from_millis(20));
         }
     };

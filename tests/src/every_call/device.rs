@@ -3,6 +3,7 @@
 
 use std::ffi::{CStr, c_char};
 use std::mem::transmute;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use ash::vk;
 use ash::vk::Handle;
@@ -83,8 +84,16 @@ unsafe extern "system" fn destroy_device(
     unsafe { real_other::<vk::PFN_vkDestroyDevice>(DESTROY)(device, callbacks) }
 }
 
+/// Waits until no other thread is in a call that uses a queue. A thread of a swapchain may present
+/// while another one meets the loss of the device.
+pub(super) fn queue_alone() -> MutexGuard<'static, ()> {
+    static QUEUES: Mutex<()> = Mutex::new(());
+    QUEUES.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Waits until the real devices are idle.
 pub(super) fn finish() {
+    let _alone = queue_alone();
     let number = super::number_of(WAIT_IDLE).expect("the registry has it");
     for device in with_state(|state| state.devices.clone()) {
         // SAFETY: a live device; one that another thread uses is only waited for.
