@@ -13,6 +13,7 @@ use antumbra::render::{
 };
 use antumbra::scene::Scene;
 use antumbra::{gpu, methods, render};
+use etcetera::BaseStrategy as _;
 
 use crate::choices::{DeviceChoice, PredicatesChoice, QuirksChoice, ValidationChoice};
 use crate::options::{LeftOut, PathChoice, SceneChoice};
@@ -142,11 +143,8 @@ pub fn open_device(instance: &Instance, adapter: &Adapter) -> Result<Device, Run
 
 /// Returns the file of compiled pipelines: in the user's cache folder, if there is one.
 pub fn pipeline_cache_file() -> Option<PathBuf> {
-    let absolute = |folder: &PathBuf| folder.is_absolute();
-    let cache = std::env::var_os("XDG_CACHE_HOME").map(PathBuf::from).filter(absolute);
-    let home = || std::env::var_os("HOME").map(PathBuf::from).filter(absolute);
-    let folder = cache.or_else(|| home().map(|home| home.join(".cache")))?;
-    Some(folder.join("antumbra").join("pipelines.bin"))
+    let folders = etcetera::base_strategy::choose_native_strategy().ok()?;
+    Some(folders.cache_dir().join("antumbra").join("pipelines.bin"))
 }
 
 /// Walks as [`run`] does, on an open device.

@@ -6,15 +6,21 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use antumbra::gpu::CancellationToken;
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
+#[cfg(unix)]
+use signal_hook::consts::{SIGHUP, SIGXFSZ};
+use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
 use crate::run_error::RunError;
 
+/// SIGBREAK of Windows' C library: Ctrl-Break, or a console that is closed.
+#[cfg(not(unix))]
+const SIGHUP: i32 = 21;
+
 /// A signal that asks for the end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Signal {
-    /// SIGHUP: the terminal is gone.
+    /// SIGHUP: the terminal is gone. On Windows SIGBREAK: Ctrl-Break, or the console is closed.
     Hangup,
     /// SIGINT: Ctrl-C.
     Interrupt,
@@ -95,8 +101,9 @@ impl Signals {
 }
 
 /// Lets writes beyond the limit of a file's size (`ulimit -f`) fail, instead of ending the process
-/// with half a file. If the system refuses, nothing changes.
+/// with half a file. If the system refuses, or has no such limit, nothing changes.
 pub fn survive_file_limits() {
+    #[cfg(unix)]
     let _never_read = flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
 }
 

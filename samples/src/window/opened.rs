@@ -16,7 +16,7 @@ use winit::window::Window;
 
 use super::actions::Action;
 use super::failures::{check_log, first_error};
-use super::gamepad::Gamepad;
+use super::gamepad::Gamepads;
 use super::input::Input;
 use super::leaving::Leaving;
 use super::loaded_scene::check_options;
@@ -55,7 +55,7 @@ pub(super) struct Opened {
     egui: egui_winit::State,
     /// The position of the cursor, in pixels from the upper left.
     pub(super) cursor: [f64; 2],
-    pub(super) gamepad: Option<Gamepad>,
+    pub(super) gamepads: Option<Gamepads>,
     /// The opened files, the newest last.
     pub(super) files: Vec<PathBuf>,
     pub(super) leaving: Leaving,
@@ -115,7 +115,7 @@ impl Opened {
             pointer: Pointer::default(),
             egui,
             cursor: [0.0; 2],
-            gamepad: Gamepad::watch(),
+            gamepads: Gamepads::open(),
             files: source.file().into_iter().cloned().collect(),
             leaving: Leaving::default(),
             title: Title::default(),
@@ -183,7 +183,7 @@ impl Opened {
                 }
             }
         }
-        while let Some(action) = self.gamepad.as_ref().and_then(Gamepad::next_action) {
+        while let Some(action) = self.gamepads.as_mut().and_then(Gamepads::next_action) {
             if self.act(action, options)? {
                 return Ok(Next::End);
             }
@@ -226,8 +226,8 @@ impl Opened {
             self.window.set_title(&title);
         }
         let mut steering = input.steering();
-        if let Some(gamepad) = &self.gamepad {
-            let pad = gamepad.state();
+        if let Some(gamepads) = &self.gamepads {
+            let pad = gamepads.state();
             steering = steering.plus(&pad.steering());
             let [right, down] = pad.turn(seconds);
             if [right, down] != [0.0, 0.0] {
