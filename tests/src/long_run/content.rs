@@ -36,7 +36,8 @@ pub(super) const SHADOWS: ShadowOptions = ShadowOptions {
     sun_side: 64,
     spot_side: 64,
     point_side: 32,
-    layers_max: 8,
+    // Room for the maps of all lights in any order: smaller ones would depend on the past.
+    layers_max: 16,
 };
 
 const BOXES: usize = 28;
