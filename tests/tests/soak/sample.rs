@@ -9,7 +9,8 @@ const LEAK_BYTES: i64 = 2_048;
 /// The bytes by which two samples differ anyway: lists keep the room that they once needed.
 const SPREAD_BYTES: i64 = 256 << 10;
 
-/// The frames after which resident memory is level: the heap of the C library is fragmented by then.
+/// The frames after which resident memory is level: by then the heap of the C library is
+/// fragmented.
 const SETTLED_FRAMES: u64 = 200_000;
 
 /// The share by which resident memory may grow after these frames.

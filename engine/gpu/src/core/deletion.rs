@@ -85,8 +85,8 @@ impl<T> DeletionQueue<T> {
         }
     }
 
-    /// Keeps `payload` until every open recording is closed and the last submit before that is over,
-    /// and until the tick `until` is over, which is the newest tick or a later one.
+    /// Keeps `payload` until every open recording is closed and the last submit before that is
+    /// over, and until `until` is over, which is the newest tick or a later one.
     pub(crate) fn retire(&mut self, until: Tick, payload: T) {
         if self.open.is_empty() {
             self.keep_until(until, payload);
