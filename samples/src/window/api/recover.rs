@@ -19,8 +19,7 @@ impl Session {
     }
 
     /// Continues on another device. The scene, its state and the history of the user stay; images
-    /// that the lost device was drawing are given up. Visible sets must be
-    /// [searched again](Session::search_again).
+    /// that the lost device was drawing are given up. Visible sets must be searched again.
     ///
     /// # Errors
     /// A device that does not take the scene, or fails. The session is as before then.
