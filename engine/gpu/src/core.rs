@@ -6,6 +6,7 @@ pub(crate) mod address_space;
 pub(crate) mod cancellation;
 pub(crate) mod capabilities;
 pub(crate) mod clock;
+pub(crate) mod debug_name;
 pub(crate) mod deletion;
 pub(crate) mod device;
 pub(crate) mod device_shared;

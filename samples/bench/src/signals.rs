@@ -39,8 +39,8 @@ impl Signal {
         }
     }
 
-    /// Returns the exit code of a program ended by this signal, as shells recognise it: 129, 130 or
-    /// 143.
+    /// Returns the exit code of a program ended by this signal, as shells recognise it: 129 (149
+    /// on Windows), 130 or 143.
     pub const fn exit_code(self) -> u8 {
         128 + self.number() as u8
     }

@@ -9,6 +9,7 @@ use ash::{ext, vk};
 use crate::core::adapter::Adapter;
 use crate::core::capabilities::{Capabilities, OptionalFeature};
 use crate::core::clock::ClockSource;
+use crate::core::debug_name::set_debug_name;
 use crate::core::deletion::{RecordingId, Retired};
 use crate::core::device_shared::{DeviceShared, wait_bounded};
 use crate::core::error::{Called, Error};
@@ -447,12 +448,9 @@ impl Device {
 
     /// Gives a Vulkan object its debug name if a debugger or layer is active.
     pub(crate) fn name<H: vk::Handle>(&self, handle: H, name: &str) {
-        let Some(debug) = self.debug() else { return };
-        let name = std::ffi::CString::new(name.replace('\0', " ")).unwrap_or_default();
-        let info =
-            vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
-        // SAFETY: a live object of this device. A failure to set a name is ignored.
-        let _unnamed_is_fine = unsafe { debug.set_debug_utils_object_name(&info) };
+        if let Some(debug) = self.debug() {
+            set_debug_name(debug, handle, name);
+        }
     }
 }
 

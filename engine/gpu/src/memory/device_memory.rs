@@ -5,7 +5,7 @@
 //! failed call. So it gets a device whose functions for memory are ours: they refuse a block beyond
 //! the budget, and keep the code.
 
-use std::ffi::{CString, c_void};
+use std::ffi::c_void;
 use std::ptr;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
@@ -17,6 +17,7 @@ use gpu_allocator::vulkan::{
 };
 use gpu_allocator::{AllocationError, AllocationSizes, AllocatorDebugSettings, MemoryLocation};
 
+use crate::core::debug_name::set_debug_name;
 use crate::core::error::Error;
 use crate::core::instance::InstanceShared;
 use crate::core::queue_lock::lock;
@@ -227,11 +228,7 @@ impl BlockSource {
         let Some(debug) = &self.debug else { return };
         let kib = info.allocation_size.div_ceil(1 << 10);
         let name = format!("block of {kib} KiB, memory type {}", info.memory_type_index);
-        let name = CString::new(name).unwrap_or_default();
-        let info =
-            vk::DebugUtilsObjectNameInfoEXT::default().object_handle(block).object_name(&name);
-        // SAFETY: a live object of this device. A failure to set a name is ignored.
-        let _unnamed_is_fine = unsafe { debug.set_debug_utils_object_name(&info) };
+        set_debug_name(debug, block, &name);
     }
 
     /// Notes the code of a call that failed, and returns it.

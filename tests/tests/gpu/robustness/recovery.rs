@@ -173,6 +173,9 @@ fn what_cannot_recover_says_so_and_goes_on() {
     drop(plain);
     drop(film.frame(Strategy::ANTUMBRA, 0));
     let next = another(&instance, &device);
+    assert!(next.adapter().is_same_as(device.adapter()));
+    let other = instance.pick_adapter(Some(Driver::SwiftShader.device_name())).unwrap();
+    assert!(!next.adapter().is_same_as(&other));
     film.renderer.recover(&next).unwrap();
     let stale = film.renderer.finish(&mut film.view).map(drop);
     assert!(matches!(stale, Err(Error::ViewOfLostDevice)));
