@@ -9,6 +9,7 @@ mod device_faults;
 mod draw_calls;
 mod lies;
 mod memory;
+mod portability;
 mod replacements;
 mod representative;
 
@@ -32,6 +33,7 @@ pub use device_faults::{FAULT_ADDRESS, FAULT_DESCRIPTION};
 pub use draw_calls::CALL_THAT_COUNTS_DRAWS;
 pub use lies::CONDITIONAL_BLOCKS;
 pub use memory::{HOST_ALLOCATIONS, LAZY_ALLOCATIONS, most_allocated};
+pub use portability::is_portability_subset_enabled;
 use replacements::replacements;
 pub use replacements::{CALL_THAT_ASKS_A_WINDOW, CALLS_THAT_RESET};
 pub use representative::{CALL_THAT_LISTS, OTHER_PIPELINES, REPRESENTATIVE_PIPELINES};
@@ -86,12 +88,16 @@ pub struct FaultInjection {
     pub lacks: Option<RequiredFeature>,
     /// True if no device has conditional rendering.
     pub is_unconditional: bool,
+    /// True if no device reads the count of indirect draws from memory.
+    pub has_no_draw_counts: bool,
     /// True if no device counts samples.
     pub is_imprecise: bool,
     /// True if every device claims to support representative fragments.
     pub is_representative: bool,
     /// True if every device claims to describe the fault that lost it.
     pub describes_faults: bool,
+    /// True if every device claims to be one on top of another interface, such as Metal.
+    pub is_portability_subset: bool,
     /// True if loads and stores of attachments are recorded ([`attachment_traffic`]).
     pub records_attachments: bool,
     /// True if barriers and the reads behind them are recorded ([`guarded_reads`]).

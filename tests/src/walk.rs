@@ -153,6 +153,11 @@ impl<'a, T: Copy + Into<Viewpoint>> ComparedWalk<'a, T> {
         Self { renderer, cameras, expected }
     }
 
+    /// Returns true if the device supports a strategy.
+    pub fn supports(&self, strategy: Strategy) -> bool {
+        self.renderer.supports(strategy).is_ok()
+    }
+
     /// Walks with a strategy from an empty history, and compares each image.
     pub fn with(&mut self, strategy: Strategy) -> Found {
         let found = Self::frames(&mut self.renderer, self.cameras, strategy);

@@ -13,7 +13,7 @@ use super::draw_calls::calls_that_draw;
 use super::lies::lies;
 use super::memory::calls_of_memory;
 use super::representative::that_pretend;
-use super::{Function, device_proc_addr, due, injected, real};
+use super::{Function, device_proc_addr, due, injected, portability, real};
 
 /// The call that asks whether a device can show frames in a window. It is counted.
 pub const CALL_THAT_ASKS_A_WINDOW: &CStr = c"vkGetPhysicalDeviceSurfaceSupportKHR";
@@ -79,7 +79,12 @@ pub(super) fn replacements() -> Vec<(&'static CStr, Function)> {
         ]
     };
     let counted = [counted_calls(), calls_that_draw(), calls_that_write()].concat();
-    let first = that_pretend().into_iter().chain(calls_that_attach()).chain(calls_of_memory());
+    let instances = portability::calls_that_create_instances();
+    let first = that_pretend()
+        .into_iter()
+        .chain(instances)
+        .chain(calls_that_attach())
+        .chain(calls_of_memory());
     first.chain(that_lie).chain(lies()).chain(counted).collect()
 }
 
@@ -108,7 +113,7 @@ unsafe extern "system" fn physical_devices(
     }
     // SAFETY: as above.
     unsafe {
-        if injected(|injected| injected.has_no_devices) {
+        if injected(|injected| injected.has_no_devices) || portability::is_hidden() {
             *count = 0;
             return vk::Result::SUCCESS;
         }
@@ -179,6 +184,10 @@ unsafe extern "system" fn features(
                     let faults = &mut *next.cast::<vk::PhysicalDeviceFaultFeaturesEXT<'_>>();
                     faults.device_fault = vk::TRUE;
                 }
+                vk::StructureType::PHYSICAL_DEVICE_PORTABILITY_SUBSET_FEATURES_KHR => {
+                    type Subset<'a> = vk::PhysicalDevicePortabilitySubsetFeaturesKHR<'a>;
+                    portability::fill(&mut *next.cast::<Subset<'_>>());
+                }
                 vk::StructureType::PHYSICAL_DEVICE_SWAPCHAIN_MAINTENANCE_1_FEATURES_EXT => {
                     let fences =
                         &mut *next.cast::<vk::PhysicalDeviceSwapchainMaintenance1FeaturesEXT<'_>>();
@@ -193,6 +202,9 @@ unsafe extern "system" fn features(
                     }
                     if injected(|injected| injected.resets_by_commands) {
                         more.host_query_reset = vk::FALSE;
+                    }
+                    if injected(|injected| injected.has_no_draw_counts) {
+                        more.draw_indirect_count = vk::FALSE;
                     }
                     if injected(|injected| injected.has_no_indexing) {
                         more.shader_sampled_image_array_non_uniform_indexing = vk::FALSE;

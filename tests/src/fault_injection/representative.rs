@@ -4,9 +4,9 @@
 use std::ffi::{CStr, c_char};
 use std::mem::transmute;
 
-use ash::{ext, nv, vk};
+use ash::{ext, khr, nv, vk};
 
-use super::{Function, due, injected, real};
+use super::{Function, due, injected, portability, real};
 
 /// Counts the pipelines of a [`FaultInjection`](super::FaultInjection) for representative
 /// fragments.
@@ -41,6 +41,7 @@ fn pretended() -> impl Iterator<Item = &'static CStr> {
     let all = [
         representative.then_some(nv::representative_fragment_test::NAME),
         faults.then_some(ext::device_fault::NAME),
+        portability::is_claimed().then_some(khr::portability_subset::NAME),
     ];
     all.into_iter().flatten()
 }
@@ -99,16 +100,21 @@ unsafe extern "system" fn create_device(
             0 => &[],
             count => std::slice::from_raw_parts(info.pp_enabled_extension_names, count as usize),
         };
+        portability::note_device_extensions(names.iter().map(|name| CStr::from_ptr(*name)));
         let is_real =
             |name: &&*const c_char| !pretended().any(|other| other == CStr::from_ptr(**name));
         let names: Vec<*const c_char> = names.iter().filter(is_real).copied().collect();
         (info.pp_enabled_extension_names, info.enabled_extension_count) =
             (names.as_ptr(), names.len() as u32);
         let kind = vk::StructureType::PHYSICAL_DEVICE_REPRESENTATIVE_FRAGMENT_TEST_FEATURES_NV;
+        let faults = vk::StructureType::PHYSICAL_DEVICE_FAULT_FEATURES_EXT;
+        let subset = vk::StructureType::PHYSICAL_DEVICE_PORTABILITY_SUBSET_FEATURES_KHR;
         let head = (&raw mut info).cast();
         without(head, kind, || {
-            without(head, vk::StructureType::PHYSICAL_DEVICE_FAULT_FEATURES_EXT, || {
-                real::<vk::PFN_vkCreateDevice>(DEVICE)(physical, head.cast(), callbacks, made)
+            without(head, faults, || {
+                without(head, subset, || {
+                    real::<vk::PFN_vkCreateDevice>(DEVICE)(physical, head.cast(), callbacks, made)
+                })
             })
         })
     }

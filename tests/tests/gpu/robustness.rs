@@ -6,5 +6,6 @@ mod memory;
 mod misuse;
 mod nothing_to_do;
 mod object_pairs;
+mod portability;
 mod recovery;
 mod self_test;

@@ -30,6 +30,9 @@ pub enum RequiredFeature {
     Depth32,
     /// The number of storage buffers per shader stage that the engine's shaders need.
     StorageBuffers,
+    /// Samplers that compare depths, chosen when a descriptor is written. Only devices with
+    /// `VK_KHR_portability_subset` may lack them.
+    ComparisonSamplers,
 }
 
 /// The most storage buffers that a stage of the engine's shaders binds (`list_sizes.comp`). Vulkan
@@ -53,7 +56,7 @@ pub(crate) const LEAST_INDEXED_TEXTURES: u32 = 1024;
 
 impl RequiredFeature {
     /// All required capabilities, in the order of display.
-    pub const ALL: [RequiredFeature; 9] = [
+    pub const ALL: [RequiredFeature; 10] = [
         RequiredFeature::Vulkan13,
         RequiredFeature::DynamicRendering,
         RequiredFeature::Synchronization2,
@@ -63,6 +66,7 @@ impl RequiredFeature {
         RequiredFeature::GraphicsQueue,
         RequiredFeature::Depth32,
         RequiredFeature::StorageBuffers,
+        RequiredFeature::ComparisonSamplers,
     ];
 
     /// Returns the name shown to the user.
@@ -77,16 +81,17 @@ impl RequiredFeature {
             RequiredFeature::GraphicsQueue => "a queue with graphics and compute",
             RequiredFeature::Depth32 => "D32_SFLOAT as a depth attachment that can be copied",
             RequiredFeature::StorageBuffers => "maxPerStageDescriptorStorageBuffers of at least 7",
+            RequiredFeature::ComparisonSamplers => "mutableComparisonSamplers",
         }
     }
 
     /// Returns true if `purpose` requires the capability.
     pub fn is_for(self, purpose: Purpose) -> bool {
         match self {
-            // An executor neither submits work nor creates images.
-            RequiredFeature::TimelineSemaphore | RequiredFeature::Depth32 => {
-                purpose == Purpose::Renderer
-            }
+            // An executor neither submits work nor creates images, and draws no shadows.
+            RequiredFeature::TimelineSemaphore
+            | RequiredFeature::Depth32
+            | RequiredFeature::ComparisonSamplers => purpose == Purpose::Renderer,
             _ => true,
         }
     }
@@ -105,7 +110,9 @@ impl RequiredFeature {
             RequiredFeature::Vulkan13
             | RequiredFeature::GraphicsQueue
             | RequiredFeature::Depth32
-            | RequiredFeature::StorageBuffers => none,
+            | RequiredFeature::StorageBuffers
+            // Optional, since most devices do not report it ([`OptionalFeature::PortabilitySubset`]).
+            | RequiredFeature::ComparisonSamplers => none,
         }
     }
 
@@ -115,6 +122,10 @@ impl RequiredFeature {
             RequiredFeature::GraphicsQueue => offer.queue_family.is_some(),
             RequiredFeature::Depth32 => offer.has_depth_32,
             RequiredFeature::StorageBuffers => offer.stage_storage_buffers >= STAGE_STORAGE_BUFFERS,
+            RequiredFeature::ComparisonSamplers => {
+                !offer.has(khr::portability_subset::NAME)
+                    || offer.features.mutable_comparison_samplers
+            }
             feature => feature.features().without(offer.features).is_empty(),
         }
     }
@@ -175,6 +186,9 @@ pub enum OptionalFeature {
     CalibratedTimestamps,
     /// A description of the fault that lost the device ([`crate::LossReport`]).
     DeviceFault,
+    /// `VK_KHR_portability_subset`, of a Vulkan on top of another interface such as Metal. A device
+    /// that has the extension must be created with it (VUID-VkDeviceCreateInfo-pProperties-04451).
+    PortabilitySubset,
     /// Frames in windows. This capability and the ones below exist only if the instance was created
     /// for windows ([`crate::InstanceOptions::windows`]).
     Swapchain,
@@ -188,7 +202,7 @@ pub enum OptionalFeature {
 
 impl OptionalFeature {
     /// All optional capabilities.
-    pub const ALL: [OptionalFeature; 24] = [
+    pub const ALL: [OptionalFeature; 25] = [
         OptionalFeature::ConditionalRendering,
         OptionalFeature::DrawIndirectCount,
         OptionalFeature::PreciseQueries,
@@ -209,6 +223,7 @@ impl OptionalFeature {
         OptionalFeature::SectionBuffers,
         OptionalFeature::CalibratedTimestamps,
         OptionalFeature::DeviceFault,
+        OptionalFeature::PortabilitySubset,
         OptionalFeature::Swapchain,
         OptionalFeature::PresentFences,
         OptionalFeature::PresentWait,
@@ -240,6 +255,7 @@ impl OptionalFeature {
             OptionalFeature::SectionBuffers => "maxPerStageDescriptorStorageBuffers of at least 9",
             OptionalFeature::CalibratedTimestamps => "VK_EXT_calibrated_timestamps",
             OptionalFeature::DeviceFault => "VK_EXT_device_fault",
+            OptionalFeature::PortabilitySubset => "VK_KHR_portability_subset",
             OptionalFeature::Swapchain => "VK_KHR_swapchain",
             OptionalFeature::PresentFences => "VK_EXT_swapchain_maintenance1",
             OptionalFeature::PresentWait => "VK_KHR_present_wait",
@@ -259,6 +275,7 @@ impl OptionalFeature {
             | OptionalFeature::RepresentativeFragments
             | OptionalFeature::SampleDepths
             | OptionalFeature::SectionBuffers
+            | OptionalFeature::PortabilitySubset
             | OptionalFeature::Multiview => true,
             _ => purpose == Purpose::Renderer,
         }
@@ -301,6 +318,9 @@ impl OptionalFeature {
             }
             OptionalFeature::DepthClamp => Features { depth_clamp: true, ..none },
             OptionalFeature::DeviceFault => Features { device_fault: true, ..none },
+            OptionalFeature::PortabilitySubset => {
+                Features { mutable_comparison_samplers: true, ..none }
+            }
             OptionalFeature::PresentFences => Features { swapchain_maintenance1: true, ..none },
             OptionalFeature::PresentWait => {
                 Features { present_id: true, present_wait: true, ..none }
@@ -328,6 +348,7 @@ impl OptionalFeature {
             OptionalFeature::TessellationCapture => &[&[ext::transform_feedback::NAME]],
             OptionalFeature::CalibratedTimestamps => &[&[ext::calibrated_timestamps::NAME]],
             OptionalFeature::DeviceFault => &[&[ext::device_fault::NAME]],
+            OptionalFeature::PortabilitySubset => &[&[khr::portability_subset::NAME]],
             OptionalFeature::Swapchain => &[SWAPCHAIN],
             OptionalFeature::PresentFences => &[SWAPCHAIN, MAINTENANCE],
             OptionalFeature::PresentWait => {

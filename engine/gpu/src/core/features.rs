@@ -99,6 +99,9 @@ features! {
     waits {
         present_wait "presentWait"
     }
+    portability {
+        mutable_comparison_samplers "mutableComparisonSamplers"
+    }
 }
 
 impl Features {
@@ -127,6 +130,7 @@ pub struct FeatureStructures {
     present_fences: vk::PhysicalDeviceSwapchainMaintenance1FeaturesEXT<'static>,
     ids: vk::PhysicalDevicePresentIdFeaturesKHR<'static>,
     waits: vk::PhysicalDevicePresentWaitFeaturesKHR<'static>,
+    portability: vk::PhysicalDevicePortabilitySubsetFeaturesKHR<'static>,
 }
 
 /// The newer name of `VK_EXT_swapchain_maintenance1`, with the same structures.
@@ -162,6 +166,9 @@ impl FeatureStructures {
         }
         if has(khr::present_wait::NAME) {
             chain = chain.push_next(&mut self.waits);
+        }
+        if has(khr::portability_subset::NAME) {
+            chain = chain.push_next(&mut self.portability);
         }
         chain
     }

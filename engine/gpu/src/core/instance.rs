@@ -1,6 +1,6 @@
 //! The Vulkan instance: loader, layers, and the messenger that fills the validation log.
 
-use std::ffi::{CStr, CString};
+use std::ffi::{CStr, CString, c_char};
 use std::sync::Arc;
 
 use ash::{ext, khr, vk};
@@ -111,6 +111,12 @@ impl Instance {
         if options.validation == Validation::Synchronization {
             extensions.push(ext::validation_features::NAME.as_ptr());
         }
+        // Without the flag, the loader hides drivers on top of another interface, such as MoltenVK.
+        let mut flags = vk::InstanceCreateFlags::empty();
+        if there.iter().any(|name| name.as_c_str() == khr::portability_enumeration::NAME) {
+            extensions.push(khr::portability_enumeration::NAME.as_ptr());
+            flags |= vk::InstanceCreateFlags::ENUMERATE_PORTABILITY_KHR;
+        }
         let log = Box::new(ValidationLog::default());
 
         let name = CString::new(options.application.replace('\0', " ")).unwrap_or_default();
@@ -123,6 +129,7 @@ impl Instance {
             vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
         let mut messenger_info = ValidationLog::messenger_info(&log);
         let mut info = vk::InstanceCreateInfo::default()
+            .flags(flags)
             .application_info(&application)
             .enabled_layer_names(&layers)
             .enabled_extension_names(&extensions);
@@ -220,7 +227,7 @@ pub(crate) fn version_text(version: u32) -> String {
     )
 }
 
-fn wanted_layers(entry: &ash::Entry, validation: Validation) -> Result<Vec<*const i8>, Error> {
+fn wanted_layers(entry: &ash::Entry, validation: Validation) -> Result<Vec<*const c_char>, Error> {
     if validation == Validation::Off {
         return Ok(Vec::new());
     }
