@@ -18,7 +18,7 @@ use x11rb::rust_connection::RustConnection;
 use x11rb::wrapper::ConnectionExt as _;
 use x11rb::{CURRENT_TIME, NONE};
 
-/// The only window of a server.
+/// A window of a server.
 pub struct Seen {
     connection: RustConnection,
     root: u32,
@@ -29,6 +29,18 @@ pub struct Seen {
 impl Seen {
     /// Waits until there is a window on the screen.
     pub fn wait_for(server: &Xvfb) -> Self {
+        Self::wait_until(server, |_, _| true)
+    }
+
+    /// Waits until there is a window of a size (pixels) on the screen, beside others.
+    pub fn wait_for_size(server: &Xvfb, size: [u16; 2]) -> Self {
+        Self::wait_until(server, |connection, window| {
+            let geometry = connection.get_geometry(window).unwrap().reply();
+            geometry.is_ok_and(|found| [found.width, found.height] == size)
+        })
+    }
+
+    fn wait_until(server: &Xvfb, is_wanted: impl Fn(&RustConnection, u32) -> bool) -> Self {
         let (connection, screen) = RustConnection::connect(Some(server.display())).unwrap();
         let root = connection.setup().roots[screen].root;
         let began = Instant::now();
@@ -37,6 +49,7 @@ impl Seen {
             let is_shown = |window: &u32| {
                 let attributes = connection.get_window_attributes(*window).unwrap().reply();
                 attributes.is_ok_and(|attributes| attributes.map_state == MapState::VIEWABLE)
+                    && is_wanted(&connection, *window)
             };
             if let Some(window) = tree.children.into_iter().find(is_shown) {
                 return Self { connection, root, window };

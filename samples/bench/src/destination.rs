@@ -5,15 +5,17 @@ use std::ffi::{OsStr, OsString};
 use std::fs::{self, File, Metadata, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::thread;
-use std::time::{Duration, Instant};
+#[cfg(unix)]
+use std::time::Duration;
 
 /// The most links that are followed, one after the other.
 const LINKS_MAX: usize = 40;
 
 /// The time within which the reader of a pipe may open it: as long as a person takes to start one.
+#[cfg(unix)]
 const READER_WAIT: Duration = Duration::from_secs(10);
 /// The interval at which readers are looked for.
+#[cfg(unix)]
 const READER_POLL: Duration = Duration::from_millis(50);
 
 /// The destination that a path leads to.
@@ -81,7 +83,7 @@ fn open_stream(path: &Path) -> io::Result<File> {
     use rustix::io::Errno;
 
     let flags = i32::try_from(OFlags::NONBLOCK.bits()).unwrap_or_default();
-    let began = Instant::now();
+    let began = std::time::Instant::now();
     loop {
         match OpenOptions::new().write(true).custom_flags(flags).open(path) {
             Ok(file) => {
@@ -94,7 +96,7 @@ fn open_stream(path: &Path) -> io::Result<File> {
             Err(_) if began.elapsed() > READER_WAIT => {
                 return Err(io::Error::new(io::ErrorKind::TimedOut, "this pipe has no reader"));
             }
-            Err(_) => thread::sleep(READER_POLL),
+            Err(_) => std::thread::sleep(READER_POLL),
         }
     }
 }

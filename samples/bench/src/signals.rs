@@ -1,15 +1,15 @@
 //! Signals that end a program as if its work were done: the results so far are printed and written.
 //! SIGXFSZ, which would leave half a file, does not end it.
 
-use std::fs;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::{fs, io};
 
 use antumbra::gpu::CancellationToken;
 #[cfg(unix)]
 use signal_hook::consts::{SIGHUP, SIGXFSZ};
 use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::flag;
+use signal_hook::{SigId, flag};
 
 use crate::run_error::RunError;
 
@@ -72,7 +72,7 @@ impl Signals {
                 continue;
             }
             // Called in this order, so that the first signal is not taken for the second.
-            flag::register_conditional_default(number, Arc::clone(&has_come))
+            end_at_once_if(&has_come, signal)
                 .and_then(|_| flag::register(number, Arc::clone(&has_come)))
                 .and_then(|_| flag::register_usize(number, Arc::clone(&newest), number as usize))
                 .map_err(|error| RunError::machine(format!("cannot watch for signals: {error}")))?;
@@ -98,6 +98,20 @@ impl Signals {
     pub fn check(&self) -> Result<(), RunError> {
         self.received().map_or(Ok(()), |_| Err(RunError::given_up()))
     }
+}
+
+/// Lets a signal end the process as it would end any other, if the condition holds when it comes.
+#[cfg(unix)]
+fn end_at_once_if(condition: &Arc<AtomicBool>, signal: Signal) -> io::Result<SigId> {
+    flag::register_conditional_default(signal.number(), Arc::clone(condition))
+}
+
+/// Lets a signal end the process, if the condition holds when it comes. The default of SIGBREAK is
+/// not known to `signal_hook`.
+#[cfg(not(unix))]
+fn end_at_once_if(condition: &Arc<AtomicBool>, signal: Signal) -> io::Result<SigId> {
+    let status = signal.exit_code().into();
+    flag::register_conditional_shutdown(signal.number(), status, Arc::clone(condition))
 }
 
 /// Lets writes beyond the limit of a file's size (`ulimit -f`) fail, instead of ending the process

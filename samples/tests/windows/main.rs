@@ -21,6 +21,8 @@ mod scene_images;
 mod terminal;
 mod viewer_files;
 mod viewer_window;
+#[cfg(unix)]
+mod wine;
 
 const CITY: &str = env!("CARGO_BIN_EXE_city");
 const TRIANGLE: &str = env!("CARGO_BIN_EXE_triangle");

@@ -111,7 +111,7 @@ impl RequiredFeature {
             | RequiredFeature::GraphicsQueue
             | RequiredFeature::Depth32
             | RequiredFeature::StorageBuffers
-            // Optional, since most devices do not report it ([`OptionalFeature::PortabilitySubset`]).
+            // Most devices do not report it: see [`OptionalFeature::PortabilitySubset`].
             | RequiredFeature::ComparisonSamplers => none,
         }
     }

@@ -230,17 +230,25 @@ mod tests {
     }
 
     #[test]
-    fn only_regular_files_of_bounded_size_are_read_and_replaced() {
+    fn only_files_of_bounded_size_are_read() {
         let folder = std::env::temp_dir().join(format!("antumbra-read-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let file = folder.join("file");
         let sparse = folder.join("sparse");
-        let pipe = folder.join("pipe");
         std::fs::write(&file, [7; 100]).unwrap();
         assert_eq!(read_file(&file, 100).unwrap(), [7; 100]);
         assert!(read_file(&file, 99).is_err() && read_file(&folder, 100).is_err());
         std::fs::File::create(&sparse).unwrap().set_len(3 << 30).unwrap();
         assert!(read_file(&sparse, MOST_BYTES).is_err());
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn pipes_and_devices_are_neither_read_nor_replaced() {
+        let folder = std::env::temp_dir().join(format!("antumbra-pipe-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let pipe = folder.join("pipe");
         let made = std::process::Command::new("mkfifo").arg(&pipe).status().unwrap();
         assert!(made.success());
         assert!(read_file(&pipe, MOST_BYTES).is_err());

@@ -1,5 +1,6 @@
 //! Tests of destinations: files, links, pipes, folders.
 
+#[cfg(unix)]
 use std::process::Command;
 
 use super::*;
