@@ -77,6 +77,6 @@ impl Device {
 /// Returns a text of a driver, up to its end or to its zero.
 fn text_of(text: &[c_char]) -> String {
     let bytes: Vec<u8> =
-        text.iter().map(|letter| letter.cast_unsigned()).take_while(|byte| *byte != 0).collect();
+        text.iter().map(|letter| letter.to_ne_bytes()[0]).take_while(|byte| *byte != 0).collect();
     String::from_utf8_lossy(&bytes).into_owned()
 }
