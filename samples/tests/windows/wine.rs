@@ -125,7 +125,8 @@ fn images_are_those_of_linux() {
     let image = |system: &str, name: &str| pixels(&scratch.0.join(system).join(name));
     let mut same = 0;
     for name in &names {
-        let [linux, windows] = ["linux", "windows"].map(|system| image(system, name));
+        let linux = image("linux", name);
+        let windows = image("windows", name);
         assert!(is_nearly(&windows, &linux), "{name} is another image");
         same += usize::from(linux == windows);
     }
