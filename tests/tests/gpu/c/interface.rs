@@ -29,9 +29,9 @@ use capi::executor::scene::*;
 use capi::executor::target::*;
 use capi::layout::Versioned;
 use gpu::{FeatureStructures, Purpose};
-use tests::Driver;
 use tests::host_device::Host;
 use tests::host_images::OwnImage;
+use tests::{Driver, drivers};
 
 use memory::Memory;
 
@@ -324,7 +324,7 @@ fn camera() -> AntumbraCamera {
 
 #[test]
 fn requirements_are_added_to_what_a_host_wants() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let host = Host::new(driver, Purpose::Executor);
         let mut context = null_mut();
         let mut core = vk::PhysicalDeviceFeatures { wide_lines: vk::TRUE, ..Default::default() };
@@ -366,7 +366,7 @@ fn requirements_are_added_to_what_a_host_wants() {
 
 #[test]
 fn a_host_begins_its_renderings_and_calls_within_a_call_are_refused() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let host = Host::new(driver, Purpose::Executor);
         let mut c = CHost::new(&host, null());
         let camera = camera();

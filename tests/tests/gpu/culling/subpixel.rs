@@ -12,7 +12,7 @@ use render::passes::{OpaqueIo, OpaquePass};
 use scene::{Mesh, Object, Scene};
 use tests::shapes::{box_at, box_scene, proxy_pass, square_camera};
 use tests::window_fixture::Random;
-use tests::{Driver, run};
+use tests::{Driver, drivers, run};
 
 const SIDE: u32 = 512;
 /// The number of pairs in a row and in a column. Each pair has its own part of the image.
@@ -144,7 +144,7 @@ fn with_margin(view: &CullView, bounds: &Aabb) -> Aabb {
 
 #[test]
 fn no_sliver_is_lost() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         run(driver, |device| {
             let (shown, lost) = lost(device, 8, with_margin);
             assert!(shown > 1000, "the search looks at slivers: {shown}");

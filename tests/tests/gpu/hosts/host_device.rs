@@ -17,7 +17,7 @@ use tests::fault_injection::{Fault, FaultInjection, calls};
 use tests::host_device::Host;
 use tests::host_memory::HostMemory;
 use tests::walk::SceneKind;
-use tests::{Driver, open};
+use tests::{Driver, drivers, open};
 
 const FRAMES: u32 = 6;
 
@@ -72,7 +72,7 @@ impl HostQueueLock for CountedLock {
 
 #[test]
 fn a_renderer_draws_the_same_images_on_a_hosts_device() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let (_instance, own) = open(driver);
         let expected = images(&own).unwrap();
         assert!(expected.windows(2).any(|pair| pair[0] != pair[1]), "images of nothing");
@@ -92,7 +92,7 @@ fn a_renderer_draws_the_same_images_on_a_hosts_device() {
 
 #[test]
 fn the_queue_of_a_host_is_used_by_one_at_a_time() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let host = Host::new(driver, Purpose::Renderer);
         let lock = Arc::new(CountedLock::default());
         let device = host.adopt(Some(host.share_queue(Arc::clone(&lock) as _)));
@@ -133,7 +133,7 @@ const ARRAY: TextureArrayInfo<'_> = TextureArrayInfo {
 
 #[test]
 fn all_memory_of_the_cpu_comes_from_the_host_and_goes_back() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let memory: &'static HostMemory = Box::leak(Box::default());
         let host = Host::new(driver, Purpose::Renderer);
         let queue = Some(host.share_queue(Arc::new(Mutex::new(()))));
@@ -168,7 +168,7 @@ fn the_pipeline_cache_of_a_host_is_used_and_left_to_it() {
 
 #[test]
 fn a_device_without_a_queue_submits_nothing_and_frees_what_frames_are_over() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let host = Host::new(driver, Purpose::Executor);
         let device = host.adopt(None);
         let usage = vk::BufferUsageFlags::TRANSFER_DST;
@@ -196,7 +196,7 @@ fn a_device_without_a_queue_submits_nothing_and_frees_what_frames_are_over() {
 #[test]
 fn what_a_frame_of_the_host_may_use_is_not_freed_with_the_device() {
     let lock = Mutex::new(());
-    for driver in Driver::ALL {
+    for driver in drivers() {
         for is_finished in [true, false] {
             let memory: &'static HostMemory = Box::leak(Box::default());
             let host = Host::new(driver, Purpose::Executor);
@@ -252,7 +252,7 @@ fn two_hosts_and_two_handles_of_one_device_live_side_by_side() {
 
 #[test]
 fn frames_wait_for_a_timeline_of_the_host_and_signal_one_that_it_can_read() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let host = Host::new(driver, Purpose::Renderer);
         let device = host.adopt(Some(host.share_queue(Arc::new(Mutex::new(())))));
         let raw = host.create_timeline();
@@ -304,7 +304,7 @@ fn the_loss_of_a_hosts_device_is_an_error_with_its_name() {
 
 #[test]
 fn a_host_reads_the_finished_image_by_commands_of_its_own() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let host = Host::new(driver, Purpose::Renderer);
         let lock = Arc::new(Mutex::new(()));
         let device = host.adopt(Some(host.share_queue(Arc::clone(&lock) as _)));

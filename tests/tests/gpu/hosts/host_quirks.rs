@@ -7,12 +7,12 @@ use cull::{DrawPhases, Strategy, VisibilityTest};
 use gpu::{Device, Features, FrameRing, PredicationMode, Purpose};
 use occlusion::{CullingSetup, DeviceCosts, DriverAssumption};
 use render::RendererOptions;
-use tests::Driver;
 use tests::fault_injection::{CONDITIONAL_BLOCKS, FaultInjection, Lie, calls};
 use tests::host_commands::{HostCommands, Runs, record_frame};
 use tests::host_device::Host;
 use tests::host_scene::{BoxOptions, ComparedScene, IN_FLIGHT};
 use tests::host_walk::{boxes, camera};
+use tests::{Driver, drivers};
 
 /// The outcome of a walk whose images equal brute force.
 struct Walked {
@@ -117,7 +117,7 @@ fn a_lie_that_is_found_at_start_spoils_no_image_of_a_hosts_scene() {
 
 #[test]
 fn lists_and_boxes_of_leaves_rest_on_numbers_of_instances() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let host = host_on(driver, FaultInjection::default());
         let walk = |draw_phases, disabled: &[DriverAssumption]| {
             let options = BoxOptions { draw_phases, disabled, ..BoxOptions::default() };
@@ -138,7 +138,7 @@ fn lists_and_boxes_of_leaves_rest_on_numbers_of_instances() {
 #[test]
 fn hosts_use_no_tester_and_no_executor_that_is_distrusted() {
     use DriverAssumption::*;
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let host = host_on(driver, FaultInjection::default());
         let walk = |disabled: &[DriverAssumption], wanted, strategy| {
             let options = BoxOptions { predication: wanted, disabled, ..BoxOptions::default() };
@@ -185,7 +185,7 @@ fn hosts_use_no_tester_and_no_executor_that_is_distrusted() {
 
 #[test]
 fn hosts_take_the_cheapest_executor_that_is_trusted_and_weigh_tests_by_costs() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let host = host_on(driver, FaultInjection::default());
         let options = RendererOptions { size: [96, 54], ..RendererOptions::default() };
         let measured = at_start(&host, |device| render::measure_costs(device, &options).unwrap());

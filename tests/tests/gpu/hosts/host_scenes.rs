@@ -5,13 +5,13 @@ use ash::vk;
 use cull::{Camera, DrawPhases, ObjectId, Strategy};
 use glam::Vec3;
 use gpu::{Device, Features, FrameNumbers, FrameRing, PredicationMode, Purpose, Tick};
-use tests::Driver;
 use tests::fault_injection::{Fault, FaultInjection, calls};
 use tests::host_commands::{HostCommands, Runs, record_frame};
 use tests::host_device::Host;
 use tests::host_scene::{BoxOptions, ComparedScene, IN_FLIGHT, RenderingOwner};
 use tests::host_walk::{boxes, camera};
 use tests::window_fixture::Random;
+use tests::{Driver, drivers};
 
 const FRAMES: u64 = 18;
 
@@ -125,7 +125,7 @@ fn walk(driver: Driver, options: &BoxOptions<'_>) {
 
 #[test]
 fn objects_come_and_go_in_frames_of_which_some_never_run() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         walk(driver, &BoxOptions::default());
         walk(driver, &BoxOptions { views: 2, predication: INSTANCES, ..BoxOptions::default() });
     }
@@ -133,7 +133,7 @@ fn objects_come_and_go_in_frames_of_which_some_never_run() {
 
 #[test]
 fn several_views_with_several_samples_in_render_passes_of_the_host_are_exact() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let samples = vk::SampleCountFlags::TYPE_4;
         let renderings = RenderingOwner::Host;
         walk(driver, &BoxOptions { views: 2, samples, renderings, ..BoxOptions::default() });
@@ -142,7 +142,7 @@ fn several_views_with_several_samples_in_render_passes_of_the_host_are_exact() {
 
 #[test]
 fn several_views_that_a_host_draws_from_lists_are_exact() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let draw_phases = DrawPhases::Two;
         walk(driver, &BoxOptions { views: 2, draw_phases, ..BoxOptions::default() });
     }
@@ -206,7 +206,7 @@ fn two_scenes(driver: Driver, sharing: Sharing) {
 
 #[test]
 fn two_scenes_on_one_device_are_exact() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         for sharing in [Sharing::Frame, Sharing::Commands, Sharing::Device] {
             two_scenes(driver, sharing);
         }
@@ -244,7 +244,7 @@ fn two_devices_and_two_adoptions_of_one_draw_side_by_side() {
 
 #[test]
 fn after_the_loss_of_a_device_without_a_queue_another_one_draws() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let fault = Fault {
             call: c"vkQueueSubmit2",
             fails: 5..usize::MAX,

@@ -18,7 +18,7 @@ use scene::{
 use tests::host_device::Host;
 use tests::walk::pixels_that_differ;
 use tests::window_fixture::Random;
-use tests::{Driver, run_on_all};
+use tests::{drivers, run_on_all};
 
 use self::scenes::{
     COARSE, FINEST, FIRST_MATERIALS, FIRST_TEXTURES, Kind, SIZE, SPARE, first_scene, object,
@@ -355,7 +355,7 @@ fn meshes_that_come_and_go_look_as_if_they_had_always_been_there() {
 
 #[test]
 fn a_host_copies_the_image_while_meshes_and_textures_arrive() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let host = Host::new(driver, Purpose::Renderer);
         let lock = Arc::new(Mutex::new(()));
         let device = host.adopt(Some(host.share_queue(Arc::clone(&lock) as _)));
@@ -382,7 +382,7 @@ fn a_host_copies_the_image_while_meshes_and_textures_arrive() {
 
 #[test]
 fn meshes_come_and_go_on_a_hosts_device() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let host = Host::new(driver, Purpose::Renderer);
         let device = host.adopt(Some(host.share_queue(Arc::new(Mutex::new(())) as _)));
         assert!(stream(&device, Kind::Surfaces, 16).added > SPARE.meshes);

@@ -16,9 +16,9 @@ use capi::executor::scene::{
     ANTUMBRA_RESUBMISSION_ALLOWED, ANTUMBRA_RESUBMISSION_NEVER,
 };
 use gpu::Purpose;
-use tests::Driver;
 use tests::host_device::Host;
 use tests::host_scene::RenderingOwner;
+use tests::{Driver, drivers};
 
 use host::DrawingHost;
 
@@ -91,7 +91,7 @@ fn compare(driver: Driver, options: &FrameOptions) -> u64 {
 
 #[test]
 fn several_draws_buckets_and_views_are_exact_in_c() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let other = match driver {
             Driver::Lavapipe => ANTUMBRA_PREDICATION_COUNTS,
             Driver::SwiftShader => ANTUMBRA_PREDICATION_INSTANCES,
@@ -107,7 +107,7 @@ fn several_draws_buckets_and_views_are_exact_in_c() {
 
 #[test]
 fn several_samples_per_pixel_are_exact_in_c() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let samples = vk::SampleCountFlags::TYPE_4;
         compare(driver, &FrameOptions { samples, ..FrameOptions::default() });
     }
@@ -115,7 +115,7 @@ fn several_samples_per_pixel_are_exact_in_c() {
 
 #[test]
 fn render_passes_of_the_host_are_exact_in_c() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         for samples in [vk::SampleCountFlags::TYPE_1, vk::SampleCountFlags::TYPE_4] {
             let renderings = RenderingOwner::Host;
             compare(driver, &FrameOptions { renderings, samples, ..FrameOptions::default() });
@@ -125,7 +125,7 @@ fn render_passes_of_the_host_are_exact_in_c() {
 
 #[test]
 fn depth_of_16_and_24_bits_and_beside_a_stencil_is_exact_in_c() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let mut formats = vec![vk::Format::D16_UNORM, vk::Format::D32_SFLOAT_S8_UINT];
         // Google's driver does not support depths of 24 bits.
         formats.extend((driver == Driver::Lavapipe).then_some(vk::Format::D24_UNORM_S8_UINT));
@@ -137,7 +137,7 @@ fn depth_of_16_and_24_bits_and_beside_a_stencil_is_exact_in_c() {
 
 #[test]
 fn views_share_one_budget_of_queries_in_c() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let apart = compare(driver, &FrameOptions::default());
         let query_budget = apart as usize / 2;
         let together = compare(driver, &FrameOptions { query_budget, ..FrameOptions::default() });
@@ -147,7 +147,7 @@ fn views_share_one_budget_of_queries_in_c() {
 
 #[test]
 fn draws_that_a_host_records_from_lists_are_exact_in_c() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         for samples in [vk::SampleCountFlags::TYPE_1, vk::SampleCountFlags::TYPE_4] {
             let draws = ANTUMBRA_DRAWS_BY_LISTS;
             compare(driver, &FrameOptions { draws, samples, ..FrameOptions::default() });
@@ -157,7 +157,7 @@ fn draws_that_a_host_records_from_lists_are_exact_in_c() {
 
 #[test]
 fn what_is_distrusted_is_not_used_in_c() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let host = Host::new(driver, Purpose::Executor);
         let of = |disabled| {
             let options = FrameOptions { disabled, ..FrameOptions::default() };
@@ -181,7 +181,7 @@ fn what_is_distrusted_is_not_used_in_c() {
 
 #[test]
 fn scenes_by_measured_costs_are_exact_in_c() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         for draws in [ANTUMBRA_DRAWS_BY_CALLBACK, ANTUMBRA_DRAWS_BY_LISTS] {
             let costs = Costs::Measured;
             let host = Host::new(driver, Purpose::Renderer);

@@ -9,7 +9,7 @@ use capi::executor::frame::AntumbraViewFrame;
 use capi::executor::target::AntumbraTargetDesc;
 use capi::layout::Versioned;
 use gpu::{Features, Purpose};
-use tests::Driver;
+use tests::drivers;
 use tests::fault_injection::{Fault, FaultInjection, calls};
 use tests::host_device::Host;
 
@@ -25,7 +25,7 @@ fn view<'a>(
 
 #[test]
 fn a_lost_device_is_told_and_another_one_draws() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let entry = FaultInjection::default().entry();
         let host = Host::through(entry, driver, Purpose::Executor, &[], Features::default());
         let mut lost = CHost::new(&host, null());

@@ -16,8 +16,8 @@ use capi::executor::scene::*;
 use capi::executor::target::{AntumbraAttachments, AntumbraImage};
 use capi::layout::Versioned;
 use gpu::Purpose;
-use tests::Driver;
 use tests::host_device::Host;
+use tests::{Driver, drivers};
 
 use super::{CHost, Change, FORMAT, adopt, adopt_with, camera, end, expect, text};
 
@@ -38,7 +38,7 @@ fn a_device_without_a_feature_is_refused_by_its_name() {
 
 #[test]
 fn mistakes_in_a_frame_are_named_and_the_next_frame_is_recorded() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let host = Host::new(driver, Purpose::Executor);
         let mut c = CHost::new(&host, null());
         let camera = camera();

@@ -30,8 +30,8 @@ use glam::{Affine3A, Mat4, Vec3};
 use gpu::{FeatureStructures, FinishedImage, ImageState, Purpose, Tick};
 use render::{FrameRequest, Renderer, RendererOptions};
 use scene::{Mesh, Object, Scene};
-use tests::Driver;
 use tests::host_device::Host;
+use tests::{Driver, drivers};
 
 use super::{adopt_with, expect, text};
 
@@ -258,7 +258,7 @@ fn image_in_rust(host: &Host, mesh: &Mesh, objects: &[AntumbraMeshObject]) -> Ve
 #[test]
 #[expect(clippy::too_many_lines, reason = "a whole host in C, in its order")]
 fn images_in_c_are_those_in_rust_and_those_with_all_drawn() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let host = Host::new(driver, Purpose::Renderer);
         let mut c = CHost::new(&host);
         let mesh = box_of([0.8, 0.5, 0.2]);
@@ -375,7 +375,7 @@ fn images_in_c_are_those_in_rust_and_those_with_all_drawn() {
 
 #[test]
 fn a_driver_is_tested_in_c_and_what_is_distrusted_is_not_used() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let host = Host::new(driver, Purpose::Renderer);
         let mut c = CHost::new(&host);
         let mut found = AntumbraSelfTest::INIT;
@@ -415,7 +415,7 @@ fn a_driver_is_tested_in_c_and_what_is_distrusted_is_not_used() {
 
 #[test]
 fn frames_in_flight_outlive_their_renderer_and_the_lock_is_held_for_submits() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let host = Host::new(driver, Purpose::Renderer);
         let mut c = CHost::new(&host);
         let mesh = box_of([0.5; 3]);

@@ -11,7 +11,7 @@ use capi::executor::frame::*;
 use capi::executor::scene::*;
 use capi::layout::Versioned;
 use gpu::Purpose;
-use tests::Driver;
+use tests::drivers;
 use tests::host_device::Host;
 
 use super::{CHost, Rendering, camera, text};
@@ -79,7 +79,7 @@ unsafe extern "C" fn end(user: *mut c_void, rendering: *const AntumbraRendering)
 
 #[test]
 fn another_thread_is_told_that_a_scene_is_being_recorded() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let host = Host::new(driver, Purpose::Executor);
         let mut c = CHost::new(&host, null());
         let camera = camera();

@@ -12,7 +12,7 @@ use capi::layout::Versioned;
 use capi::renderer::description::{AntumbraRendererDesc, AntumbraTransform};
 use capi::renderer::frame::{AntumbraFinishedImage, AntumbraRenderDesc};
 use gpu::{Features, Purpose};
-use tests::Driver;
+use tests::drivers;
 use tests::fault_injection::{Fault, FaultInjection, calls};
 use tests::host_device::Host;
 
@@ -30,7 +30,7 @@ fn lose() {
 
 #[test]
 fn a_lost_device_is_told_by_each_frame_and_the_renderer_goes() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let entry = FaultInjection::default().entry();
         let host = Host::through(entry, driver, Purpose::Renderer, &[], Features::default());
         let mut c = CHost::new(&host);
@@ -76,7 +76,7 @@ fn a_lost_device_is_told_by_each_frame_and_the_renderer_goes() {
 /// after changes, and that one that does not says what to do.
 #[test]
 fn a_renderer_that_keeps_its_scene_continues_on_another_device_of_the_host() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let entry = FaultInjection::default().entry();
         let through =
             |entry| Host::through(entry, driver, Purpose::Renderer, &[], Features::default());

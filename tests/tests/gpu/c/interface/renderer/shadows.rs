@@ -10,8 +10,8 @@ use capi::renderer::frame::{AntumbraRenderDesc, AntumbraRenderer};
 use capi::renderer::shadows::*;
 use glam::{Affine3A, Vec3};
 use gpu::Purpose;
-use tests::Driver;
 use tests::host_device::Host;
+use tests::{Driver, drivers};
 
 use super::super::{expect, text};
 use super::{CHost, SIZE, box_of, camera, mesh_desc, transform, vertices_of};
@@ -100,7 +100,7 @@ fn darker(image: &[u8], other: &[u8]) -> usize {
 
 #[test]
 fn shadows_in_c_are_the_same_with_all_drawn_and_options_change_them() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let host = Host::new(driver, Purpose::Renderer);
         let mut c = CHost::new(&host);
         let off = AntumbraShadowDesc::INIT;
@@ -147,7 +147,7 @@ fn shadows_in_c_are_the_same_with_all_drawn_and_options_change_them() {
 
 #[test]
 fn four_samples_smooth_edges_and_keep_shadows() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let host = Host::new(driver, Purpose::Renderer);
         let mut c = CHost::new(&host);
         let [one, four] = [0, 4].map(|samples| {
