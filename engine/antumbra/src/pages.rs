@@ -1,7 +1,7 @@
 //! The examples in documentation pages. They are compiled here, and a tidy rule compares the
 //! copies.
 
-/// From docs/shadows.md.
+/// From docs/book/src/shadows.md.
 ///
 /// ```no_run
 /// # use antumbra::glam::{Vec3, vec3};
@@ -36,7 +36,7 @@
 /// ```
 struct ShadowsPage;
 
-/// From docs/embedding.md.
+/// From docs/book/src/embedding.md.
 ///
 /// ```no_run
 /// # use antumbra::cull::CullView;

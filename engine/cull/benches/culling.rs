@@ -1,5 +1,6 @@
 //! Measures the CPU's work for several numbers of objects: build and refit of the hierarchy, plans,
-//! and ingested answers. `cargo bench -p antumbra-cull`; docs/measuring.md has the results.
+//! and ingested answers. `cargo bench -p antumbra-cull`; docs/book/src/measuring.md has
+//! the results.
 //!
 //! The objects stand on a square, and a camera walks between them. In place of a rasteriser, the
 //! distance of a box decides if it shows, so that the same number of boxes show at every size.

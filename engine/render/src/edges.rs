@@ -1,5 +1,5 @@
 //! Edges of objects as a drawing in CAD shows them, and outlines of objects. [How](
-//! ../../../../docs/edges.md).
+//! ../../../../docs/book/src/edges.md).
 
 mod options;
 mod outlines;

@@ -1,5 +1,5 @@
 //! Every Vulkan call fails: runs small programs again and again, each time with another fault, and
-//! checks that nothing is lost (`docs/faults.md`).
+//! checks that nothing is lost (`docs/book/src/faults.md`).
 //!
 //! The runs happen in child processes, which this program watches: a crash or a hang of a child is
 //! a failure of its run. Without arguments, as in the test suite, it takes a sample.

@@ -1,5 +1,5 @@
 //! A soak: very many frames of a small scene that changes all the time, in one process. The images
-//! are exact, and nothing grows (`docs/faults.md`).
+//! are exact, and nothing grows (`docs/book/src/faults.md`).
 //!
 //! Without arguments, as in the test suite, it runs some thousand frames under the validation
 //! layer. `ci/soak` runs a million without it.

@@ -95,7 +95,7 @@ impl DevicePage<'_> {
         page.heading("What the driver is trusted with");
         page.text(
             Tone::Plain,
-            "The [self-test](../drivers.md#what-a-driver-is-trusted-with) found:",
+            "The [self-test](../book/src/drivers.md#what-a-driver-is-trusted-with) found:",
         );
         let findings = self.quirks.findings.iter();
         let rows = findings.map(|(assumption, finding)| {
