@@ -81,14 +81,14 @@ fn walk_everything(device: &Device, objects: u32, size: [u32; 2], frames: u32, e
 #[test]
 fn lavapipe_500_objects() {
     run(Driver::Lavapipe, |device| {
-        walk_everything(device, 500, [160, 90], 24, InFlight::InTurns);
+        walk_everything(device, 500, [160, 90], 10, InFlight::InTurns);
     });
 }
 
 #[test]
 fn swiftshader_500_objects() {
     run(Driver::SwiftShader, |device| {
-        walk_everything(device, 500, [160, 90], 12, InFlight::InTurns);
+        walk_everything(device, 500, [160, 90], 5, InFlight::InTurns);
     });
 }
 
@@ -110,8 +110,8 @@ fn lavapipe_10_000_objects() {
 fn culling_culls() {
     // To draw everything would be exact and useless.
     run_on_all(|device| {
-        let scene = SceneKind::City.build(2000);
-        let cameras = cameras_along(&scene, PathKind::Street, 20);
+        let scene = SceneKind::City.build(1200);
+        let cameras = cameras_along(&scene, PathKind::Street, 12);
         let mut walk = ComparedWalk::new(device, &scene.scene, &cameras, &options([160, 90], 2));
         let found = check(&mut walk, &BOTH, 2, "city");
         for (found, share) in found.iter().zip([4, 3]) {
@@ -123,8 +123,8 @@ fn culling_culls() {
 #[test]
 fn every_way_to_skip_draws_is_exact() {
     run(Driver::Lavapipe, |device| {
-        let scene = SceneKind::City.build(1500);
-        let cameras = cameras_along(&scene, PathKind::Cut, 25);
+        let scene = SceneKind::City.build(700);
+        let cameras = cameras_along(&scene, PathKind::Cut, 16);
         for predication in PredicationMode::ALL {
             let options =
                 RendererOptions { predication: Some(predication), ..options([160, 90], 3) };

@@ -136,12 +136,12 @@ fn exact_while_moving(device: &Device, objects: u32, frames: u32) {
 
 #[test]
 fn lavapipe_is_exact_while_objects_move() {
-    run(Driver::Lavapipe, |device| exact_while_moving(device, 1_200, 26));
+    run(Driver::Lavapipe, |device| exact_while_moving(device, 700, 14));
 }
 
 #[test]
 fn swiftshader_is_exact_while_objects_move() {
-    run(Driver::SwiftShader, |device| exact_while_moving(device, 1_200, 14));
+    run(Driver::SwiftShader, |device| exact_while_moving(device, 700, 8));
 }
 
 #[test]
@@ -179,10 +179,10 @@ const OTHER_WAYS: [PredicationMode; 3] =
 #[test]
 fn every_tester_is_exact_with_some_way_to_skip_draws_while_objects_move() {
     run(Driver::Lavapipe, |device| {
-        let moving = Moving::new(SceneKind::City.build(800), PathKind::Cut, 60);
+        let moving = Moving::new(SceneKind::City.build(500), PathKind::Cut, 60);
         for (strategy, predication) in TESTERS.into_iter().zip(OTHER_WAYS.into_iter().cycle()) {
             let options = RendererOptions { predication: Some(predication), ..options(2) };
-            moving.check_with(device, strategy, &options, 22);
+            moving.check_with(device, strategy, &options, 14);
         }
     });
 }
@@ -236,13 +236,13 @@ fn an_updated_scene_is_the_scene_built_anew() {
 #[test]
 fn views_that_pause_stay_exact() {
     run(Driver::Lavapipe, |device| {
-        let moving = Moving::new(SceneKind::City.build(900), PathKind::Street, 80);
+        let moving = Moving::new(SceneKind::City.build(500), PathKind::Street, 80);
         let mut renderer = Renderer::new(device, &moving.scene, &options(3)).unwrap();
         let mut cast = Cast::new(&moving.motion);
         let mut views = [(); 3].map(|()| renderer.new_view().unwrap());
         let mut plain = renderer.new_view().unwrap();
         let [expected, got] = [(); 2].map(|()| Readback::new(device, SIZE).unwrap());
-        for frame in 0..60_u32 {
+        for frame in 0..42_u32 {
             show_motion(&mut renderer, &moving.motion, &mut cast, frame * 3).unwrap();
             let eye = (frame / 7) as usize % 3;
             let camera = moving.path.camera(frame + 300 * eye as u32);

@@ -46,10 +46,10 @@ fn walk_everything(device: &Device, strategy: Strategy, objects: u32, frames: u3
 fn lavapipe_every_blocking_method_is_exact() {
     run(Driver::Lavapipe, |device| {
         for (strategy, objects, frames) in [
-            (methods::NAIVE, 300, 3),
-            (methods::BATCHED, 500, 12),
-            (methods::STOP_AND_WAIT, 500, 4),
-            (methods::CHC, 500, 16),
+            (methods::NAIVE, 200, 2),
+            (methods::BATCHED, 400, 5),
+            (methods::STOP_AND_WAIT, 300, 3),
+            (methods::CHC, 400, 7),
         ] {
             walk_everything(device, strategy, objects, frames);
         }
@@ -60,10 +60,10 @@ fn lavapipe_every_blocking_method_is_exact() {
 fn swiftshader_every_blocking_method_is_exact() {
     run(Driver::SwiftShader, |device| {
         for (strategy, objects, frames) in [
-            (methods::NAIVE, 200, 2),
-            (methods::BATCHED, 300, 6),
-            (methods::STOP_AND_WAIT, 300, 3),
-            (methods::CHC, 400, 8),
+            (methods::NAIVE, 150, 1),
+            (methods::BATCHED, 250, 3),
+            (methods::STOP_AND_WAIT, 200, 2),
+            (methods::CHC, 250, 4),
         ] {
             walk_everything(device, strategy, objects, frames);
         }

@@ -44,7 +44,7 @@ fn walk_testers(device: &Device, frames: u32, walks: impl Fn(usize) -> Range<usi
 #[test]
 fn every_tester_is_exact() {
     // The second scene has the other options on each path.
-    run_on_all(|device| walk_testers(device, 14, |number| number..number + 1));
+    run_on_all(|device| walk_testers(device, 6, |number| number..number + 1));
 }
 
 #[test]

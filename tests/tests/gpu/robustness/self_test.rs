@@ -225,38 +225,70 @@ mod shaders {
         shaders
     }
 
+    /// A change in a shader, and the assumption that it breaks.
+    struct WrongShader {
+        name: &'static str,
+        from: &'static str,
+        to: String,
+        breaks: DriverAssumption,
+    }
+
+    /// Checks that the self-test finds the assumption that a changed shader breaks.
+    fn check(wrong: &WrongShader) {
+        let WrongShader { name, from, to, breaks } = wrong;
+        let shaders = Some(changed(name, from, to));
+        run_on_all(|device| {
+            let options = RendererOptions { shaders: shaders.clone(), ..Default::default() };
+            let found = self_test(device, &options).unwrap();
+            println!("{name}, {to}: {:?}", found.broken());
+            assert!(found.broken().contains(breaks), "{name}: {:?}", found.broken());
+        });
+    }
+
+    const POSITION: &str = "gl_Position = box_vertex(box.low.xyz, box.high.xyz, eye, view_proj, \
+                            gl_VertexIndex);";
+
     #[test]
-    fn a_wrong_result_of_a_shader_is_found() {
-        use DriverAssumption::*;
-        let position = "gl_Position = box_vertex(box.low.xyz, box.high.xyz, eye, view_proj, \
-                        gl_VertexIndex);";
+    fn a_wrong_depth_of_proxies_is_found() {
+        check(&WrongShader {
+            name: "proxy.vert",
+            from: POSITION,
+            to: format!("{POSITION} gl_Position.z *= 0.9;"),
+            breaks: DriverAssumption::ProxyDepth,
+        });
+    }
+
+    #[test]
+    #[ignore = "long walk"]
+    fn every_wrong_result_of_a_shader_is_found() {
         let shaded = "gl_Position = snapped(clip, vec2(ambient_above.w, ambient_below.w));";
-        let moved = |by: &str| format!("{position} {by}");
-        let lies = [
-            ("proxy.frag", "layout(early_fragment_tests) in;", String::new(), EarlyTests),
-            ("proxy.frag", "flags[test], 1u,", "flags[test], 0u,".to_owned(), FlagWrites),
-            ("proxy.vert", position, moved("gl_Position.z *= 0.9;"), ProxyDepth),
-            (
-                "proxy.vert",
-                position,
-                moved("gl_Position.x += 0.02 * gl_Position.w;"),
-                ProxyCoverage,
-            ),
-            (
-                "surface_vertex.glsl",
-                shaded,
-                format!("{shaded} gl_Position.z *= 1.00001;"),
-                RepeatedDepth,
-            ),
-        ];
-        for (name, from, to, expected) in lies {
-            let shaders = Some(changed(name, from, &to));
-            run_on_all(|device| {
-                let options = RendererOptions { shaders: shaders.clone(), ..Default::default() };
-                let found = self_test(device, &options).unwrap();
-                println!("{name}, {to}: {:?}", found.broken());
-                assert!(found.broken().contains(&expected), "{name}: {:?}", found.broken());
-            });
+        for wrong in [
+            WrongShader {
+                name: "proxy.frag",
+                from: "layout(early_fragment_tests) in;",
+                to: String::new(),
+                breaks: DriverAssumption::EarlyTests,
+            },
+            WrongShader {
+                name: "proxy.frag",
+                from: "flags[test], 1u,",
+                to: "flags[test], 0u,".to_owned(),
+                breaks: DriverAssumption::FlagWrites,
+            },
+            WrongShader {
+                name: "proxy.vert",
+                from: POSITION,
+                to: format!("{POSITION} gl_Position.x += 0.02 * gl_Position.w;"),
+                breaks: DriverAssumption::ProxyCoverage,
+            },
+            WrongShader {
+                name: "surface_vertex.glsl",
+                from: shaded,
+                to: format!("{shaded} gl_Position.z *= 1.00001;"),
+                breaks: DriverAssumption::RepeatedDepth,
+            },
+        ] {
+            check(&wrong);
         }
     }
 }

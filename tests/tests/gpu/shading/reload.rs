@@ -4,6 +4,7 @@
 use std::ffi::CStr;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 use ash::vk;
 use cull::{Camera, ChcOptions, FirstPass, ObjectId, Projection, Strategy};
@@ -149,10 +150,12 @@ const CHANGES: [(&str, &str); 2] = [
     ("vertices[place + 1] = values.y;", "vertices[place + 1] = 0;"),
 ];
 
-/// Compiles shaders that change the look of everything.
-fn changed_shaders(name: &str) -> ShaderSet {
+/// Shaders that change the look of everything. It takes long to compile them.
+static CHANGED_SHADERS: LazyLock<ShaderSet> = LazyLock::new(compile_changed_shaders);
+
+fn compile_changed_shaders() -> ShaderSet {
     let committed = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders");
-    let own = format!("antumbra-reload-{name}-{}", std::process::id());
+    let own = format!("antumbra-reload-{}", std::process::id());
     let folder = Folder(std::env::temp_dir().join(own));
     fs::create_dir(&folder.0).unwrap();
     let mut is_there = [false; CHANGES.len()];
@@ -179,7 +182,7 @@ fn changed_shaders(name: &str) -> ShaderSet {
 
 #[test]
 fn every_pass_has_the_other_shaders() {
-    let changed = changed_shaders("every");
+    let changed = &*CHANGED_SHADERS;
     run_on_all(|device| {
         let one = SampleCount::One;
         let four = SampleCount::Four;
@@ -235,15 +238,15 @@ fn failures(
 
 #[test]
 fn a_reload_that_fails_changes_nothing() {
-    let changed = changed_shaders("fails");
+    let changed = &*CHANGED_SHADERS;
     for has_surfaces in [false, true] {
         let instance: Instance = instance_with(FaultInjection::default().entry());
         let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
         let device = Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
         let mut studio = Studio::new(&device, has_surfaces, None);
-        let graphics = failures(&device, &mut studio, c"vkCreateGraphicsPipelines", &changed);
+        let graphics = failures(&device, &mut studio, c"vkCreateGraphicsPipelines", changed);
         studio.renderer.reload(ShaderSet::embedded().unwrap()).unwrap();
-        let compute = failures(&device, &mut studio, c"vkCreateComputePipelines", &changed);
+        let compute = failures(&device, &mut studio, c"vkCreateComputePipelines", changed);
         // These include passes that are compiled on first use.
         assert!(graphics >= 14 && compute >= 4, "{graphics}, {compute}");
         drop((studio, device));

@@ -24,7 +24,7 @@ use host::DrawingHost;
 
 /// The size of the images in pixels.
 const SIZE: [u32; 2] = [96, 54];
-const FRAMES: u64 = 14;
+const FRAMES: u64 = 11;
 
 /// The choices of a host.
 #[derive(Clone, Copy, Debug)]

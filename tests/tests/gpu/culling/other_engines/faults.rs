@@ -141,6 +141,7 @@ fn is_caught(device: &Device, fault: &Fault, shaders: &ShaderSet) -> bool {
 }
 
 #[test]
+#[ignore = "long walk"]
 fn the_faults_of_other_engines_are_caught() {
     run(Driver::Lavapipe, |device| {
         for faults in FAULTS {
