@@ -4,7 +4,9 @@ use std::ptr::{null, null_mut};
 
 use antumbra_capi::api::device_costs::*;
 use antumbra_capi::api::renderer::*;
+use antumbra_capi::api::renderer_view::*;
 use antumbra_capi::api::self_test::antumbra_self_test;
+use antumbra_capi::api::shadows::*;
 use antumbra_capi::context::AntumbraContext;
 use antumbra_capi::error::AntumbraResult::{self, BadPointer, Ok, UnknownHandle};
 use antumbra_capi::executor::device::AntumbraDevice;
@@ -15,6 +17,7 @@ use antumbra_capi::renderer::device_costs::AntumbraDeviceCostsDesc;
 use antumbra_capi::renderer::frame::*;
 use antumbra_capi::renderer::self_test::AntumbraSelfTest;
 use antumbra_capi::renderer::shadows::*;
+use antumbra_capi::renderer::view::*;
 
 use crate::Host;
 
@@ -28,7 +31,7 @@ fn every_function_of_the_renderer_checks_its_handles() {
     let camera = crate::CAMERA;
     let frame = AntumbraRenderDesc { camera: &camera, ..Versioned::INIT };
     // SAFETY: of all closures: pointers to values that live as long as the call, or null.
-    let calls: [Call; 18] = unsafe {
+    let calls: [Call; 23] = unsafe {
         [
             ("create", &|x, id| {
                 let device = AntumbraDevice { id };
@@ -79,6 +82,21 @@ fn every_function_of_the_renderer_checks_its_handles() {
                 antumbra_device_costs_destroy(x, AntumbraDeviceCosts { id }, e())
             }),
             ("wait", &|x, id| antumbra_renderer_wait(x, r(id), e())),
+            ("read_image", &|x, id| antumbra_renderer_read_image(x, r(id), null_mut(), 0, e())),
+            ("set_light_shadow", &|x, id| {
+                antumbra_renderer_set_light_shadow(x, r(id), 0, null(), e())
+            }),
+            ("view_create", &|x, id| {
+                antumbra_renderer_view_create(x, r(id), &mut AntumbraRendererView { id: 0 }, e())
+            }),
+            ("view_destroy of", &|x, id| {
+                antumbra_renderer_view_destroy(x, r(id), AntumbraRendererView { id: 0 }, e())
+            }),
+            ("view_stats", &|x, id| {
+                let mut stats = AntumbraRendererStats::INIT;
+                let view = AntumbraRendererView { id };
+                antumbra_renderer_view_stats(x, r(id), view, &mut stats, e())
+            }),
         ]
     };
     for (name, call) in calls {
@@ -110,7 +128,10 @@ fn every_function_of_the_renderer_checks_its_handles() {
             antumbra_renderer_shadow_stats(x, r(0), null_mut(), e()),
             antumbra_device_costs_measure(x, null(), &mut AntumbraDeviceCosts { id: 0 }, e()),
             antumbra_device_costs_measure(x, &Versioned::INIT, null_mut(), e()),
+            antumbra_renderer_read_image(x, r(0), null_mut(), 4, e()),
+            antumbra_renderer_view_create(x, r(0), null_mut(), e()),
+            antumbra_renderer_view_stats(x, r(0), AntumbraRendererView { id: 0 }, null_mut(), e()),
         ];
-        assert_eq!(results, [BadPointer; 16]);
+        assert_eq!(results, [BadPointer; 19]);
     }
 }
