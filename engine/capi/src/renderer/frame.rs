@@ -11,7 +11,9 @@ use crate::decisions::camera::AntumbraCamera;
 use crate::decisions::culler::strategy;
 use crate::error::Failure;
 use crate::executor::target::AntumbraImageState;
-use crate::layout::{Versioned, layout, versioned};
+#[cfg(feature = "import")]
+use crate::layout::Versioned;
+use crate::layout::{layout, versioned};
 use crate::renderer::description::{SceneKeeping, surface_of};
 #[cfg(feature = "import")]
 use crate::renderer::playback::Playback;

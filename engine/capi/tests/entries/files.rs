@@ -191,7 +191,7 @@ fn files_that_cannot_be_named_or_read_are_refused_with_a_reason() {
     let e = &mut no_error();
     let path = path_in_c(&yard());
     let nowhere = c"/nowhere/at_all.glb".as_ptr();
-    let torn = b"\xff\xfe\0".as_ptr().cast::<c_char>();
+    let torn = c"\xff\xfe".as_ptr();
     let byte = 7_u8;
     let at_path = AntumbraSceneFileDesc { path: path.as_ptr(), ..Versioned::INIT };
     let desc = AntumbraSceneFileDesc::INIT;
@@ -285,7 +285,7 @@ fn a_device_that_cannot_be_opened_is_refused_before_the_loader_is_loaded() {
     let host = Host::new();
     let e = &mut no_error();
     let mut device = AntumbraDevice { id: 3 };
-    let torn = b"\xff\xfe\0".as_ptr().cast::<c_char>();
+    let torn = c"\xff\xfe".as_ptr();
     let desc = AntumbraDeviceOpenDesc::INIT;
     for (desc, result, words) in [
         (AntumbraDeviceOpenDesc { validation: 3, ..desc }, BadArgument, "ANTUMBRA_VALIDATION_.. 3"),
