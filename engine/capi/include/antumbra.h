@@ -3143,9 +3143,8 @@ AntumbraResult antumbra_renderer_play(const AntumbraContext *context,
 
 /**
  * Moves the scene of the renderer's file to a time of its clips, in any order of times: objects,
- * poses, lights and cameras. The next frame shows it. The cost grows with what moves. The result
- * is `ANTUMBRA_RESULT_BAD_ARGUMENT` if an object that moves was removed; the rest may have moved
- * then.
+ * poses, lights and cameras. The next frame shows it. The cost grows with what moves. Objects of
+ * the file that were removed stay away, and clips do not move objects of the host.
  */
 AntumbraResult antumbra_renderer_advance(const AntumbraContext *context,
                                          AntumbraRenderer renderer,

@@ -39,9 +39,8 @@ pub unsafe extern "C" fn antumbra_renderer_play(
 }
 
 /// Moves the scene of the renderer's file to a time of its clips, in any order of times: objects,
-/// poses, lights and cameras. The next frame shows it. The cost grows with what moves. The result
-/// is `ANTUMBRA_RESULT_BAD_ARGUMENT` if an object that moves was removed; the rest may have moved
-/// then.
+/// poses, lights and cameras. The next frame shows it. The cost grows with what moves. Objects of
+/// the file that were removed stay away, and clips do not move objects of the host.
 ///
 /// # Safety
 /// The rules of the interface.

@@ -267,10 +267,9 @@ pub unsafe extern "C" fn antumbra_renderer_remove_objects(
     // SAFETY: the caller's promises.
     unsafe {
         entry(context, error, |context| {
-            let objects = slice("objects", objects, count)?.iter().map(|id| ObjectId(*id));
-            let changes: Vec<_> = objects.map(|object| ObjectChange::Remove { object }).collect();
-            context.renderers.find(renderer)?.write()?.renderer.update(&changes)?;
-            Ok(())
+            let objects = slice("objects", objects, count)?;
+            let objects: Vec<_> = objects.iter().map(|id| ObjectId(*id)).collect();
+            context.renderers.find(renderer)?.write()?.remove_objects(&objects)
         })
     }
 }

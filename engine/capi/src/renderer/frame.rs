@@ -2,9 +2,12 @@
 
 use std::mem::MaybeUninit;
 
+use cull::ObjectId;
 use gpu::{Device, FinishedImage, vk};
 use render::{FrameRequest, LightShadow, Renderer, RendererOptions, Viewpoint};
-use scene::{LightId, MaterialId, Mesh, MeshId, PreparedMesh, SceneError, SurfaceMesh};
+use scene::{
+    LightId, MaterialId, Mesh, MeshId, ObjectChange, PreparedMesh, SceneError, SurfaceMesh,
+};
 use shadows::{ShadowMethod, ShadowOptions};
 
 use crate::decisions::camera::AntumbraCamera;
@@ -224,6 +227,17 @@ impl HostedRenderer {
         self.views.insert(HostedView::new(&self.renderer)?)
     }
 
+    /// Removes objects. Clips of a file do not move them any more.
+    pub fn remove_objects(&mut self, objects: &[ObjectId]) -> Result<(), Failure> {
+        let removal = |object: &ObjectId| ObjectChange::Remove { object: *object };
+        self.renderer.update(&objects.iter().map(removal).collect::<Vec<_>>())?;
+        #[cfg(feature = "import")]
+        if let Some(playback) = &mut self.playback {
+            playback.removed.extend(objects);
+        }
+        Ok(())
+    }
+
     /// Checks and adds meshes.
     pub fn add_meshes(&mut self, meshes: Vec<Mesh>) -> Result<Vec<MeshId>, Failure> {
         let prepare = |mesh: Mesh| {
@@ -297,7 +311,7 @@ impl HostedRenderer {
     pub fn advance(&mut self, seconds: f64) -> Result<(), Failure> {
         let Self { renderer, playback, .. } = self;
         let playback = playback.as_mut().ok_or_else(no_file)?;
-        renderer.apply(playback.changes(seconds)?)?;
+        renderer.apply(&*playback.changes(seconds)?)?;
         Ok(())
     }
 

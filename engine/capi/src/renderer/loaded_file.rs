@@ -1,5 +1,6 @@
 //! A loaded file: its scene, which renderers share, and its animation at rest, which they copy.
 
+use std::collections::HashSet;
 use std::ffi::{CStr, CString, OsStr, c_char};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -175,6 +176,7 @@ impl SceneFile {
                 animator: self.animator.clone(),
                 cameras: Arc::clone(&self.cameras),
                 overview: self.overview,
+                removed: HashSet::new(),
             }),
         }
     }

@@ -1,10 +1,12 @@
 //! The clips and cameras of a file, as one renderer plays them.
 
+use std::borrow::Cow;
+use std::collections::HashSet;
 use std::sync::Arc;
 
-use cull::Camera;
+use cull::{Camera, ObjectId};
 use import::{SceneAnimator, SceneCamera};
-use scene::SceneUpdate;
+use scene::{ObjectChange, SceneUpdate};
 
 use crate::error::Failure;
 use crate::renderer::scene_file::ANTUMBRA_CAMERA_OVERVIEW;
@@ -15,6 +17,8 @@ pub(crate) struct Playback {
     pub cameras: Arc<[SceneCamera]>,
     /// The view of everything at rest.
     pub overview: Camera,
+    /// The objects of the file that the host removed. Other objects may have their ids.
+    pub removed: HashSet<ObjectId>,
 }
 
 impl Playback {
@@ -47,9 +51,18 @@ impl Playback {
     }
 
     /// Returns the changes of the scene from the last call to a time.
-    pub fn changes(&mut self, seconds: f64) -> Result<&SceneUpdate, Failure> {
+    pub fn changes(&mut self, seconds: f64) -> Result<Cow<'_, SceneUpdate>, Failure> {
         check_seconds("seconds", seconds)?;
-        Ok(self.animator.changes(seconds))
+        let Self { animator, removed, .. } = self;
+        let mut changes = Cow::Borrowed(animator.changes(seconds));
+        if !removed.is_empty() {
+            let is_there = |change: &ObjectChange| match change {
+                ObjectChange::Move { object, .. } => !removed.contains(object),
+                _ => true,
+            };
+            changes.to_mut().objects.retain(is_there);
+        }
+        Ok(changes)
     }
 
     /// Returns a camera at the time of the last changes, for images of a size in pixels.

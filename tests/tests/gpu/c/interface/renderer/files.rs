@@ -275,6 +275,32 @@ fn meshes_and_objects_of_the_host_are_added_to_the_scene_of_a_file() {
     let blue = |image: &[u8]| image.chunks_exact(4).filter(|pixel| is_blue(pixel)).count();
     let [before, after] = [before, after].map(|image| blue(&image));
     assert!(after > before + 30, "{after} blue pixels, {before} without the box");
+
+    // Without its objects the file goes on, and moves no object of the host in their place.
+    let all: Vec<u32> = (0..17).collect();
+    c.play_all(renderer);
+    // SAFETY: as above.
+    unsafe {
+        let error = &mut c.error;
+        let at = all.as_ptr();
+        let gone = antumbra_renderer_remove_objects(x, renderer, at, all.len(), error);
+        assert_eq!(gone, Ok, "{}", text(error));
+        let more = vec![AntumbraMeshObject { mesh: ids[0], tint: 0, transform }; all.len()];
+        let mut taken = all.clone();
+        let at = more.as_ptr();
+        let put = taken.as_mut_ptr();
+        let added = antumbra_renderer_add_objects(x, renderer, at, all.len(), put, error);
+        assert_eq!(added, Ok, "{}", text(error));
+        taken.sort_unstable();
+        assert_eq!(taken, all, "ids are used again");
+    }
+    c.advance(renderer, 0.0);
+    let still = c.seen(renderer, 1);
+    c.advance(renderer, 0.7);
+    let still_later = c.seen(renderer, 1);
+    let differing = still.iter().zip(&still_later).filter(|(one, other)| one != other).count();
+    let [still, still_later] = [still, still_later].map(|image| blue(&image));
+    assert!(still > 0 && still == still_later, "{differing} bytes differ");
     c.finish();
     host.finish();
 }
