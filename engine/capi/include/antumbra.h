@@ -2927,12 +2927,13 @@ AntumbraResult antumbra_renderer_create(const AntumbraContext *context,
                                         AntumbraError *error);
 
 /**
- * Continues on another device, which was adopted with a queue or opened, after a call on the present one
- * returned `ANTUMBRA_RESULT_DEVICE_LOST`. The renderer must have been created with `keeps_scene`.
- * It has the same scene, ids, options and playing clips as before, and its views begin without
- * history; its size may change later. Takes as long as `antumbra_renderer_create`. The log has the
- * frames that the lost device did not finish, with the labels of their passes. After an error
- * nothing has changed, and the call can be repeated. Release the lost device afterwards.
+ * Continues on another device, which was adopted with a queue or opened, after a call on the
+ * present one returned `ANTUMBRA_RESULT_DEVICE_LOST`. The renderer must have been created with
+ * `keeps_scene`. It has the same scene, ids, options and playing clips as before, and its views
+ * begin without history; its size may change later. Takes as long as `antumbra_renderer_create`.
+ * The log has the frames that the lost device did not finish, with the labels of their passes.
+ * After an error nothing has changed, and the call can be repeated. Release the lost device
+ * afterwards.
  *
  * The caller promises that the host no longer uses the image of an earlier frame.
  */
