@@ -142,13 +142,13 @@ pub fn run(driver: Driver, test: impl FnOnce(&Device)) {
 }
 
 /// Returns the drivers that the calling test runs on: lavapipe, and SwiftShader, which takes most of
-/// the time of both, for a quarter of the tests. The name of a test decides, so that a test always
+/// the time of both, for an eighth of the tests. The name of a test decides, so that a test always
 /// has the same drivers. With the environment variable `ANTUMBRA_ALL_DRIVERS` every test has both;
 /// `ci/verify` sets it.
 pub fn drivers() -> impl Iterator<Item = Driver> {
     let thread = std::thread::current();
     let name = thread.name().expect("libtest names the thread of a test after the test");
-    let is_sampled = name.bytes().map(u32::from).sum::<u32>().is_multiple_of(4);
+    let is_sampled = name.bytes().map(u32::from).sum::<u32>().is_multiple_of(8);
     let has_both = is_sampled || std::env::var_os("ANTUMBRA_ALL_DRIVERS").is_some();
     Driver::ALL.into_iter().take(if has_both { 2 } else { 1 })
 }

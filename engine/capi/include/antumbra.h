@@ -8,7 +8,7 @@
  * 3. Devices                                                             (Vulkan)
  * 4. The self-test and the costs of a device                             (Vulkan)
  * 5. The executor: tests and draws in your command buffer                (Vulkan)
- * 6. The renderer: meshes in, images out                                 (Vulkan)
+ * 6. The renderer: meshes or files in, images out                        (Vulkan)
  *
  * Words: the host is the program that calls the library. `AntumbraCamera::width` is the field
  * `width` of the struct AntumbraCamera. An `ANTUMBRA_DEPTH_..` is one of the constants that begin
@@ -80,6 +80,9 @@ template <typename T> constexpr T init() {
 
 /* A budget of no occlusion queries: objects that no other tester tests are drawn. */
 #define ANTUMBRA_NO_QUERIES SIZE_MAX
+
+/* A number of clips: all clips of a file that can play together. */
+#define ANTUMBRA_ALL_CLIPS SIZE_MAX
 
 #ifdef __cplusplus
 extern "C" {
@@ -173,7 +176,7 @@ enum AntumbraResult
      */
     ANTUMBRA_RESULT_ABI_VERSION = -9,
     /**
-     * The device lacks something that is needed.
+     * The device or the machine lacks something that is needed.
      */
     ANTUMBRA_RESULT_UNSUPPORTED = -10,
     /**
@@ -184,6 +187,11 @@ enum AntumbraResult
      * A call of Vulkan failed; the message names it.
      */
     ANTUMBRA_RESULT_VULKAN = -12,
+    /**
+     * A file that cannot be read or shown; the message names the file, the object in it, and the
+     * reason.
+     */
+    ANTUMBRA_RESULT_BAD_FILE = -13,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -853,13 +861,30 @@ AntumbraResult antumbra_culler_plan(const AntumbraContext *context,
 /* =================================================================================================
  * 3. Devices
  * The host asks for the requirements, creates its VkDevice with them, and adopts it: with a
- * queue for a renderer, and without one for scenes of the executor.
+ * queue for a renderer, and without one for scenes of the executor. For a program without
+ * Vulkan of its own, the library opens a device.
  * ============================================================================================== */
 
 /**
  * The largest number of extensions that the library requests.
  */
 #define ANTUMBRA_EXTENSIONS_MAX 8
+
+/**
+ * The validation layer is not loaded.
+ */
+#define ANTUMBRA_VALIDATION_OFF 0
+
+/**
+ * The validation layer checks the use of every call. Its messages are warnings in the log of the
+ * context.
+ */
+#define ANTUMBRA_VALIDATION_CORE 1
+
+/**
+ * As `ANTUMBRA_VALIDATION_CORE`, and the layer finds hazards between commands.
+ */
+#define ANTUMBRA_VALIDATION_SYNCHRONIZATION 2
 
 /**
  * The type of `vkGetInstanceProcAddr`.
@@ -1058,7 +1083,7 @@ typedef struct AntumbraDeviceDesc {
 } AntumbraDeviceDesc;
 
 /**
- * An adopted device of a host.
+ * A device of a host, which was adopted, or one that the library opened.
  */
 typedef struct AntumbraDevice {
     /**
@@ -1066,6 +1091,30 @@ typedef struct AntumbraDevice {
      */
     uint64_t id;
 } AntumbraDevice;
+
+/**
+ * The options of a device that the library opens.
+ */
+typedef struct AntumbraDeviceOpenDesc {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * An `ANTUMBRA_VALIDATION_..`. Default: `ANTUMBRA_VALIDATION_OFF`.
+     */
+    uint32_t validation;
+    /**
+     * A part of the name of the device or of its driver, in any case, or the index of the device,
+     * in UTF-8 with a 0 at the end. Default: null, for the best device.
+     */
+    const char *name;
+    /**
+     * As `AntumbraDeviceDesc::memory_budget_bytes`. Default: 0, for no bound but that of the
+     * device.
+     */
+    uint64_t memory_budget_bytes;
+} AntumbraDeviceOpenDesc;
 
 /**
  * Writes the requirements of the executor on a physical device. Turns on the features in the
@@ -1108,13 +1157,26 @@ AntumbraResult antumbra_device_finished(const AntumbraContext *context,
                                         AntumbraError *error);
 
 /**
- * Ends the adoption of a device, which the host still owns. Scenes and renderers on it live on
- * until they are destroyed. With a queue, this call or the destruction of the last renderer waits
- * until all submitted frames are over; the wait is bounded. A handle of 0 is not an error.
+ * Ends the adoption of a device, which the host still owns, or closes a device that the library
+ * opened. Scenes and renderers on it live on until they are destroyed. With a queue, this call or
+ * the destruction of the last renderer waits until all submitted frames are over; the wait is
+ * bounded. A handle of 0 is not an error.
  */
 AntumbraResult antumbra_device_destroy(const AntumbraContext *context,
                                        AntumbraDevice device,
                                        AntumbraError *error);
+
+/**
+ * Opens a device for renderers, with a queue of its own, for a program that has none. The Vulkan
+ * loader of the machine is loaded now, so the program needs to link none. The result is
+ * `ANTUMBRA_RESULT_UNSUPPORTED` if there is no loader, driver or suitable device; the message says
+ * what to install. `antumbra_device_destroy` closes the device. Headless: images are read by
+ * `antumbra_renderer_read_image`.
+ */
+AntumbraResult antumbra_device_open(const AntumbraContext *context,
+                                    const AntumbraDeviceOpenDesc *desc,
+                                    AntumbraDevice *device,
+                                    AntumbraError *error);
 
 /* =================================================================================================
  * 4. The self-test and the costs of a device
@@ -2009,9 +2071,36 @@ AntumbraResult antumbra_scene_record(const AntumbraContext *context,
 
 /* =================================================================================================
  * 6. The renderer
- * For a host without a renderer of its own: it passes meshes, objects and a camera per
- * frame, and gets an image. The library submits to the queue of the host.
+ * For a host without a renderer of its own: it passes meshes and objects, or the scene of a
+ * file with its clips, and a camera per frame, and gets an image. The library submits to the
+ * queue of the host, or of the device that it opened. Each view has a history of its own.
  * ============================================================================================== */
+
+/**
+ * A part that violates glTF is left out or repaired, a note names it, and the rest is shown.
+ */
+#define ANTUMBRA_BROKEN_PARTS_LEFT_OUT 0
+
+/**
+ * The file is refused at its first part that violates glTF.
+ */
+#define ANTUMBRA_BROKEN_PARTS_REFUSED 1
+
+/**
+ * The scene is where the file says.
+ */
+#define ANTUMBRA_SCENE_PLACE_AS_IN_FILE 0
+
+/**
+ * A scene far from the origin is moved there by whole metres, so that positions of parts and
+ * cameras are not rounded. `AntumbraSceneFileInfo::origin` says by how many.
+ */
+#define ANTUMBRA_SCENE_PLACE_NEAR_ORIGIN 1
+
+/**
+ * The camera that shows everything at rest, diagonally from the front and above.
+ */
+#define ANTUMBRA_CAMERA_OVERVIEW UINT32_MAX
 
 /**
  * Tests that cost more than they are expected to save are left out, by a built-in table of costs
@@ -2111,6 +2200,169 @@ AntumbraResult antumbra_scene_record(const AntumbraContext *context,
  * All casters are drawn.
  */
 #define ANTUMBRA_CASTER_CULLING_UNCULLED 1
+
+/**
+ * A file and the way to read it: `path`, or `bytes`.
+ */
+typedef struct AntumbraSceneFileDesc {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * An `ANTUMBRA_BROKEN_PARTS_..`. Default: `ANTUMBRA_BROKEN_PARTS_LEFT_OUT`.
+     */
+    uint32_t broken_parts;
+    /**
+     * The path of a .gltf, .glb, .stl or .obj file, in UTF-8 with a 0 at the end. Files that it
+     * refers to are read from its folder. Default: null, for a file in memory.
+     */
+    const char *path;
+    /**
+     * The bytes of a .gltf or .glb file. Default: null, with a `byte_count` of 0.
+     */
+    const uint8_t *bytes;
+    /**
+     * The number of bytes. Default: 0.
+     */
+    size_t byte_count;
+    /**
+     * The folder of the files that `bytes` refer to, as `path`. Default: null, and then they must
+     * not refer to files.
+     */
+    const char *folder;
+    /**
+     * An `ANTUMBRA_SCENE_PLACE_..`. Default: `ANTUMBRA_SCENE_PLACE_AS_IN_FILE`.
+     */
+    uint32_t place;
+    /**
+     * The factor of all light. Default: 0, for a factor of 1, with lights that are dimmed if they
+     * would make most objects white.
+     */
+    float exposure;
+    /**
+     * The length of the unit of .stl and .obj files (metres). Default: 0, for a millimetre in .stl
+     * and a metre in .obj files.
+     */
+    float unit;
+    /**
+     * Must be 0.
+     */
+    uint32_t reserved;
+} AntumbraSceneFileDesc;
+
+/**
+ * A file of a scene, in memory: meshes, materials, textures, lights, cameras and clips.
+ */
+typedef struct AntumbraSceneFile {
+    /**
+     * The number of the handle; 0 for none.
+     */
+    uint64_t id;
+} AntumbraSceneFile;
+
+/**
+ * The contents of a file.
+ */
+typedef struct AntumbraSceneFileInfo {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * The cameras.
+     */
+    uint32_t cameras;
+    /**
+     * The clips.
+     */
+    uint32_t clips;
+    /**
+     * The lights, with the numbers that `antumbra_renderer_set_light_shadow` takes. A file without
+     * lights is lit by one.
+     */
+    uint32_t lights;
+    /**
+     * The notes: deviations from the file, and what is not shown.
+     */
+    uint32_t notes;
+    /**
+     * Is 0.
+     */
+    uint32_t reserved;
+    /**
+     * The objects, without transparent ones. Their ids in a renderer are their indices.
+     */
+    uint64_t objects;
+    /**
+     * The triangles of these objects.
+     */
+    uint64_t triangles;
+    /**
+     * The box around everything visible at rest (metres).
+     */
+    AntumbraAabb bounds;
+    /**
+     * The point of the file that is the origin of the scene (metres): 0 unless the scene was moved
+     * by `ANTUMBRA_SCENE_PLACE_NEAR_ORIGIN`.
+     */
+    double origin[3];
+} AntumbraSceneFileInfo;
+
+/**
+ * A camera of a file.
+ */
+typedef struct AntumbraSceneFileCamera {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * The width of its image divided by the height; 0 if the file does not say.
+     */
+    float aspect_ratio;
+    /**
+     * The name, in UTF-8 with a 0 at the end, valid until the file is destroyed.
+     */
+    const char *name;
+} AntumbraSceneFileCamera;
+
+/**
+ * A clip of a file: an animation of its nodes.
+ */
+typedef struct AntumbraSceneFileClip {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * The duration, after which it repeats (seconds).
+     */
+    float duration;
+    /**
+     * The name, in UTF-8 with a 0 at the end, valid until the file is destroyed.
+     */
+    const char *name;
+} AntumbraSceneFileClip;
+
+/**
+ * A note about a file.
+ */
+typedef struct AntumbraSceneFileNote {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * Is 0.
+     */
+    uint32_t reserved;
+    /**
+     * The object in the file and the reason, in UTF-8 with a 0 at the end, valid until the file is
+     * destroyed.
+     */
+    const char *text;
+} AntumbraSceneFileNote;
 
 /**
  * A vertex of a mesh.
@@ -2292,7 +2544,7 @@ typedef struct AntumbraRendererDesc {
      */
     uint32_t frames_in_flight;
     /**
-     * Required: the device, which was adopted with a queue.
+     * Required: the device, which was adopted with a queue or opened by the library.
      */
     AntumbraDevice device;
     /**
@@ -2364,8 +2616,9 @@ typedef struct AntumbraRendererDesc {
      */
     uint32_t reserved;
     /**
-     * The shadows of the sun. With `ANTUMBRA_SHADOWS_OFF` they can be turned on later:
-     * `antumbra_renderer_set_shadows`. Default: null, for a renderer that never has shadows.
+     * The shadows of the sun, or of the lights of the file. With `ANTUMBRA_SHADOWS_OFF` they can
+     * be turned on later: `antumbra_renderer_set_shadows`. Default: null, for a renderer of meshes
+     * that never has shadows.
      */
     const AntumbraShadowDesc *shadows;
     /**
@@ -2378,10 +2631,16 @@ typedef struct AntumbraRendererDesc {
      * another device: its meshes stay in memory, and frames cost nothing more. Default: 0.
      */
     uint32_t keeps_scene;
+    /**
+     * The file whose scene is drawn, in place of `meshes`, `objects` and `light`, which must be
+     * null then. Several renderers may have the same file, and it may be destroyed afterwards.
+     * Default: 0, for a scene of meshes.
+     */
+    AntumbraSceneFile scene_file;
 } AntumbraRendererDesc;
 
 /**
- * A renderer: a scene on a host's device, and one view of it.
+ * A renderer: a scene on a device, and views of it.
  */
 typedef struct AntumbraRenderer {
     /**
@@ -2389,6 +2648,16 @@ typedef struct AntumbraRenderer {
      */
     uint64_t id;
 } AntumbraRenderer;
+
+/**
+ * A view of a renderer, with its history of earlier frames.
+ */
+typedef struct AntumbraRendererView {
+    /**
+     * The number of the handle; 0 for none.
+     */
+    uint64_t id;
+} AntumbraRendererView;
 
 /**
  * A frame to be rendered.
@@ -2410,6 +2679,11 @@ typedef struct AntumbraRenderDesc {
      * Required: the camera, with reversed depth. Its `sub_pixel_bits` are ignored.
      */
     const AntumbraCamera *camera;
+    /**
+     * The view whose history the frame uses and continues. A camera that is elsewhere needs
+     * another view: `antumbra_renderer_view_create`. Default: 0, the renderer's own view.
+     */
+    AntumbraRendererView view;
 } AntumbraRenderDesc;
 
 /**
@@ -2459,6 +2733,49 @@ typedef struct AntumbraFinishedImage {
      */
     uint64_t value;
 } AntumbraFinishedImage;
+
+/**
+ * The counts of the newest frame of a view whose results are known, and the state of uploads.
+ */
+typedef struct AntumbraRendererStats {
+    /**
+     * Size of this struct in bytes.
+     */
+    uint32_t struct_size;
+    /**
+     * 1 while meshes are being uploaded, whose objects are not drawn yet; else 0.
+     */
+    uint32_t is_uploading;
+    /**
+     * The frame, counted from 1; 0 if none is known.
+     */
+    uint64_t frame;
+    /**
+     * The objects of the scene in that frame.
+     */
+    uint64_t total;
+    /**
+     * The objects among them that the GPU drew.
+     */
+    uint64_t drawn;
+    /**
+     * The objects among the drawn ones that a test revealed.
+     */
+    uint64_t revealed;
+    /**
+     * The boxes that were tested.
+     */
+    uint64_t tests;
+    /**
+     * An `ANTUMBRA_PREDICATION_..`: the way that hidden draws are skipped. With
+     * `ANTUMBRA_COST_MODEL_MEASURED` it is the cheapest one, else the device's usual one.
+     */
+    uint32_t predication;
+    /**
+     * An `ANTUMBRA_TESTER_..`: the tester that was expected to cost least.
+     */
+    uint32_t tester;
+} AntumbraRendererStats;
 
 /**
  * The counts of the shadows of the newest frame.
@@ -2515,47 +2832,76 @@ typedef struct AntumbraShadowStats {
 } AntumbraShadowStats;
 
 /**
- * The counts of the newest frame whose results are known, and the state of uploads.
+ * The shadow of one light, in place of what the options of all lights say.
  */
-typedef struct AntumbraRendererStats {
+typedef struct AntumbraLightShadowDesc {
     /**
      * Size of this struct in bytes.
      */
     uint32_t struct_size;
     /**
-     * 1 while meshes are being uploaded, whose objects are not drawn yet; else 0.
+     * 1 for a light without shadows. Default: 0, for a light that casts them.
      */
-    uint32_t is_uploading;
+    uint32_t is_off;
     /**
-     * The frame, counted from 1; 0 if none is known.
+     * The width of its penumbras (metres), below 1e3. Default: 0, a hard edge.
      */
-    uint64_t frame;
-    /**
-     * The objects of the scene in that frame.
-     */
-    uint64_t total;
-    /**
-     * The objects among them that the GPU drew.
-     */
-    uint64_t drawn;
-    /**
-     * The objects among the drawn ones that a test revealed.
-     */
-    uint64_t revealed;
-    /**
-     * The boxes that were tested.
-     */
-    uint64_t tests;
-    /**
-     * An `ANTUMBRA_PREDICATION_..`: the way that hidden draws are skipped. With
-     * `ANTUMBRA_COST_MODEL_MEASURED` it is the cheapest one, else the device's usual one.
-     */
-    uint32_t predication;
-    /**
-     * An `ANTUMBRA_TESTER_..`: the tester that was expected to cost least.
-     */
-    uint32_t tester;
-} AntumbraRendererStats;
+    float penumbra;
+} AntumbraLightShadowDesc;
+
+/**
+ * Loads a file of a scene, for `AntumbraRendererDesc::scene_file`: glTF 2.0, .stl or .obj. The
+ * file may contain anything: everything is checked, and what is demanded is bounded. The result
+ * `ANTUMBRA_RESULT_BAD_FILE` comes with the file, the object in it, and the reason. Notes are also
+ * warnings in the log. May take seconds; other threads may use the context.
+ */
+AntumbraResult antumbra_scene_file_load(const AntumbraContext *context,
+                                        const AntumbraSceneFileDesc *desc,
+                                        AntumbraSceneFile *file,
+                                        AntumbraError *error);
+
+/**
+ * Destroys a file. Renderers of it stay as they are. A handle of 0 is not an error.
+ */
+AntumbraResult antumbra_scene_file_destroy(const AntumbraContext *context,
+                                           AntumbraSceneFile file,
+                                           AntumbraError *error);
+
+/**
+ * Writes the contents of a file.
+ */
+AntumbraResult antumbra_scene_file_info(const AntumbraContext *context,
+                                        AntumbraSceneFile file,
+                                        AntumbraSceneFileInfo *info,
+                                        AntumbraError *error);
+
+/**
+ * Writes a camera of a file, from 0 to `AntumbraSceneFileInfo::cameras` - 1. Where it is and what
+ * it sees depends on the playing clips: `antumbra_renderer_camera`.
+ */
+AntumbraResult antumbra_scene_file_camera(const AntumbraContext *context,
+                                          AntumbraSceneFile file,
+                                          uint32_t index,
+                                          AntumbraSceneFileCamera *camera,
+                                          AntumbraError *error);
+
+/**
+ * Writes a clip of a file, from 0 to `AntumbraSceneFileInfo::clips` - 1.
+ */
+AntumbraResult antumbra_scene_file_clip(const AntumbraContext *context,
+                                        AntumbraSceneFile file,
+                                        uint32_t index,
+                                        AntumbraSceneFileClip *clip,
+                                        AntumbraError *error);
+
+/**
+ * Writes a note about a file, from 0 to `AntumbraSceneFileInfo::notes` - 1.
+ */
+AntumbraResult antumbra_scene_file_note(const AntumbraContext *context,
+                                        AntumbraSceneFile file,
+                                        uint32_t index,
+                                        AntumbraSceneFileNote *note,
+                                        AntumbraError *error);
 
 /**
  * Writes the requirements of the renderer, as `antumbra_requirements` does for the executor. For a
@@ -2570,9 +2916,10 @@ AntumbraResult antumbra_renderer_requirements(const AntumbraContext *context,
                                               AntumbraError *error);
 
 /**
- * Creates a renderer of a scene, and uploads the scene. Only the Rust interface has textures,
- * materials, lights besides the sun, transparent, skinned and animated meshes, levels of detail,
- * several views, and glTF files.
+ * Creates a renderer of a scene, and uploads the scene: meshes with vertex colours and a sun, or
+ * the scene of a file, at rest, with its materials, textures, lights, and transparent, skinned and
+ * animated meshes. Meshes of the host have no materials, and levels of detail exist in the Rust
+ * interface only.
  */
 AntumbraResult antumbra_renderer_create(const AntumbraContext *context,
                                         const AntumbraRendererDesc *desc,
@@ -2580,12 +2927,13 @@ AntumbraResult antumbra_renderer_create(const AntumbraContext *context,
                                         AntumbraError *error);
 
 /**
- * Continues on another device, which was adopted with a queue, after a call on the present one
- * returned `ANTUMBRA_RESULT_DEVICE_LOST`. The renderer must have been created with `keeps_scene`.
- * It has the same scene, ids and options as before, and begins without history; its size may
- * change later. Takes as long as `antumbra_renderer_create`. The log has the frames that the lost
- * device did not finish, with the labels of their passes. After an error nothing has changed, and
- * the call can be repeated. Release the lost device afterwards.
+ * Continues on another device, which was adopted with a queue or opened, after a call on the
+ * present one returned `ANTUMBRA_RESULT_DEVICE_LOST`. The renderer must have been created with
+ * `keeps_scene`. It has the same scene, ids, options and playing clips as before, and its views
+ * begin without history; its size may change later. Takes as long as `antumbra_renderer_create`.
+ * The log has the frames that the lost device did not finish, with the labels of their passes.
+ * After an error nothing has changed, and the call can be repeated. Release the lost device
+ * afterwards.
  *
  * The caller promises that the host no longer uses the image of an earlier frame.
  */
@@ -2625,6 +2973,21 @@ AntumbraResult antumbra_renderer_image(const AntumbraContext *context,
                                        AntumbraError *error);
 
 /**
+ * Waits until all frames are over, and writes the newest image: four bytes per pixel, sRGB red,
+ * green, blue and alpha, in rows from the top. `byte_count` is four times width times height. The
+ * wait is bounded. Submits a copy, so the image must be in its `state`. Meant for tests, and for
+ * images that are written to files, not for each frame.
+ *
+ * The caller promises what `antumbra_renderer_render` says about the image of the previous frame
+ * and about the callbacks of the queue.
+ */
+AntumbraResult antumbra_renderer_read_image(const AntumbraContext *context,
+                                            AntumbraRenderer renderer,
+                                            uint8_t *rgba,
+                                            size_t byte_count,
+                                            AntumbraError *error);
+
+/**
  * Changes the size of the images without a wait, and keeps the history of earlier frames. The host
  * must not use the image of an earlier frame any more.
  *
@@ -2635,24 +2998,6 @@ AntumbraResult antumbra_renderer_resize(const AntumbraContext *context,
                                         uint32_t width,
                                         uint32_t height,
                                         AntumbraError *error);
-
-/**
- * Changes the options of shadows; a `method` of 0 turns shadows off. Creates new maps and
- * pipelines, so it is not meant for every frame. The renderer must have been created with an
- * `AntumbraShadowDesc`. After an error nothing has changed.
- */
-AntumbraResult antumbra_renderer_set_shadows(const AntumbraContext *context,
-                                             AntumbraRenderer renderer,
-                                             const AntumbraShadowDesc *desc,
-                                             AntumbraError *error);
-
-/**
- * Writes the counts of the shadows of the newest frame.
- */
-AntumbraResult antumbra_renderer_shadow_stats(const AntumbraContext *context,
-                                              AntumbraRenderer renderer,
-                                              AntumbraShadowStats *stats,
-                                              AntumbraError *error);
 
 /**
  * Adds objects and writes their ids, which may be those of objects that were removed.
@@ -2709,7 +3054,7 @@ AntumbraResult antumbra_renderer_remove_meshes(const AntumbraContext *context,
                                                AntumbraError *error);
 
 /**
- * Writes the counts of the newest frame whose results are known.
+ * Writes the counts of the newest frame of the renderer's own view whose results are known.
  */
 AntumbraResult antumbra_renderer_stats(const AntumbraContext *context,
                                        AntumbraRenderer renderer,
@@ -2723,6 +3068,100 @@ AntumbraResult antumbra_renderer_stats(const AntumbraContext *context,
 AntumbraResult antumbra_renderer_wait(const AntumbraContext *context,
                                       AntumbraRenderer renderer,
                                       AntumbraError *error);
+
+/**
+ * Creates a view of a renderer, without history, for `AntumbraRenderDesc::view`. Frames of several
+ * cameras, such as a mirror and the eye, each have a view: the history of one says little about
+ * what another sees. Each frame shows one view, in the renderer's one image.
+ */
+AntumbraResult antumbra_renderer_view_create(const AntumbraContext *context,
+                                             AntumbraRenderer renderer,
+                                             AntumbraRendererView *view,
+                                             AntumbraError *error);
+
+/**
+ * Destroys a view of a renderer without a wait. An image that shows it stays. A handle of 0 is not
+ * an error.
+ */
+AntumbraResult antumbra_renderer_view_destroy(const AntumbraContext *context,
+                                              AntumbraRenderer renderer,
+                                              AntumbraRendererView view,
+                                              AntumbraError *error);
+
+/**
+ * Writes the counts of the newest frame of a view whose results are known.
+ */
+AntumbraResult antumbra_renderer_view_stats(const AntumbraContext *context,
+                                            AntumbraRenderer renderer,
+                                            AntumbraRendererView view,
+                                            AntumbraRendererStats *stats,
+                                            AntumbraError *error);
+
+/**
+ * Changes the options of shadows; a `method` of 0 turns shadows off. Creates new maps and
+ * pipelines, so it is not meant for every frame. The renderer must have been created with an
+ * `AntumbraShadowDesc`. After an error nothing has changed.
+ */
+AntumbraResult antumbra_renderer_set_shadows(const AntumbraContext *context,
+                                             AntumbraRenderer renderer,
+                                             const AntumbraShadowDesc *desc,
+                                             AntumbraError *error);
+
+/**
+ * Writes the counts of the shadows of the newest frame.
+ */
+AntumbraResult antumbra_renderer_shadow_stats(const AntumbraContext *context,
+                                              AntumbraRenderer renderer,
+                                              AntumbraShadowStats *stats,
+                                              AntumbraError *error);
+
+/**
+ * Changes the shadow of one light; `desc` is null for what the options of all lights say. The next
+ * frame shows it. The sun of an `AntumbraSunlight` is light 0, unless it is black; the lights of a
+ * file are counted from 0. The renderer must have been created with an `AntumbraShadowDesc`, or
+ * from a file.
+ */
+AntumbraResult antumbra_renderer_set_light_shadow(const AntumbraContext *context,
+                                                  AntumbraRenderer renderer,
+                                                  uint32_t light,
+                                                  const AntumbraLightShadowDesc *desc,
+                                                  AntumbraError *error);
+
+/**
+ * Plays clips of the renderer's file in loops that begin at time 0, in place of those that play.
+ * From the time `seconds` on they fade in, for `fade_seconds`; a fade of 0 is a cut. Without clips
+ * the scene returns to rest; with a `clip_count` of `ANTUMBRA_ALL_CLIPS` all clips play that can
+ * play together: no two that animate the same property of a node. Otherwise the later of two such
+ * clips wins. Nothing moves before `antumbra_renderer_advance`.
+ */
+AntumbraResult antumbra_renderer_play(const AntumbraContext *context,
+                                      AntumbraRenderer renderer,
+                                      const uint32_t *clips,
+                                      size_t clip_count,
+                                      double seconds,
+                                      double fade_seconds,
+                                      AntumbraError *error);
+
+/**
+ * Moves the scene of the renderer's file to a time of its clips, in any order of times: objects,
+ * poses, lights and cameras. The next frame shows it. The cost grows with what moves. Objects of
+ * the file that were removed stay away, and clips do not move objects of the host.
+ */
+AntumbraResult antumbra_renderer_advance(const AntumbraContext *context,
+                                         AntumbraRenderer renderer,
+                                         double seconds,
+                                         AntumbraError *error);
+
+/**
+ * Writes a camera of the renderer's file for its images, at the time of the last
+ * `antumbra_renderer_advance`, or the view `ANTUMBRA_CAMERA_OVERVIEW`. In images that are narrower
+ * than those of the camera, nothing is cut off at the sides.
+ */
+AntumbraResult antumbra_renderer_camera(const AntumbraContext *context,
+                                        AntumbraRenderer renderer,
+                                        uint32_t index,
+                                        AntumbraCamera *camera,
+                                        AntumbraError *error);
 
 #endif /* ANTUMBRA_VULKAN */
 

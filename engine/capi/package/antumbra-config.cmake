@@ -10,7 +10,7 @@ if(NOT TARGET antumbra::antumbra)
     add_library(antumbra::static STATIC IMPORTED)
     set_target_properties(antumbra::static PROPERTIES
         IMPORTED_LOCATION "${_antumbra_prefix}/lib/libantumbra.a"
-        INTERFACE_LINK_LIBRARIES "gcc_s;pthread;dl;m"
+        INTERFACE_LINK_LIBRARIES "gcc_s;pthread;dl;m;stdc++"
         INTERFACE_INCLUDE_DIRECTORIES "${_antumbra_prefix}/include")
 endif()
 # The folder of snap.glsl, which the vertex shaders of a host include.

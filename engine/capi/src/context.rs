@@ -18,6 +18,12 @@ use crate::layout::{Versioned, layout, versioned};
 use crate::log::{ANTUMBRA_LOG_DEBUG, ANTUMBRA_LOG_WARN, AntumbraLogCallback, CallbackLog};
 #[cfg(feature = "renderer")]
 use crate::renderer::frame::{AntumbraRenderer, HostedRenderer};
+#[cfg(feature = "import")]
+use crate::renderer::loaded_file::SceneFile;
+#[cfg(feature = "renderer")]
+use crate::renderer::scene_begin::SceneBegin;
+#[cfg(feature = "renderer")]
+use crate::renderer::scene_file::AntumbraSceneFile;
 use crate::table::Table;
 use crate::version::ANTUMBRA_ABI_VERSION;
 
@@ -32,6 +38,8 @@ pub struct AntumbraContext {
     pub(crate) cullers: Table<ViewCuller, AntumbraCuller>,
     #[cfg(feature = "renderer")]
     pub(crate) renderers: Table<HostedRenderer, AntumbraRenderer>,
+    #[cfg(feature = "import")]
+    pub(crate) scene_files: Table<SceneFile, AntumbraSceneFile>,
     #[cfg(feature = "vulkan")]
     pub(crate) scenes: Table<HostedScene, AntumbraScene>,
     #[cfg(feature = "vulkan")]
@@ -99,6 +107,8 @@ impl AntumbraContext {
                 cullers: Table::new(salt),
                 #[cfg(feature = "renderer")]
                 renderers: Table::new(salt),
+                #[cfg(feature = "import")]
+                scene_files: Table::new(salt),
                 #[cfg(feature = "vulkan")]
                 scenes: Table::new(salt),
                 #[cfg(feature = "vulkan")]
@@ -107,6 +117,20 @@ impl AntumbraContext {
                 devices: Table::new(salt),
             },
         ))
+    }
+
+    /// Returns the scene of a file for a renderer.
+    #[cfg(feature = "import")]
+    pub(crate) fn scene_of(&self, file: AntumbraSceneFile) -> Result<SceneBegin, Failure> {
+        Ok(self.scene_files.find(file)?.read()?.begin())
+    }
+
+    /// Refuses a file, which only a library with the feature `import` can have loaded.
+    #[cfg(all(feature = "renderer", not(feature = "import")))]
+    pub(crate) fn scene_of(&self, _: AntumbraSceneFile) -> Result<SceneBegin, Failure> {
+        let message = "desc.scene_file: this library was built without the feature `import`, which \
+                       reads files";
+        Err(Failure::new(AntumbraResult::Unsupported, message))
     }
 
     /// Destroys a context.

@@ -33,12 +33,15 @@ pub enum AntumbraResult {
     NoMemory = -8,
     /// The program was compiled with another version of the interface.
     AbiVersion = -9,
-    /// The device lacks something that is needed.
+    /// The device or the machine lacks something that is needed.
     Unsupported = -10,
     /// The Vulkan device is lost: destroy it and everything that was created on it.
     DeviceLost = -11,
     /// A call of Vulkan failed; the message names it.
     Vulkan = -12,
+    /// A file that cannot be read or shown; the message names the file, the object in it, and the
+    /// reason.
+    BadFile = -13,
 }
 
 /// The message of a call that failed, in memory of the caller.
@@ -82,10 +85,11 @@ impl AntumbraError {
 }
 
 /// The names of the Rust interface in errors of other crates, and the names in C.
-const NAMES_IN_C: [(&str, &str); 14] = [
+const NAMES_IN_C: [(&str, &str); 15] = [
     ("FrameNumbers::current", "AntumbraFrameDesc::current"),
     ("HostImage::usage", "AntumbraImage::usage"),
     ("FrameNumbers::safe", "AntumbraFrameDesc::safe"),
+    ("DeviceOptions::memory_budget_bytes", "AntumbraDeviceDesc::memory_budget_bytes"),
     ("HostDevice::queue", "AntumbraDeviceDesc::queue"),
     ("Device::host_finished", "antumbra_device_finished"),
     ("Device::completed", "antumbra_renderer_render"),
@@ -165,7 +169,12 @@ impl From<gpu::Error> for Failure {
         }
         let result = match &error {
             _ if error.is_device_lost() => AntumbraResult::DeviceLost,
-            E::DeviceLacks { .. } | E::Unsupported { .. } => AntumbraResult::Unsupported,
+            E::DeviceLacks { .. }
+            | E::Unsupported { .. }
+            | E::NoLoader(_)
+            | E::NoDriver(_)
+            | E::NoSuitableDevice { .. }
+            | E::NoValidationLayer(_) => AntumbraResult::Unsupported,
             E::FrameNumbers { .. }
             | E::TooLarge { .. }
             | E::Foreign { .. }
@@ -174,6 +183,7 @@ impl From<gpu::Error> for Failure {
             | E::TargetFormat { .. }
             | E::TargetUsage { .. }
             | E::Samples { .. }
+            | E::UnknownDevice { .. }
             | E::NoImage => AntumbraResult::BadArgument,
             E::Memory(_) => AntumbraResult::NoMemory,
             _ => AntumbraResult::Vulkan,

@@ -3,8 +3,11 @@
 
 pub mod device;
 pub mod device_costs;
+pub mod device_open;
 pub mod frame;
 pub mod lists;
+#[cfg(feature = "loaded")]
+pub(crate) mod own_device;
 pub mod queue;
 pub mod quirks;
 pub mod scene;

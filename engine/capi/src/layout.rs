@@ -97,7 +97,7 @@ macro_rules! numbers {
         unsafe impl $crate::layout::CValue for $type {}
     )+};
 }
-numbers!(u32, i32, u64, usize, f32, std::ffi::c_char);
+numbers!(u8, u32, i32, u64, usize, f32, f64, std::ffi::c_char);
 
 /// Implements [`CValue`] for pointers to functions and for handles of Vulkan.
 macro_rules! pointers {

@@ -2,8 +2,9 @@
 //!
 //! The interface has three levels. *Decisions alone*: boxes in, plan out, answers in; no Vulkan.
 //! *Our executor in the host's command buffer* (feature `vulkan`): the host keeps its device,
-//! queue, images, pipelines and draws. *Our renderer on the host's device* (feature `renderer`):
-//! the host gives meshes and objects, and gets images.
+//! queue, images, pipelines and draws. *Our renderer* (feature `renderer`): the host gives meshes
+//! and objects, or a file (feature `import`), and gets images. The device is the host's, or the
+//! library opens one (feature `loaded`).
 //!
 //! # Rules of all functions
 //! - A function returns an [`AntumbraResult`]. An error leaves the outputs unchanged, unless the

@@ -11,11 +11,11 @@ use crate::decisions::plan::{
 };
 use crate::error::AntumbraError;
 #[cfg(feature = "vulkan")]
-use crate::executor::{device, device_costs, frame, lists, queue, scene, target};
+use crate::executor::{device, device_costs, device_open, frame, lists, queue, scene, target};
 use crate::layout::StructLayout;
 #[cfg(feature = "renderer")]
 use crate::renderer::{
-    description, device_costs as measured, frame as rendered, self_test, shadows,
+    description, device_costs as measured, frame as rendered, scene_file, self_test, shadows, view,
 };
 
 /// All structs of the interface, for comparison with a C compiler.
@@ -46,6 +46,8 @@ pub const STRUCTS: &[StructLayout] = &[
     StructLayout::of_versioned::<device::AntumbraFeatures>(),
     #[cfg(feature = "vulkan")]
     StructLayout::of_versioned::<device::AntumbraRequirements>(),
+    #[cfg(feature = "vulkan")]
+    StructLayout::of_versioned::<device_open::AntumbraDeviceOpenDesc>(),
     #[cfg(feature = "vulkan")]
     StructLayout::of_versioned::<queue::AntumbraQueueDesc>(),
     #[cfg(feature = "vulkan")]
@@ -99,6 +101,8 @@ pub const STRUCTS: &[StructLayout] = &[
     #[cfg(feature = "renderer")]
     StructLayout::of_versioned::<shadows::AntumbraShadowStats>(),
     #[cfg(feature = "renderer")]
+    StructLayout::of_versioned::<shadows::AntumbraLightShadowDesc>(),
+    #[cfg(feature = "renderer")]
     StructLayout::of_versioned::<measured::AntumbraDeviceCostsDesc>(),
     #[cfg(feature = "renderer")]
     StructLayout::of_versioned::<self_test::AntumbraSelfTest>(),
@@ -109,5 +113,19 @@ pub const STRUCTS: &[StructLayout] = &[
     #[cfg(feature = "renderer")]
     StructLayout::of_versioned::<rendered::AntumbraFinishedImage>(),
     #[cfg(feature = "renderer")]
-    StructLayout::of_versioned::<rendered::AntumbraRendererStats>(),
+    StructLayout::of_versioned::<view::AntumbraRendererStats>(),
+    #[cfg(feature = "renderer")]
+    StructLayout::of::<view::AntumbraRendererView>(),
+    #[cfg(feature = "renderer")]
+    StructLayout::of::<scene_file::AntumbraSceneFile>(),
+    #[cfg(feature = "renderer")]
+    StructLayout::of_versioned::<scene_file::AntumbraSceneFileDesc>(),
+    #[cfg(feature = "renderer")]
+    StructLayout::of_versioned::<scene_file::AntumbraSceneFileInfo>(),
+    #[cfg(feature = "renderer")]
+    StructLayout::of_versioned::<scene_file::AntumbraSceneFileCamera>(),
+    #[cfg(feature = "renderer")]
+    StructLayout::of_versioned::<scene_file::AntumbraSceneFileClip>(),
+    #[cfg(feature = "renderer")]
+    StructLayout::of_versioned::<scene_file::AntumbraSceneFileNote>(),
 ];

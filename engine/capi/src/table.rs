@@ -61,9 +61,11 @@ pub(crate) struct Table<T, H> {
 }
 
 impl<T, H: Handle> Table<T, H> {
-    /// Creates a table. `salt` differs between all contexts and scenes that exist at the same time.
+    /// Creates a table. `salt` differs between all contexts, scenes and renderers that exist at
+    /// the same time.
     pub fn new(salt: u64) -> Self {
-        let kind = H::KIND.bytes().fold(0_u64, |sum, byte| sum * 31 + u64::from(byte));
+        let hash = |sum: u64, byte| sum.wrapping_mul(31).wrapping_add(u64::from(byte));
+        let kind = H::KIND.bytes().fold(0, hash);
         // The finalizer of SplitMix64: similar salts give very different generations.
         let mut mixed = salt.wrapping_add(kind).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         mixed = (mixed ^ (mixed >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -103,6 +105,13 @@ impl<T, H: Handle> Table<T, H> {
         slot.cloned().map(Shared).ok_or_else(|| unknown(handle))
     }
 
+    /// Returns all objects.
+    #[cfg(feature = "renderer")]
+    pub fn all(&self) -> Vec<Shared<T>> {
+        let slots = self.slots.lock().unwrap_or_else(PoisonError::into_inner);
+        slots.iter().filter_map(|slot| slot.object.clone()).map(Shared).collect()
+    }
+
     /// Takes an object out. It lives on until calls that use it have returned.
     pub fn remove(&self, handle: H) -> Result<Shared<T>, Failure> {
         let mut slots = self.slots.lock().unwrap_or_else(PoisonError::into_inner);
@@ -134,8 +143,8 @@ fn unknown<H: Handle>(handle: H) -> Failure {
     let reason = match id {
         0 => format!("the handle of a {kind} is 0: create one first"),
         _ => format!(
-            "there is no {kind} {id:#x} here: it was destroyed, or belongs to another context or \
-             scene"
+            "there is no {kind} {id:#x} here: it was destroyed, or belongs to another context, \
+             scene or renderer"
         ),
     };
     Failure::new(AntumbraResult::UnknownHandle, reason)

@@ -68,7 +68,7 @@ fn a_wrong_layout_is_found() {
 fn the_snippets_of_the_page_compile_silently() {
     let page = include_str!("../README.md");
     let snippets = page.split("```c\n").skip(1).filter_map(|rest| rest.split("```").next());
-    assert_eq!(snippets.clone().count(), 4);
+    assert_eq!(snippets.clone().count(), 5);
     for (number, code) in snippets.enumerate() {
         compile("cc", "-std=c11", &format!("snippet_{number}.c"), code);
     }

@@ -54,9 +54,16 @@ const VULKAN: [Section; 4] = [
         title: "3. Devices",
         about: &[
             "The host asks for the requirements, creates its VkDevice with them, and adopts it: with a",
-            "queue for a renderer, and without one for scenes of the executor.",
+            "queue for a renderer, and without one for scenes of the executor. For a program without",
+            "Vulkan of its own, the library opens a device.",
         ],
-        files: &["executor/queue", "executor/device", "api/device"],
+        files: &[
+            "executor/queue",
+            "executor/device",
+            "executor/device_open",
+            "api/device",
+            "api/device_open",
+        ],
     },
     Section {
         title: "4. The self-test and the costs of a device",
@@ -93,10 +100,22 @@ const VULKAN: [Section; 4] = [
     Section {
         title: "6. The renderer",
         about: &[
-            "For a host without a renderer of its own: it passes meshes, objects and a camera per",
-            "frame, and gets an image. The library submits to the queue of the host.",
+            "For a host without a renderer of its own: it passes meshes and objects, or the scene of a",
+            "file with its clips, and a camera per frame, and gets an image. The library submits to the",
+            "queue of the host, or of the device that it opened. Each view has a history of its own.",
         ],
-        files: &["renderer/description", "renderer/shadows", "renderer/frame", "api/renderer"],
+        files: &[
+            "renderer/scene_file",
+            "renderer/description",
+            "renderer/shadows",
+            "renderer/view",
+            "renderer/frame",
+            "api/scene_file",
+            "api/renderer",
+            "api/renderer_view",
+            "api/shadows",
+            "api/playback",
+        ],
     },
 ];
 

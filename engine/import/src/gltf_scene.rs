@@ -121,12 +121,16 @@ impl GltfScene {
         bounds(self)
     }
 
+    /// Returns a view of everything visible at rest, diagonally from the front and above, for
+    /// images at least four thirds as wide as high.
+    pub fn overview(&self) -> cull::Camera {
+        crate::convert::framing::overview(&self.bounds())
+    }
+
     /// Returns the first camera of the file at rest, for images of `size` pixels. Without a camera,
     /// returns a view of the whole scene, diagonally from the front and above.
     pub fn default_camera(&self, size: [u32; 2]) -> cull::Camera {
-        let Some(camera) = self.cameras.first() else {
-            return crate::convert::framing::overview(&self.bounds());
-        };
+        let Some(camera) = self.cameras.first() else { return self.overview() };
         let mut worlds = Vec::new();
         self.rig.world(&Pose::new(&self.rig), &mut worlds);
         let world = worlds.get(camera.node.0 as usize).copied().unwrap_or(Affine3A::IDENTITY);

@@ -25,7 +25,9 @@ use crate::gltf_scene::{GltfScene, PlacedNode, SceneCamera};
 /// The attachments of a file's nodes, and the clips that move them.
 ///
 /// Times may be requested in any order: the state depends only on the time and the playing clips.
-/// In the steady state nothing is allocated.
+/// In the steady state nothing is allocated. A clone continues on its own: each renderer of a file
+/// has one.
+#[derive(Clone)]
 pub struct SceneAnimator {
     rig: Rig,
     clips: Vec<Clip>,

@@ -104,9 +104,10 @@ pub unsafe extern "C" fn antumbra_device_finished(
     }
 }
 
-/// Ends the adoption of a device, which the host still owns. Scenes and renderers on it live on
-/// until they are destroyed. With a queue, this call or the destruction of the last renderer waits
-/// until all submitted frames are over; the wait is bounded. A handle of 0 is not an error.
+/// Ends the adoption of a device, which the host still owns, or closes a device that the library
+/// opened. Scenes and renderers on it live on until they are destroyed. With a queue, this call or
+/// the destruction of the last renderer waits until all submitted frames are over; the wait is
+/// bounded. A handle of 0 is not an error.
 ///
 /// # Safety
 /// The rules of the interface.

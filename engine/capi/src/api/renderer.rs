@@ -1,7 +1,5 @@
 //! Functions of renderers.
 
-use std::sync::Arc;
-
 use cull::ObjectId;
 use gpu::Purpose;
 use scene::{MeshId, Object, ObjectChange};
@@ -17,10 +15,11 @@ use crate::renderer::description::{
     AntumbraMeshDesc, AntumbraMeshObject, AntumbraRendererDesc, AntumbraTransform, added,
 };
 use crate::renderer::frame::{
-    AntumbraFinishedImage, AntumbraRenderDesc, AntumbraRenderer, AntumbraRendererStats,
-    HostedRenderer,
+    AntumbraFinishedImage, AntumbraRenderDesc, AntumbraRenderer, HostedRenderer,
 };
-use crate::renderer::shadows::{AntumbraShadowDesc, AntumbraShadowStats};
+use crate::renderer::scene_begin::SceneBegin;
+use crate::renderer::view::AntumbraRendererStats;
+use crate::table::Table;
 
 /// Writes the requirements of the renderer, as `antumbra_requirements` does for the executor. For a
 /// device that will be adopted with a queue.
@@ -43,9 +42,10 @@ pub unsafe extern "C" fn antumbra_renderer_requirements(
     }
 }
 
-/// Creates a renderer of a scene, and uploads the scene. Only the Rust interface has textures,
-/// materials, lights besides the sun, transparent, skinned and animated meshes, levels of detail,
-/// several views, and glTF files.
+/// Creates a renderer of a scene, and uploads the scene: meshes with vertex colours and a sun, or
+/// the scene of a file, at rest, with its materials, textures, lights, and transparent, skinned and
+/// animated meshes. Meshes of the host have no materials, and levels of detail exist in the Rust
+/// interface only.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -64,24 +64,26 @@ pub unsafe extern "C" fn antumbra_renderer_create(
             let device = context.devices.find(desc.device)?.read()?.clone();
             HostedRenderer::check_device(&device)?;
             let options = desc.options()?;
-            let keeps_scene = desc.keeps_scene()?;
-            let scene = desc.scene()?;
-            let mut new = HostedRenderer::new(&device, &scene, &options)?;
-            if keeps_scene {
-                new.renderer.keep_scene(Arc::new(scene))?;
-            }
-            *renderer = context.renderers.insert(new)?;
+            let keeping = desc.keeping()?;
+            let begin = SceneBegin::of(&desc, |file| context.scene_of(file))?;
+            let mut new = HostedRenderer::new(&device, begin, &options, keeping)?;
+            // Views of different renderers have different handles.
+            *renderer = context.renderers.insert_with(|handle| {
+                new.views = Table::new(std::ptr::from_ref(context) as u64 ^ handle.id);
+                new
+            })?;
             Ok(())
         })
     }
 }
 
-/// Continues on another device, which was adopted with a queue, after a call on the present one
-/// returned `ANTUMBRA_RESULT_DEVICE_LOST`. The renderer must have been created with `keeps_scene`.
-/// It has the same scene, ids and options as before, and begins without history; its size may
-/// change later. Takes as long as `antumbra_renderer_create`. The log has the frames that the lost
-/// device did not finish, with the labels of their passes. After an error nothing has changed, and
-/// the call can be repeated. Release the lost device afterwards.
+/// Continues on another device, which was adopted with a queue or opened, after a call on the
+/// present one returned `ANTUMBRA_RESULT_DEVICE_LOST`. The renderer must have been created with
+/// `keeps_scene`. It has the same scene, ids, options and playing clips as before, and its views
+/// begin without history; its size may change later. Takes as long as `antumbra_renderer_create`.
+/// The log has the frames that the lost device did not finish, with the labels of their passes.
+/// After an error nothing has changed, and the call can be repeated. Release the lost device
+/// afterwards.
 ///
 /// # Safety
 /// The rules of the interface.
@@ -168,6 +170,33 @@ pub unsafe extern "C" fn antumbra_renderer_image(
     }
 }
 
+/// Waits until all frames are over, and writes the newest image: four bytes per pixel, sRGB red,
+/// green, blue and alpha, in rows from the top. `byte_count` is four times width times height. The
+/// wait is bounded. Submits a copy, so the image must be in its `state`. Meant for tests, and for
+/// images that are written to files, not for each frame.
+///
+/// # Safety
+/// The rules of the interface.
+///
+/// The caller promises what `antumbra_renderer_render` says about the image of the previous frame
+/// and about the callbacks of the queue.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn antumbra_renderer_read_image(
+    context: *const AntumbraContext,
+    renderer: AntumbraRenderer,
+    rgba: *mut u8,
+    byte_count: usize,
+    error: *mut AntumbraError,
+) -> AntumbraResult {
+    // SAFETY: the caller's promises.
+    unsafe {
+        entry(context, error, |context| {
+            let rgba = output_slice("rgba", rgba, byte_count)?;
+            context.renderers.find(renderer)?.write()?.read_image(rgba)
+        })
+    }
+}
+
 /// Changes the size of the images without a wait, and keeps the history of earlier frames. The host
 /// must not use the image of an earlier frame any more.
 ///
@@ -189,51 +218,6 @@ pub unsafe extern "C" fn antumbra_renderer_resize(
             let renderer = context.renderers.find(renderer)?;
             let mut renderer = renderer.write()?;
             Ok(renderer.renderer.resize([width, height])?)
-        })
-    }
-}
-
-/// Changes the options of shadows; a `method` of 0 turns shadows off. Creates new maps and
-/// pipelines, so it is not meant for every frame. The renderer must have been created with an
-/// `AntumbraShadowDesc`. After an error nothing has changed.
-///
-/// # Safety
-/// The rules of the interface.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn antumbra_renderer_set_shadows(
-    context: *const AntumbraContext,
-    renderer: AntumbraRenderer,
-    desc: *const AntumbraShadowDesc,
-    error: *mut AntumbraError,
-) -> AntumbraResult {
-    // SAFETY: the caller's promises.
-    unsafe {
-        entry(context, error, |context| {
-            let desc = read("desc", desc)?;
-            let renderer = context.renderers.find(renderer)?;
-            renderer.write()?.set_shadows(desc.options()?)
-        })
-    }
-}
-
-/// Writes the counts of the shadows of the newest frame.
-///
-/// # Safety
-/// The rules of the interface.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn antumbra_renderer_shadow_stats(
-    context: *const AntumbraContext,
-    renderer: AntumbraRenderer,
-    stats: *mut AntumbraShadowStats,
-    error: *mut AntumbraError,
-) -> AntumbraResult {
-    // SAFETY: the caller's promises.
-    unsafe {
-        entry(context, error, |context| {
-            let output = Output::new("stats", stats)?;
-            let renderer = context.renderers.find(renderer)?;
-            output.write(&renderer.read()?.renderer.shadow_stats().into());
-            Ok(())
         })
     }
 }
@@ -284,10 +268,9 @@ pub unsafe extern "C" fn antumbra_renderer_remove_objects(
     // SAFETY: the caller's promises.
     unsafe {
         entry(context, error, |context| {
-            let objects = slice("objects", objects, count)?.iter().map(|id| ObjectId(*id));
-            let changes: Vec<_> = objects.map(|object| ObjectChange::Remove { object }).collect();
-            context.renderers.find(renderer)?.write()?.renderer.update(&changes)?;
-            Ok(())
+            let objects = slice("objects", objects, count)?;
+            let objects: Vec<_> = objects.iter().map(|id| ObjectId(*id)).collect();
+            context.renderers.find(renderer)?.write()?.remove_objects(&objects)
         })
     }
 }
@@ -375,7 +358,7 @@ pub unsafe extern "C" fn antumbra_renderer_remove_meshes(
     }
 }
 
-/// Writes the counts of the newest frame whose results are known.
+/// Writes the counts of the newest frame of the renderer's own view whose results are known.
 ///
 /// # Safety
 /// The rules of the interface.

@@ -20,7 +20,7 @@ pub type AntumbraInstanceProcAddr =
 
 pointers!(AntumbraInstanceProcAddr);
 
-/// An adopted device of a host.
+/// A device of a host, which was adopted, or one that the library opened.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AntumbraDevice {

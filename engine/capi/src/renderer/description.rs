@@ -16,6 +16,7 @@ use crate::executor::device::AntumbraDevice;
 use crate::executor::quirks::assumptions;
 use crate::layout::{layout, versioned};
 use crate::pointers::{read, slice};
+use crate::renderer::scene_file::AntumbraSceneFile;
 use crate::renderer::shadows::AntumbraShadowDesc;
 
 /// A vertex of a mesh.
@@ -134,6 +135,15 @@ pub const ANTUMBRA_COST_MODEL_OFF: u32 = 1;
 /// when the renderer is made; they also choose the predication mode.
 pub const ANTUMBRA_COST_MODEL_MEASURED: u32 = 2;
 
+/// The fate of the scene once it is on the GPU.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum SceneKeeping {
+    /// It is dropped.
+    Dropped,
+    /// It is kept for another device.
+    Kept,
+}
+
 /// The options of a renderer, and the scene that it begins with.
 #[repr(C)]
 #[derive(Clone, Copy)]
@@ -142,7 +152,7 @@ pub struct AntumbraRendererDesc {
     pub struct_size: u32,
     /// Frames that may be in flight at once, up to 16. Default: 2.
     pub frames_in_flight: u32,
-    /// Required: the device, which was adopted with a queue.
+    /// Required: the device, which was adopted with a queue or opened by the library.
     pub device: AntumbraDevice,
     /// Required: width of the image (pixels).
     pub width: u32,
@@ -180,8 +190,9 @@ pub struct AntumbraRendererDesc {
     pub samples: u32,
     /// Must be 0.
     pub reserved: u32,
-    /// The shadows of the sun. With `ANTUMBRA_SHADOWS_OFF` they can be turned on later:
-    /// `antumbra_renderer_set_shadows`. Default: null, for a renderer that never has shadows.
+    /// The shadows of the sun, or of the lights of the file. With `ANTUMBRA_SHADOWS_OFF` they can
+    /// be turned on later: `antumbra_renderer_set_shadows`. Default: null, for a renderer of meshes
+    /// that never has shadows.
     pub shadows: *const AntumbraShadowDesc,
     /// A set of `ANTUMBRA_ASSUMPTION_..` that a self-test found broken: what rests on them is not
     /// used. Default: 0, none.
@@ -189,11 +200,15 @@ pub struct AntumbraRendererDesc {
     /// 1 for a renderer that keeps its scene, so that `antumbra_renderer_recover` can draw it on
     /// another device: its meshes stay in memory, and frames cost nothing more. Default: 0.
     pub keeps_scene: u32,
+    /// The file whose scene is drawn, in place of `meshes`, `objects` and `light`, which must be
+    /// null then. Several renderers may have the same file, and it may be destroyed afterwards.
+    /// Default: 0, for a scene of meshes.
+    pub scene_file: AntumbraSceneFile,
 }
 layout!(AntumbraRendererDesc: struct_size, frames_in_flight, device, width, height, meshes,
     mesh_count, objects, object_count, light, query_budget, cost_model, spare_objects, spare_meshes,
     spare_vertices, spare_indices, upload_bytes_per_frame, samples, reserved, shadows, disabled,
-    keeps_scene);
+    keeps_scene, scene_file);
 
 versioned!(AntumbraRendererDesc: 9,
     required: [width, height],
@@ -249,18 +264,34 @@ impl AntumbraRendererDesc {
         })
     }
 
-    /// Returns true if the renderer keeps its scene.
-    pub(crate) fn keeps_scene(&self) -> Result<bool, Failure> {
+    /// Returns whether the renderer keeps its scene.
+    pub(crate) fn keeping(&self) -> Result<SceneKeeping, Failure> {
         match self.keeps_scene {
-            0 => Ok(false),
-            1 => Ok(true),
+            0 => Ok(SceneKeeping::Dropped),
+            1 => Ok(SceneKeeping::Kept),
             other => {
                 Err(Failure::argument(format_args!("desc.keeps_scene is {other}, not 0 or 1")))
             }
         }
     }
 
-    /// Returns the scene, without a check that it can be drawn.
+    /// Refuses meshes, objects and a light beside a file.
+    pub(crate) fn check_nothing_but_a_file(&self) -> Result<(), Failure> {
+        let beside = [
+            ("meshes", self.mesh_count > 0),
+            ("objects", self.object_count > 0),
+            ("light", !self.light.is_null()),
+        ];
+        match beside.iter().find(|(_, is_there)| *is_there) {
+            None => Ok(()),
+            Some((name, _)) => Err(Failure::argument(format_args!(
+                "desc.{name} is set beside desc.scene_file, which has a scene of its own: leave it \
+                 out, and add meshes and objects later"
+            ))),
+        }
+    }
+
+    /// Returns the scene of its meshes, without a check that it can be drawn.
     ///
     /// # Safety
     /// As the rules of the interface.
@@ -276,15 +307,13 @@ impl AntumbraRendererDesc {
             // SAFETY: as above.
             unsafe { read("desc.light", self.light) }?.light()?
         };
-        let scene = Scene {
+        Ok(Scene {
             name: "scene".to_owned(),
             meshes,
             objects: objects.iter().map(Object::from).collect(),
             light,
             surfaces: None,
-        };
-        // Shadows fall on surfaces.
-        Ok(if self.shadows.is_null() { scene } else { scene.with_surfaces() })
+        })
     }
 }
 

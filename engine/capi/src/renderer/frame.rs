@@ -1,24 +1,30 @@
 //! The renderer of a host, its frames and their images.
 
-use std::collections::VecDeque;
+use std::mem::MaybeUninit;
 
-use cull::FrameId;
+use cull::ObjectId;
 use gpu::{Device, FinishedImage, vk};
-use render::{FrameRequest, RenderView, Renderer, RendererOptions, Viewpoint};
-use scene::{Mesh, MeshId, PreparedMesh, Scene, SceneError};
+use render::{FrameRequest, LightShadow, Renderer, RendererOptions, Viewpoint};
+use scene::{
+    LightId, MaterialId, Mesh, MeshId, ObjectChange, PreparedMesh, SceneError, SurfaceMesh,
+};
 use shadows::{ShadowMethod, ShadowOptions};
 
 use crate::decisions::camera::AntumbraCamera;
 use crate::decisions::culler::strategy;
-use crate::decisions::plan::tester_number;
 use crate::error::Failure;
-use crate::executor::scene::predication_number;
 use crate::executor::target::AntumbraImageState;
-use crate::layout::{Versioned, layout, versioned};
-use crate::renderer::description::surface_of;
-use crate::table::handle;
+#[cfg(feature = "import")]
+use crate::layout::Versioned;
+use crate::layout::{layout, versioned};
+use crate::renderer::description::{SceneKeeping, surface_of};
+#[cfg(feature = "import")]
+use crate::renderer::playback::Playback;
+use crate::renderer::scene_begin::SceneBegin;
+use crate::renderer::view::{AntumbraRendererStats, AntumbraRendererView, HostedView};
+use crate::table::{Handle, Shared, Table, handle};
 
-/// A renderer: a scene on a host's device, and one view of it.
+/// A renderer: a scene on a device, and views of it.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AntumbraRenderer {
@@ -41,8 +47,11 @@ pub struct AntumbraRenderDesc {
     pub strategy: u32,
     /// Required: the camera, with reversed depth. Its `sub_pixel_bits` are ignored.
     pub camera: *const AntumbraCamera,
+    /// The view whose history the frame uses and continues. A camera that is elsewhere needs
+    /// another view: `antumbra_renderer_view_create`. Default: 0, the renderer's own view.
+    pub view: AntumbraRendererView,
 }
-layout!(AntumbraRenderDesc: struct_size, strategy, camera);
+layout!(AntumbraRenderDesc: struct_size, strategy, camera, view);
 
 versioned!(AntumbraRenderDesc: 3, required: [camera], defaults: {});
 
@@ -95,51 +104,19 @@ impl From<FinishedImage> for AntumbraFinishedImage {
     }
 }
 
-/// The counts of the newest frame whose results are known, and the state of uploads.
-#[repr(C)]
-#[derive(Clone, Copy, Debug)]
-pub struct AntumbraRendererStats {
-    /// Size of this struct in bytes.
-    pub struct_size: u32,
-    /// 1 while meshes are being uploaded, whose objects are not drawn yet; else 0.
-    pub is_uploading: u32,
-    /// The frame, counted from 1; 0 if none is known.
-    pub frame: u64,
-    /// The objects of the scene in that frame.
-    pub total: u64,
-    /// The objects among them that the GPU drew.
-    pub drawn: u64,
-    /// The objects among the drawn ones that a test revealed.
-    pub revealed: u64,
-    /// The boxes that were tested.
-    pub tests: u64,
-    /// An `ANTUMBRA_PREDICATION_..`: the way that hidden draws are skipped. With
-    /// `ANTUMBRA_COST_MODEL_MEASURED` it is the cheapest one, else the device's usual one.
-    pub predication: u32,
-    /// An `ANTUMBRA_TESTER_..`: the tester that was expected to cost least.
-    pub tester: u32,
-}
-layout!(AntumbraRendererStats: struct_size, is_uploading, frame, total, drawn, revealed, tests,
-    predication, tester);
-
-versioned!(AntumbraRendererStats: 7, required: [], defaults: {});
-
-/// The counts of a frame that are known when it is submitted.
-struct SubmittedFrame {
-    frame: FrameId,
-    total: u64,
-    tests: u64,
-}
-
-/// A renderer with its view.
+/// A renderer with its views.
 pub(crate) struct HostedRenderer {
     pub renderer: Renderer,
-    /// True if its scene has surfaces, on which shadows can fall.
-    has_surfaces: bool,
-    view: RenderView,
-    /// The frames whose results are not known yet.
-    submitted: VecDeque<SubmittedFrame>,
-    stats: AntumbraRendererStats,
+    /// The material of meshes that are added, if its scene has surfaces, on which shadows can fall.
+    added_material: Option<MaterialId>,
+    /// The clips and cameras of its file, if it was created from one.
+    #[cfg(feature = "import")]
+    playback: Option<Playback>,
+    own_view: HostedView,
+    pub views: Table<HostedView, AntumbraRendererView>,
+    /// The view that the newest frame shows, even if it was destroyed since; `None` for the own
+    /// one.
+    shown: Option<Shared<HostedView>>,
 }
 
 impl HostedRenderer {
@@ -153,12 +130,34 @@ impl HostedRenderer {
         Err(Failure::argument(message))
     }
 
-    pub fn new(device: &Device, scene: &Scene, options: &RendererOptions) -> Result<Self, Failure> {
-        let renderer = Renderer::new(device, scene, options)?;
-        let view = renderer.new_view()?;
-        let stats = AntumbraRendererStats::INIT;
-        let has_surfaces = scene.surfaces.is_some();
-        Ok(Self { renderer, has_surfaces, view, submitted: VecDeque::new(), stats })
+    /// Creates a renderer of a scene at rest.
+    pub fn new(
+        device: &Device,
+        begin: SceneBegin,
+        options: &RendererOptions,
+        keeping: SceneKeeping,
+    ) -> Result<Self, Failure> {
+        let mut renderer = Renderer::new(device, &begin.scene, options)?;
+        if keeping == SceneKeeping::Kept {
+            renderer.keep_scene(begin.scene)?;
+        }
+        let own_view = HostedView::new(&renderer)?;
+        #[cfg_attr(not(feature = "import"), expect(unused_mut, reason = "nothing is posed"))]
+        let mut new = Self {
+            renderer,
+            added_material: begin.added_material,
+            #[cfg(feature = "import")]
+            playback: begin.playback,
+            own_view,
+            views: Table::new(0),
+            shown: None,
+        };
+        // Skinned meshes have no pose before.
+        #[cfg(feature = "import")]
+        if new.playback.is_some() {
+            new.advance(0.0)?;
+        }
+        Ok(new)
     }
 
     /// Continues on another device. After an error nothing has changed.
@@ -170,9 +169,11 @@ impl HostedRenderer {
             ));
         }
         tracing::warn!("a renderer continues on another device; {}", self.renderer.loss_report());
+        let views = self.views.all();
+        let mut views = views.iter().map(Shared::write).collect::<Result<Vec<_>, _>>()?;
         self.renderer.recover(device)?;
-        // Frames of the lost device have no results.
-        self.submitted.clear();
+        self.own_view.forget_frames();
+        views.iter_mut().for_each(|view| view.forget_frames());
         Ok(())
     }
 
@@ -192,22 +193,57 @@ impl HostedRenderer {
         }
         let viewpoint = Viewpoint::Matrix(camera.projection()?);
         let request = FrameRequest::new(strategy(desc.strategy)?, viewpoint);
-        let report = self.renderer.render(&mut self.view, request)?;
-        let hierarchy = self.renderer.hierarchy();
-        let total = hierarchy.leaf_objects().len() - hierarchy.free_leaves();
-        self.submitted.push_back(SubmittedFrame {
-            frame: self.view.plan().frame,
-            total: total as u64,
-            tests: u64::from(report.tests),
-        });
-        self.drain_stats();
+        if desc.view.id() == 0 {
+            self.own_view.render(&mut self.renderer, request)?;
+            self.shown = None;
+            return Ok(());
+        }
+        let view = self.views.find(desc.view)?;
+        view.write()?.render(&mut self.renderer, request)?;
+        self.shown = Some(view);
+        Ok(())
+    }
+
+    /// Waits until all frames are over, and writes the newest image.
+    pub fn read_image(&mut self, rgba: &mut [MaybeUninit<u8>]) -> Result<(), Failure> {
+        let [width, height] = self.renderer.size();
+        let byte_count = width as usize * height as usize * 4;
+        if rgba.len() != byte_count {
+            return Err(Failure::argument(format_args!(
+                "byte_count is {}, and the image of {width}x{height} pixels has {byte_count} bytes",
+                rgba.len()
+            )));
+        }
+        let pixels = match &self.shown {
+            None => self.own_view.finish(&mut self.renderer)?,
+            Some(view) => view.write()?.finish(&mut self.renderer)?,
+        };
+        rgba.write_copy_of_slice(&pixels);
+        Ok(())
+    }
+
+    /// Adds a view without history.
+    pub fn add_view(&mut self) -> Result<AntumbraRendererView, Failure> {
+        self.views.insert(HostedView::new(&self.renderer)?)
+    }
+
+    /// Removes objects. Clips of a file do not move them any more.
+    pub fn remove_objects(&mut self, objects: &[ObjectId]) -> Result<(), Failure> {
+        let removal = |object: &ObjectId| ObjectChange::Remove { object: *object };
+        self.renderer.update(&objects.iter().map(removal).collect::<Vec<_>>())?;
+        #[cfg(feature = "import")]
+        if let Some(playback) = &mut self.playback {
+            playback.removed.extend(objects);
+        }
         Ok(())
     }
 
     /// Checks and adds meshes.
     pub fn add_meshes(&mut self, meshes: Vec<Mesh>) -> Result<Vec<MeshId>, Failure> {
         let prepare = |mesh: Mesh| {
-            let surface = if self.has_surfaces { surface_of(&mesh) } else { None };
+            let material = self.added_material;
+            let surface =
+                material.and_then(|material| Some(SurfaceMesh { material, ..surface_of(&mesh)? }));
             match surface {
                 Some(surface) => PreparedMesh::with_surface(mesh, surface, Vec::new()),
                 None => PreparedMesh::new(mesh),
@@ -220,44 +256,90 @@ impl HostedRenderer {
 
     /// Draws shadows by other options from now on.
     pub fn set_shadows(&mut self, options: ShadowOptions) -> Result<(), Failure> {
-        if !self.has_surfaces && options.method != ShadowMethod::Off {
-            return Err(Failure::argument(
-                "the renderer was created without desc.shadows, so that nothing in it can have \
-                 shadows: create it with an AntumbraShadowDesc, of ANTUMBRA_SHADOWS_OFF at first",
-            ));
+        if options.method != ShadowMethod::Off {
+            self.check_surfaces()?;
         }
         Ok(self.renderer.set_shadows(options)?)
     }
 
+    /// Sets the shadow of one light; `None` restores the options of all lights.
+    pub fn set_light_shadow(
+        &mut self,
+        light: LightId,
+        shadow: Option<LightShadow>,
+    ) -> Result<(), Failure> {
+        self.check_surfaces()?;
+        Ok(self.renderer.set_light_shadow(light, shadow)?)
+    }
+
+    fn check_surfaces(&self) -> Result<(), Failure> {
+        if self.added_material.is_some() {
+            return Ok(());
+        }
+        Err(Failure::argument(
+            "the renderer was created without desc.shadows, so that nothing in it can have \
+             shadows: create it with an AntumbraShadowDesc, of ANTUMBRA_SHADOWS_OFF at first",
+        ))
+    }
+
     /// Waits until all frames are over.
     pub fn wait(&mut self) -> Result<(), Failure> {
-        Ok(self.renderer.wait_idle(&mut self.view)?)
+        self.own_view.wait(&mut self.renderer)?;
+        self.views.all().iter().try_for_each(|view| view.write()?.wait(&mut self.renderer))
     }
 
-    /// Returns the newest counts.
+    /// Returns the newest counts of a view.
+    pub fn view_stats(
+        &mut self,
+        view: AntumbraRendererView,
+    ) -> Result<AntumbraRendererStats, Failure> {
+        let view = self.views.find(view)?;
+        let mut view = view.write()?;
+        Ok(view.stats(&self.renderer))
+    }
+
+    /// Returns the newest counts of the own view.
     pub fn stats(&mut self) -> AntumbraRendererStats {
-        self.drain_stats();
-        let is_uploading = u32::from(self.renderer.is_uploading());
-        AntumbraRendererStats {
-            is_uploading,
-            predication: predication_number(self.renderer.predication()),
-            tester: tester_number(self.renderer.cheapest_tester()),
-            ..self.stats
-        }
+        self.own_view.stats(&self.renderer)
+    }
+}
+
+/// The clips and cameras of a file.
+#[cfg(feature = "import")]
+impl HostedRenderer {
+    /// Brings the scene to a time.
+    pub fn advance(&mut self, seconds: f64) -> Result<(), Failure> {
+        let Self { renderer, playback, .. } = self;
+        let playback = playback.as_mut().ok_or_else(no_file)?;
+        renderer.apply(&*playback.changes(seconds)?)?;
+        Ok(())
     }
 
-    fn drain_stats(&mut self) {
-        for outcome in self.view.drain_stats() {
-            // Frames before it whose results are lost have no outcome.
-            while self.submitted.front().is_some_and(|first| first.frame < outcome.frame) {
-                self.submitted.pop_front();
-            }
-            let is_it = |submitted_frame: &&SubmittedFrame| submitted_frame.frame == outcome.frame;
-            let Some(newest) = self.submitted.front().filter(is_it) else { continue };
-            self.stats.frame = outcome.frame.0;
-            self.stats.drawn = outcome.draws;
-            self.stats.revealed = outcome.revealed;
-            (self.stats.total, self.stats.tests) = (newest.total, newest.tests);
-        }
+    /// Returns the clips of the file.
+    pub fn playback(&mut self) -> Result<&mut Playback, Failure> {
+        self.playback.as_mut().ok_or_else(no_file)
     }
+
+    /// Returns a camera of the file at the time of the last advance.
+    pub fn camera(&self, index: u32) -> Result<AntumbraCamera, Failure> {
+        let playback = self.playback.as_ref().ok_or_else(no_file)?;
+        let [width, height] = self.renderer.size();
+        let camera = playback.camera(index, [width, height])?;
+        Ok(AntumbraCamera {
+            sub_pixel_bits: self.renderer.device().adapter().limits.sub_pixel_precision_bits,
+            clip_from_world: self.renderer.view_of(&camera).view_proj.to_cols_array(),
+            width,
+            height,
+            ..AntumbraCamera::INIT
+        })
+    }
+}
+
+/// Returns the refusal of a call that needs a file.
+#[cfg(feature = "import")]
+fn no_file() -> Failure {
+    Failure::argument(
+        "the renderer was created from meshes, and has no clips and cameras: name a file in \
+         AntumbraRendererDesc::scene_file",
+    )
 }

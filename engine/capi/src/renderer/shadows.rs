@@ -1,5 +1,6 @@
 //! The shadows of a renderer as a host describes them, and their counts.
 
+use render::LightShadow;
 use shadows::{
     CasterCulling, ShadowBias, ShadowCaching, ShadowFilter, ShadowMethod, ShadowOptions,
     ShadowStats,
@@ -120,6 +121,35 @@ impl AntumbraShadowDesc {
         };
         options.check().map_err(Failure::argument)?;
         Ok(options)
+    }
+}
+
+/// The shadow of one light, in place of what the options of all lights say.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub struct AntumbraLightShadowDesc {
+    /// Size of this struct in bytes.
+    pub struct_size: u32,
+    /// 1 for a light without shadows. Default: 0, for a light that casts them.
+    pub is_off: u32,
+    /// The width of its penumbras (metres), below 1e3. Default: 0, a hard edge.
+    pub penumbra: f32,
+}
+layout!(AntumbraLightShadowDesc: struct_size, is_off, penumbra);
+
+versioned!(AntumbraLightShadowDesc: 3, required: [], defaults: {});
+
+impl AntumbraLightShadowDesc {
+    /// Returns the shadow.
+    pub(crate) fn shadow(&self) -> Result<LightShadow, Failure> {
+        let is_cast = match self.is_off {
+            0 => true,
+            1 => false,
+            other => {
+                return Err(Failure::argument(format_args!("desc.is_off is {other}, not 0 or 1")));
+            }
+        };
+        Ok(LightShadow { is_cast, penumbra_m: self.penumbra })
     }
 }
 

@@ -6,6 +6,8 @@
 
 #[cfg(feature = "vulkan")]
 mod executor;
+#[cfg(feature = "import")]
+mod files;
 mod guards;
 mod handles;
 #[cfg(feature = "renderer")]

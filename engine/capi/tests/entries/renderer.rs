@@ -4,7 +4,9 @@ use std::ptr::{null, null_mut};
 
 use antumbra_capi::api::device_costs::*;
 use antumbra_capi::api::renderer::*;
+use antumbra_capi::api::renderer_view::*;
 use antumbra_capi::api::self_test::antumbra_self_test;
+use antumbra_capi::api::shadows::*;
 use antumbra_capi::context::AntumbraContext;
 use antumbra_capi::error::AntumbraResult::{self, BadPointer, Ok, UnknownHandle};
 use antumbra_capi::executor::device::AntumbraDevice;
@@ -15,10 +17,23 @@ use antumbra_capi::renderer::device_costs::AntumbraDeviceCostsDesc;
 use antumbra_capi::renderer::frame::*;
 use antumbra_capi::renderer::self_test::AntumbraSelfTest;
 use antumbra_capi::renderer::shadows::*;
+use antumbra_capi::renderer::view::*;
 
 use crate::Host;
 
 type Call<'a> = (&'a str, &'a dyn Fn(*const AntumbraContext, u64) -> AntumbraResult);
+
+/// Checks that no call takes an invalid handle, and that destruction takes none.
+fn refuse_handles(host: &Host, calls: &[Call]) {
+    for (name, call) in calls {
+        assert_eq!(call(null(), 5), BadPointer, "{name}");
+        for id in [5, u64::MAX, host.hierarchy.id, host.culler.id] {
+            assert_eq!(call(host.context, id), UnknownHandle, "{name} {id:#x}");
+        }
+        let nothing = if name.ends_with("destroy") { Ok } else { UnknownHandle };
+        assert_eq!(call(host.context, 0), nothing, "{name}");
+    }
+}
 
 #[test]
 fn every_function_of_the_renderer_checks_its_handles() {
@@ -81,14 +96,7 @@ fn every_function_of_the_renderer_checks_its_handles() {
             ("wait", &|x, id| antumbra_renderer_wait(x, r(id), e())),
         ]
     };
-    for (name, call) in calls {
-        assert_eq!(call(null(), 5), BadPointer, "{name}");
-        for id in [5, u64::MAX, host.hierarchy.id, host.culler.id] {
-            assert_eq!(call(host.context, id), UnknownHandle, "{name} {id:#x}");
-        }
-        let nothing = if name.ends_with("destroy") { Ok } else { UnknownHandle };
-        assert_eq!(call(host.context, 0), nothing, "{name}");
-    }
+    refuse_handles(&host, &calls);
     let no_camera = AntumbraRenderDesc::INIT;
     // SAFETY: null is refused.
     unsafe {
@@ -113,4 +121,38 @@ fn every_function_of_the_renderer_checks_its_handles() {
         ];
         assert_eq!(results, [BadPointer; 16]);
     }
+}
+
+#[test]
+fn functions_of_views_lights_and_images_check_their_handles() {
+    let host = Host::new();
+    let r = |id| AntumbraRenderer { id };
+    let v = |id| AntumbraRendererView { id };
+    let e = null_mut;
+    // SAFETY: of all closures: pointers to values that live as long as the call, or null.
+    let calls: [Call; 5] = unsafe {
+        [
+            ("read_image", &|x, id| antumbra_renderer_read_image(x, r(id), null_mut(), 0, e())),
+            ("set_light_shadow", &|x, id| {
+                antumbra_renderer_set_light_shadow(x, r(id), 0, null(), e())
+            }),
+            ("view_create", &|x, id| antumbra_renderer_view_create(x, r(id), &mut v(0), e())),
+            ("view_destroy of", &|x, id| antumbra_renderer_view_destroy(x, r(id), v(0), e())),
+            ("view_stats", &|x, id| {
+                let mut stats = AntumbraRendererStats::INIT;
+                antumbra_renderer_view_stats(x, r(id), v(id), &mut stats, e())
+            }),
+        ]
+    };
+    refuse_handles(&host, &calls);
+    let x = host.context;
+    // SAFETY: null is refused.
+    let results = unsafe {
+        [
+            antumbra_renderer_read_image(x, r(0), null_mut(), 4, e()),
+            antumbra_renderer_view_create(x, r(0), null_mut(), e()),
+            antumbra_renderer_view_stats(x, r(0), v(0), null_mut(), e()),
+        ]
+    };
+    assert_eq!(results, [BadPointer; 3]);
 }

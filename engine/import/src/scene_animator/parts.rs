@@ -16,7 +16,7 @@ use crate::convert::used_joints;
 use crate::gltf_scene::{NodeAttachment, PlacedNode};
 
 /// Everything that moves or is posed.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Parts {
     parts: Vec<Part>,
     skeletons: Vec<Hung>,
@@ -25,7 +25,7 @@ pub(super) struct Parts {
 }
 
 /// A skeleton that parts share.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Hung {
     skeleton: Skeleton,
     /// The last matrices.
@@ -38,7 +38,7 @@ struct Hung {
 }
 
 /// An object or light on a node, and its shown state.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Part {
     placement: NodeAttachment,
     /// The skeleton that it follows, if it has a skin.
@@ -76,7 +76,7 @@ impl Touched {
 }
 
 /// The indices of parts that must be visited.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Movers {
     /// The parts that playing clips move or pose.
     pub(super) moved: Vec<usize>,

@@ -1,9 +1,13 @@
 //! The renderer in C, on a device and a queue of the host. Its images equal the images of the
 //! renderer in Rust and of frustum culling. Frames in flight outlive their renderer.
 
+mod files;
+mod lights;
 mod loss;
 mod mistakes;
+mod own_device;
 mod shadows;
+mod views;
 
 use std::ffi::c_void;
 use std::ptr::null_mut;
@@ -25,6 +29,7 @@ use capi::layout::Versioned;
 use capi::renderer::description::*;
 use capi::renderer::frame::*;
 use capi::renderer::self_test::AntumbraSelfTest;
+use capi::renderer::view::AntumbraRendererStats;
 use cull::{ClipY, DepthConvention, Strategy, ViewProjection};
 use glam::{Affine3A, Mat4, Vec3};
 use gpu::{FeatureStructures, FinishedImage, ImageState, Purpose, Tick};
@@ -119,15 +124,27 @@ impl<'a> CHost<'a> {
     fn image(&mut self, renderer: AntumbraRenderer, strategy: u32) -> Vec<u8> {
         let camera = camera();
         let desc = AntumbraRenderDesc { strategy, camera: &camera, ..Versioned::INIT };
+        self.image_of(renderer, &desc)
+    }
+
+    /// Renders a frame and copies its image.
+    #[track_caller]
+    fn image_of(&mut self, renderer: AntumbraRenderer, desc: &AntumbraRenderDesc) -> Vec<u8> {
+        // SAFETY: pointers to values on this stack; the copy is over before the next frame.
+        let result =
+            unsafe { antumbra_renderer_render(self.context, renderer, desc, &mut self.error) };
+        assert_eq!(result, Ok, "{}", text(&self.error));
+        self.finished_image(renderer)
+    }
+
+    /// Copies the newest image by commands of the host.
+    #[track_caller]
+    fn finished_image(&mut self, renderer: AntumbraRenderer) -> Vec<u8> {
         let mut image = AntumbraFinishedImage::INIT;
         let error = &mut self.error;
-        // SAFETY: pointers to values on this stack; the copy is over before the next frame.
-        unsafe {
-            let result = antumbra_renderer_render(self.context, renderer, &desc, error);
-            assert_eq!(result, Ok, "{}", text(error));
-            let result = antumbra_renderer_image(self.context, renderer, &mut image, error);
-            assert_eq!(result, Ok, "{}", text(error));
-        }
+        // SAFETY: as above.
+        let result = unsafe { antumbra_renderer_image(self.context, renderer, &mut image, error) };
+        assert_eq!(result, Ok, "{}", text(error));
         let AntumbraFinishedImage { format, image, view, state, timeline, value, .. } = image;
         let state = ImageState { layout: state.layout, stages: state.stages, access: state.access };
         let tick = Tick(value);

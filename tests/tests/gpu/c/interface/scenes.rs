@@ -80,7 +80,7 @@ fn a_view_of_another_scene_is_unknown() {
     assert_ne!(foreign, c.view);
     // SAFETY: as above.
     let gone = unsafe { antumbra_view_destroy(c.context, c.scene, foreign, &mut c.error) };
-    expect(gone, UnknownHandle, "another context or scene", &c.error);
+    expect(gone, UnknownHandle, "another context, scene or renderer", &c.error);
     let camera = camera();
     let target = c.target();
     let good =

@@ -21,7 +21,7 @@ use capi::api::renderer::antumbra_renderer_image;
 use super::{CHost, SIZE, adopt, box_of, camera, expect, mesh_desc, objects, text, vertices_of};
 
 /// Makes every submit of this thread report the loss of the device.
-fn lose() {
+pub(super) fn lose() {
     let call = c"vkQueueSubmit2";
     let code = vk::Result::ERROR_DEVICE_LOST;
     let faults = vec![Fault { call, fails: 0..usize::MAX, code }];

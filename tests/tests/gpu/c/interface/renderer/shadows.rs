@@ -2,6 +2,7 @@
 //! change between frames, and errors name impossible options, which change nothing.
 
 use capi::api::renderer::*;
+use capi::api::shadows::*;
 use capi::decisions::culler::{ANTUMBRA_STRATEGY_ANTUMBRA, ANTUMBRA_STRATEGY_FRUSTUM};
 use capi::error::AntumbraResult::{self, BadArgument, BadStructSize, Ok};
 use capi::layout::Versioned;
@@ -38,7 +39,7 @@ fn objects() -> Vec<AntumbraMeshObject> {
 
 impl CHost<'_> {
     /// Returns a renderer of the wall.
-    fn lit(
+    pub(super) fn lit(
         &mut self,
         change: impl FnOnce(&mut AntumbraRendererDesc),
     ) -> (AntumbraResult, AntumbraRenderer) {
