@@ -80,8 +80,8 @@ fn explain(shown: &mut CutScene, camera: cull::Camera) {
 fn every_strategy_is_exact_while_planes_are_dragged() {
     run_on_all(|device| {
         let options = RendererOptions { size: [160, 90], ..RendererOptions::default() };
-        drag(device, &city(400, 3).unwrap(), options.clone(), 8);
-        drag(device, &field(200, 3).unwrap(), options, 4);
+        drag(device, &city(400, 3).unwrap(), options.clone(), 4);
+        drag(device, &field(200, 3).unwrap(), options, 3);
     });
 }
 
@@ -93,6 +93,6 @@ fn several_samples_are_exact_while_planes_are_dragged() {
             samples: SampleCount::Four,
             ..RendererOptions::default()
         };
-        drag(device, &city(200, 3).unwrap(), options, 4);
+        drag(device, &city(200, 3).unwrap(), options, 3);
     });
 }

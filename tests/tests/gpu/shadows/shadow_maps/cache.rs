@@ -158,7 +158,7 @@ fn compare_on_lavapipe(frames: u32) {
 
 #[test]
 fn lavapipe_frames_are_those_with_maps_drawn_afresh() {
-    compare_on_lavapipe(150);
+    compare_on_lavapipe(60);
 }
 
 #[test]
@@ -171,7 +171,7 @@ fn lavapipe_a_thousand_frames_are_those_with_maps_drawn_afresh() {
 fn swiftshader_frames_are_those_with_maps_drawn_afresh() {
     run(Driver::SwiftShader, |device| {
         for bias in ShadowBias::ALL {
-            compare(device, if bias == ShadowBias::BackFaces { 20 } else { 60 }, bias);
+            compare(device, if bias == ShadowBias::BackFaces { 8 } else { 24 }, bias);
         }
     });
 }

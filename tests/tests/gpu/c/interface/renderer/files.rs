@@ -26,9 +26,9 @@ use import::SceneAnimator;
 use render::{CostModel, FrameRequest, LightShadow, Renderer, RendererOptions};
 use scene::LightId;
 use shadows::{ShadowMethod, ShadowOptions};
-use tests::Driver;
 use tests::fault_injection::FaultInjection;
 use tests::host_device::Host;
+use tests::{Driver, drivers};
 
 use super::super::{expect, text};
 use super::loss::lose;
@@ -181,7 +181,7 @@ impl<'a> RustFile<'a> {
 
 #[test]
 fn a_file_in_c_looks_as_in_rust_at_every_time_and_is_at_rest_without_clips() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let host = Host::new(driver, Purpose::Renderer);
         let mut c = CHost::new(&host);
         let file = c.file();
@@ -391,7 +391,7 @@ fn mistakes_with_files_clips_and_cameras_are_named_and_change_nothing() {
 /// Checks that clips go on after the loss of a device as if nothing had happened.
 #[test]
 fn a_playing_file_continues_on_another_device_of_the_host() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let entry = FaultInjection::default().entry();
         let through =
             |entry| Host::through(entry, driver, Purpose::Renderer, &[], Features::default());

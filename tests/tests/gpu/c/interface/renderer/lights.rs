@@ -9,8 +9,8 @@ use capi::renderer::frame::AntumbraRenderer;
 use capi::renderer::shadows::AntumbraLightShadowDesc;
 use gpu::Purpose;
 use render::LightShadow;
-use tests::Driver;
 use tests::host_device::Host;
+use tests::{Driver, drivers};
 
 use super::super::{expect, text};
 use super::CHost;
@@ -36,7 +36,7 @@ impl CHost<'_> {
 
 #[test]
 fn lights_of_a_file_cast_shadows_one_by_one() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let host = Host::new(driver, Purpose::Renderer);
         let mut c = CHost::new(&host);
         let file = c.file();

@@ -22,8 +22,8 @@ use capi::renderer::description::AntumbraRendererDesc;
 use capi::renderer::frame::{AntumbraRenderDesc, AntumbraRenderer};
 use capi::renderer::scene_file::*;
 use gpu::Purpose;
-use tests::Driver;
 use tests::host_device::Host;
+use tests::{Driver, drivers};
 
 use super::super::{expect, no_error, text};
 use super::files::{desc_of, yard};
@@ -57,7 +57,7 @@ impl CHost<'_> {
 
 #[test]
 fn an_image_that_is_read_is_the_one_that_a_host_copies() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let host = Host::new(driver, Purpose::Renderer);
         let mut c = CHost::new(&host);
         let file = c.file();
@@ -165,7 +165,7 @@ impl Program {
 
 #[test]
 fn a_program_without_vulkan_draws_a_file_as_on_the_device_of_a_host() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let host = Host::new(driver, Purpose::Renderer);
         let mut c = CHost::new(&host);
         let file = c.file();

@@ -10,8 +10,8 @@ use capi::layout::Versioned;
 use capi::renderer::frame::{AntumbraRenderDesc, AntumbraRenderer};
 use capi::renderer::view::{AntumbraRendererStats, AntumbraRendererView};
 use gpu::Purpose;
-use tests::Driver;
 use tests::host_device::Host;
+use tests::{Driver, drivers};
 
 use super::super::{expect, text};
 use super::{CHost, SIZE};
@@ -60,7 +60,7 @@ impl CHost<'_> {
 
 #[test]
 fn views_have_histories_of_their_own_and_equal_those_with_all_drawn() {
-    for driver in Driver::ALL {
+    for driver in drivers() {
         let host = Host::new(driver, Purpose::Renderer);
         let mut c = CHost::new(&host);
         let file = c.file();
