@@ -141,10 +141,10 @@ pub fn run(driver: Driver, test: impl FnOnce(&Device)) {
     assert!(messages.is_empty(), "the validation layer said on {driver:?}: {messages:#?}");
 }
 
-/// Returns the drivers that the calling test runs on: lavapipe, and SwiftShader, which takes most of
-/// the time of both, for an eighth of the tests. The name of a test decides, so that a test always
-/// has the same drivers. With the environment variable `ANTUMBRA_ALL_DRIVERS` every test has both;
-/// `ci/verify` sets it.
+/// Returns the drivers that the calling test runs on: lavapipe, and for an eighth of the tests
+/// SwiftShader, which takes most of the time of both. The name of a test decides, so that a test
+/// always has the same drivers. With the environment variable `ANTUMBRA_ALL_DRIVERS` every test has
+/// both; `ci/verify` sets it.
 pub fn drivers() -> impl Iterator<Item = Driver> {
     let thread = std::thread::current();
     let name = thread.name().expect("libtest names the thread of a test after the test");

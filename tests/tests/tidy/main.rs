@@ -7,6 +7,7 @@
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod code;
+mod crate_page;
 mod files;
 mod knots;
 mod links;

@@ -12,7 +12,7 @@ use crate::random::Random;
 use crate::scene::{Lens, PATHS, Path, Place, Scene};
 use crate::section::Cuts;
 
-const SCENES: u64 = 1_500;
+const SCENES: u64 = 600;
 const FRAMES: u64 = 24;
 const LATENCIES: std::ops::RangeInclusive<u64> = 1..=4;
 const THREADS: u64 = 2;
@@ -361,7 +361,7 @@ fn nothing_visible_is_ever_missing() {
     let combinations = 2 * LATENCIES.count() as u64;
     assert_eq!(checked.runs, SCENES * combinations);
     assert_eq!(checked.frames, checked.runs * FRAMES);
-    assert!(checked.behind > 2_000, "hardly a test answered for another");
+    assert!(checked.behind > 400, "hardly a test answered for another");
     assert!(checked.untested > checked.frames / 20, "costs hardly ever decided");
     assert!(checked.visible_boxes > checked.frames / 10, "hardly a visible box was tested");
     let [frustum, ours] = checked.drawn;
@@ -387,7 +387,7 @@ fn nothing_visible_is_missing_far_from_the_origin() {
 #[test]
 fn nothing_visible_is_missing_while_planes_are_dragged() {
     let mut checked = Checked::default();
-    for seed in 0..60 {
+    for seed in 0..24 {
         let mut world = World::new(seed);
         world.cuts = Cuts::random(&mut world.random, &mut world.hierarchy);
         checked = checked.and(verify_world(seed, world));

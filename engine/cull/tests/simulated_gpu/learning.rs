@@ -110,13 +110,14 @@ impl Clocked {
         }
     }
 
-    /// Returns the number of tests of single leaves over `frames` frames, and checks that each
-    /// frame is exact.
+    /// Returns the number of tests of single leaves over `frames` frames, and checks that every
+    /// eighth frame is exact.
     fn single_tests(&mut self, frames: usize) -> usize {
         let mut single = 0;
         for _ in 0..frames {
             self.step();
-            assert!(self.walk.is_exact(&self.camera), "frame {}", self.frame);
+            let is_compared = self.frame.is_multiple_of(8);
+            assert!(!is_compared || self.walk.is_exact(&self.camera), "frame {}", self.frame);
             let tests = self.walk.plan.tests.iter();
             single += tests.filter(|test| test.leaves.count == 1).count();
         }

@@ -12,7 +12,7 @@ use crate::invariants;
 use crate::random::Random;
 use crate::scene::{PATHS, Path, Scene, cube};
 
-const SCENES: u64 = 500;
+const SCENES: u64 = 200;
 const FRAMES: u64 = 40;
 const SIZE: [u32; 2] = [40, 28];
 const THREADS: u64 = 2;

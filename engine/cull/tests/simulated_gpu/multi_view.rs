@@ -13,7 +13,7 @@ use crate::invariants;
 use crate::random::Random;
 use crate::scene::{Lens, PATHS, Path, Scene};
 
-const SEEDS: u64 = 500;
+const SEEDS: u64 = 200;
 const FRAMES: u64 = 20;
 const SIZE: [u32; 2] = [28, 20];
 const STRATEGIES: [Strategy; 4] = [
@@ -180,7 +180,7 @@ fn nothing_visible_in_any_view_is_ever_missing() {
     let mut checked = Checked::default();
     (0..SEEDS).for_each(|seed| verify(seed, &mut checked));
     println!("{checked:?}");
-    assert!(checked.behind > 100, "hardly a test answered for another");
+    assert!(checked.behind > 40, "hardly a test answered for another");
     let [frustum, ours] = checked.drawn;
     assert!(ours * 20 < frustum * 19, "nothing was culled: {ours} of {frustum}");
 }

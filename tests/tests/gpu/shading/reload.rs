@@ -208,8 +208,8 @@ fn every_pass_has_the_other_shaders() {
     });
 }
 
-/// Returns at least the number of pipelines that a reload creates by `call`. Before that, the reload
-/// fails once at every third of them.
+/// Returns at least the number of pipelines that a reload creates by `call`. Before that, the
+/// reload fails once at every third of them.
 fn failures(
     device: &Device,
     studio: &mut Studio,

@@ -32,9 +32,14 @@ fn what_is_required_and_not_on_is_refused_by_its_name() {
                     description.features = description.features.without(feature.features());
                 }
             });
-            // These belong to the physical device, so a host cannot leave them out.
-            let is_chosen =
-                !matches!(required, RequiredFeature::Depth32 | RequiredFeature::StorageBuffers);
+            // A host cannot leave out what belongs to the physical device, nor what only devices
+            // with the portability subset may lack.
+            let is_chosen = !matches!(
+                required,
+                RequiredFeature::Depth32
+                    | RequiredFeature::StorageBuffers
+                    | RequiredFeature::ComparisonSamplers
+            );
             let expected = required.is_for(purpose) && is_chosen;
             assert_eq!(said.is_some(), expected, "{required:?} for {purpose:?}: {said:?}");
             if let Some(said) = said {
