@@ -30,18 +30,17 @@ impl SceneBegin {
         desc: &AntumbraRendererDesc,
         of_file: impl FnOnce(AntumbraSceneFile) -> Result<Self, Failure>,
     ) -> Result<Self, Failure> {
-        if desc.scene_file.id() != 0 {
-            desc.check_nothing_but_a_file()?;
-        }
-        let begin = match desc.scene_file.id() {
-            0 => Self {
+        let begin = if desc.scene_file.id() == 0 {
+            Self {
                 // SAFETY: the caller's promise.
                 scene: Arc::new(unsafe { desc.scene() }?),
                 added_material: None,
                 #[cfg(feature = "import")]
                 playback: None,
-            },
-            _ => of_file(desc.scene_file)?,
+            }
+        } else {
+            desc.check_nothing_but_a_file()?;
+            of_file(desc.scene_file)?
         };
         // Shadows fall on surfaces.
         Ok(if desc.shadows.is_null() { begin } else { begin.with_surfaces() })

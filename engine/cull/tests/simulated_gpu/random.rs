@@ -2,6 +2,13 @@
 
 use glam::Vec3;
 
+/// Returns a number of seeds, times `ANTUMBRA_TIMES` if that is in the environment, as in
+/// `ci/verify`.
+pub fn seeds(count: u64) -> u64 {
+    let times = std::env::var("ANTUMBRA_TIMES").map(|times| times.parse());
+    count * times.unwrap_or(Ok(1)).expect("ANTUMBRA_TIMES is a number")
+}
+
 /// A xorshift generator; any seed is allowed.
 pub struct Random(u64);
 

@@ -357,7 +357,8 @@ fn mistakes_with_files_clips_and_cameras_are_named_and_change_nothing() {
     let x = c.context;
     let e = &raw mut c.error;
     let mut camera = AntumbraCamera::INIT;
-    let clips = [1, 7].as_ptr();
+    let known_and_unknown = [1, 7];
+    let clips = known_and_unknown.as_ptr();
     // SAFETY: pointers to values on this stack.
     let refused = unsafe {
         let play = |renderer, count, seconds, fade| {
