@@ -13,6 +13,8 @@ mod city_devices;
 mod city_keys;
 mod city_script;
 mod city_window;
+#[cfg(target_os = "linux")]
+mod faults;
 mod fly_out;
 mod lights;
 mod running;

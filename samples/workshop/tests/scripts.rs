@@ -26,6 +26,16 @@ fn steps(scratch: &Scratch) -> Vec<Value> {
 }
 
 #[test]
+#[cfg(target_os = "linux")]
+fn a_fault_of_vulkan_ends_with_1_and_its_call_and_code() {
+    harness::assert_faults_end_programs("workshop-fault", |folder| {
+        fs::write(folder.join("script"), "view front\nlid 40\nimage open.png\n").unwrap();
+        let line = ["--headless", "--script", "script", "--size", "64x48", "--device", "llvmpipe"];
+        program(WORKSHOP, folder, &line)
+    });
+}
+
+#[test]
 fn a_script_picks_turns_the_lid_explodes_measures_and_exports() {
     for device in ["llvmpipe", "SwiftShader"] {
         let scratch = Scratch::new(&format!("workshop-{device}"));

@@ -4,10 +4,12 @@
 #![allow(clippy::panic, clippy::expect_used)]
 #![forbid(unsafe_code)]
 
+mod faulty_loader;
 mod pixels;
 mod program;
 pub mod scene;
 pub mod terminal;
 
+pub use faulty_loader::{FaultyLoader, VulkanFault, assert_faults_end_programs};
 pub use pixels::pixels;
 pub use program::{Scratch, cache, edited_shaders, program, signalled_program, stderr};

@@ -58,7 +58,8 @@ pub(super) fn parse(mut object: Map<String, Value>, notes: &mut Notes) -> Result
     let mut rest = Value::Object(object);
     make_whole(&mut rest);
     wide::check(&rest)?;
-    let mut root: Root = serde_path_to_error::deserialize(rest).map_err(|error| {
+    // By reference as elements are: readers of each kind would be compiled a second time.
+    let mut root: Root = serde_path_to_error::deserialize(&rest).map_err(|error| {
         let object = object_name(String::new(), error.path().iter());
         Reason::malformed(words::sentence(&error.into_inner().to_string())).of(object)
     })?;

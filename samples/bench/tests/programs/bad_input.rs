@@ -217,6 +217,15 @@ fn without_a_loader_it_ends_with_1_and_leaves_nothing() {
 }
 
 #[test]
+#[cfg(target_os = "linux")]
+fn a_fault_of_vulkan_ends_with_1_and_its_call_and_code() {
+    harness::assert_faults_end_programs("walkthrough-fault", |folder| {
+        let walk = ["--device", "llvmpipe", "--objects", "50", "--frames", "8", "--size", "64x36"];
+        walkthrough(folder, &[&walk[..], &["--strategy", "antumbra"]].concat())
+    });
+}
+
+#[test]
 fn help_explains_every_option_of_the_contract() {
     let scratch = Scratch::new("help");
     let help = stdout(&succeeded(&mut walkthrough(&scratch.0, &["--help"])));

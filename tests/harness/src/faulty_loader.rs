@@ -1,0 +1,113 @@
+//! A Vulkan loader in which one function fails, for programs that find their loader themselves.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use crate::Scratch;
+
+/// A fault of Vulkan that repeats until the program ends.
+#[derive(Debug)]
+pub struct VulkanFault {
+    /// The function, which returns a `VkResult` and takes at most six arguments.
+    pub function: &'static str,
+    /// The first call that fails, counted from 1.
+    pub first_call: u32,
+    /// The `VkResult`.
+    pub code: i32,
+    /// The name of the code, without `VK_`.
+    pub code_name: &'static str,
+}
+
+/// The faults that a program without a window meets, each in another part of its life.
+pub const HEADLESS_FAULTS: [VulkanFault; 6] = [
+    VulkanFault {
+        function: "vkCreateInstance",
+        first_call: 1,
+        code: -1,
+        code_name: "ERROR_OUT_OF_HOST_MEMORY",
+    },
+    VulkanFault {
+        function: "vkCreateDevice",
+        first_call: 1,
+        code: -3,
+        code_name: "ERROR_INITIALIZATION_FAILED",
+    },
+    VulkanFault {
+        function: "vkAllocateMemory",
+        first_call: 1,
+        code: -2,
+        code_name: "ERROR_OUT_OF_DEVICE_MEMORY",
+    },
+    VulkanFault {
+        function: "vkCreateGraphicsPipelines",
+        first_call: 2,
+        code: -2,
+        code_name: "ERROR_OUT_OF_DEVICE_MEMORY",
+    },
+    VulkanFault {
+        function: "vkQueueSubmit2",
+        first_call: 4,
+        code: -4,
+        code_name: "ERROR_DEVICE_LOST",
+    },
+    VulkanFault {
+        function: "vkWaitSemaphores",
+        first_call: 3,
+        code: -4,
+        code_name: "ERROR_DEVICE_LOST",
+    },
+];
+
+/// A folder with the library, as `LD_LIBRARY_PATH` takes it.
+pub struct FaultyLoader {
+    folder: Scratch,
+    real: String,
+}
+
+impl FaultyLoader {
+    /// Compiles the library into a folder of this name.
+    pub fn new(name: &str) -> Self {
+        let folder = Scratch::new(name);
+        let source = folder.0.join("faulty_loader.c");
+        fs::write(&source, include_str!("faulty_loader.c")).expect("the target folder is writable");
+        let compiled = Command::new("cc")
+            .args(["-std=c11", "-Wall", "-Werror", "-shared", "-fPIC", "-o"])
+            .arg(folder.0.join("libvulkan.so.1"))
+            .arg(source)
+            .status();
+        assert!(compiled.expect("a C compiler").success());
+        let found = Command::new("cc").arg("-print-file-name=libvulkan.so.1").output();
+        let real = String::from_utf8(found.expect("a C compiler").stdout).expect("a path");
+        let real = real.trim_end().to_owned();
+        assert!(Path::new(&real).is_absolute(), "needs `ci/setup`: {real}");
+        Self { folder, real }
+    }
+
+    /// Gives the library and its fault to a program.
+    pub fn inject(&self, fault: &VulkanFault, program: &mut Command) {
+        let VulkanFault { function, first_call, code, .. } = fault;
+        program
+            .env("LD_LIBRARY_PATH", &self.folder.0)
+            .env("REAL_LOADER", &self.real)
+            .env("FAULT", format!("{function} {first_call} {code}"));
+    }
+}
+
+/// Checks that programs without a window end with 1 after each of [`HEADLESS_FAULTS`], with one error
+/// that names the call and the code. `program` makes the command in a folder that is empty again.
+pub fn assert_faults_end_programs(name: &str, program: impl Fn(&Path) -> Command) {
+    let loader = FaultyLoader::new(&format!("{name}-loader"));
+    for fault in &HEADLESS_FAULTS {
+        let scratch = Scratch::new(name);
+        let mut command = program(&scratch.0);
+        loader.inject(fault, &mut command);
+        let output = command.output().expect("it starts");
+        let message = crate::stderr(&output);
+        assert_eq!(output.status.code(), Some(1), "{fault:?}: {message}");
+        let error = message.lines().find(|line| line.contains("error: ")).unwrap_or_default();
+        assert!(error.contains(fault.function), "{fault:?}: {message}");
+        assert!(error.contains(fault.code_name), "{fault:?}: {message}");
+        assert!(!message.contains("panicked"), "{fault:?}: {message}");
+    }
+}
