@@ -105,12 +105,16 @@ mod tests {
         let (second, second_guard) = begin();
         assert_eq!([first.current, first.safe], [Tick(1), Tick(0)]);
         assert_eq!([second.current, second.safe], [Tick(2), Tick(0)]);
+        let state = || {
+            let frames = log.lock();
+            [frames.over(), frames.unfinished() as u64]
+        };
         let part = first_guard.clone();
         drop(second_guard);
         drop(first_guard);
-        assert_eq!([log.lock().over(), log.lock().unfinished() as u64], [0, 1]);
+        assert_eq!(state(), [0, 1]);
         drop(part);
-        assert_eq!([log.lock().over(), log.lock().unfinished() as u64], [2, 0]);
+        assert_eq!(state(), [2, 0]);
         // A frame that failed to begin has a number but no guard.
         log.lock().begin();
         assert_eq!(log.lock().over(), 3);
