@@ -105,11 +105,9 @@ impl WgpuDraws {
                 count.offset_bytes,
                 *most,
             ),
-            None => pass.multi_draw_indexed_indirect(
-                &commands.buffer,
-                commands.offset_bytes,
-                *most,
-            ),
+            None => {
+                pass.multi_draw_indexed_indirect(&commands.buffer, commands.offset_bytes, *most)
+            }
         }
     }
 }

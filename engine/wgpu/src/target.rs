@@ -57,7 +57,7 @@ impl WgpuTarget {
         };
         // SAFETY: each frame keeps texture and view alive until it is over, lets wgpu bring the
         // texture to the state of a depth attachment, and lies between commands of wgpu in one
-        // submit, so that nothing uses it at once ([`WgpuFrame::submit`](crate::WgpuFrame::submit)).
+        // submit, so that nothing uses it at once (`WgpuFrame::submit`).
         let target = unsafe { Target::of_host(&parts.gpu, &images) }?;
         Ok(Self {
             target,

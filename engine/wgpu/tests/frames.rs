@@ -28,8 +28,9 @@ fn open() -> WgpuDevice {
     instance.flags.remove(wgpu::InstanceFlags::VALIDATION_INDIRECT_CALL);
     let instance = wgpu::Instance::new(instance);
     let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::VULKAN));
-    let opened =
-        adapters.iter().map(|adapter| WgpuDevice::open(adapter, &wgpu::DeviceDescriptor::default()));
+    let opened = adapters
+        .iter()
+        .map(|adapter| WgpuDevice::open(adapter, &wgpu::DeviceDescriptor::default()));
     opened.flatten().next().expect("a driver of Vulkan 1.3")
 }
 
@@ -184,7 +185,8 @@ fn what_does_not_fit_is_refused() {
 
 #[test]
 fn a_target_of_another_device_is_refused() {
-    let [one, other] = [open(), open()];
+    let one = open();
+    let other = open();
     let mut scene = Scene::new(&one);
     let mut foreign = Scene::new(&other).target;
     let camera = scene.camera();

@@ -19,10 +19,7 @@ use renderer::{FRAMES_IN_FLIGHT, WgpuRenderer};
 use walk::{BoxScene, DrawnWalk, FRAMES, HostInstance, camera};
 
 /// Draws the walk and returns its images.
-fn draw(
-    device: &Arc<WgpuDevice>,
-    strategy: Strategy,
-) -> Result<DrawnWalk, Box<dyn Error>> {
+fn draw(device: &Arc<WgpuDevice>, strategy: Strategy) -> Result<DrawnWalk, Box<dyn Error>> {
     let scene = BoxScene::new();
     let renderer = Arc::new(WgpuRenderer::new(device, &scene));
     let mut culled = CulledWalk::new(&renderer, &scene)?;
