@@ -116,6 +116,7 @@ impl Host {
             pipeline_cache: None,
             queue: None,
             options: DeviceOptions { wait_bound: BOUND, ..Default::default() },
+            owner: None,
         }
     }
 

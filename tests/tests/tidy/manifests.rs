@@ -4,7 +4,7 @@ use crate::files::SourceFile;
 use crate::{assert_catches, assert_obeyed, assert_permits};
 
 /// The crates of the workspace that each crate may depend on, by any kind of dependency.
-const ARROWS: [(&str, &[&str]); 17] = [
+const ARROWS: [(&str, &[&str]); 18] = [
     ("engine/animation/Cargo.toml", &["cull"]),
     (
         "engine/antumbra/Cargo.toml",
@@ -34,6 +34,8 @@ const ARROWS: [(&str, &[&str]); 17] = [
     ("engine/render/Cargo.toml", &["cull", "gpu", "occlusion", "scene", "shadows"]),
     ("engine/scene/Cargo.toml", &["cull"]),
     ("engine/shadows/Cargo.toml", &["cull"]),
+    // Its folder has the name of the crate wgpu, which no other crate may depend on.
+    ("engine/wgpu/Cargo.toml", &["cull", "gpu", "occlusion", "wgpu"]),
     ("samples/Cargo.toml", &["antumbra", "bench", "harness", "scenes", "tests"]),
     ("samples/bench/Cargo.toml", &["antumbra", "harness", "scenes"]),
     ("samples/scenes/Cargo.toml", &["cull", "scene"]),
@@ -140,16 +142,31 @@ pub fn published(files: &[SourceFile]) -> Vec<String> {
     findings
 }
 
-/// Finds packages of the workspace that do not take the workspace's lints.
+/// Finds packages of the workspace that do not take the workspace's lints, and packages beside it
+/// that do not repeat each of them.
 pub fn lints(files: &[SourceFile]) -> Vec<String> {
     const MEMBERS: [&str; 4] = ["engine/", "samples/", "shaders/", "tests/"];
     let is_member = |file: &&SourceFile| {
         let begins = MEMBERS.iter().any(|folder| file.path.starts_with(folder));
         begins && file.path.ends_with("Cargo.toml") && file.text.contains("[package]")
     };
+    let root = files.iter().find(|file| file.path == "Cargo.toml");
+    let root = root.map(|file| file.text.as_str()).unwrap_or_default();
+    let all = root.split("[workspace.lints.").skip(1).flat_map(|section| {
+        let section = section.split("\n[").next().unwrap_or_default();
+        section.lines().filter(|line| line.contains(" = "))
+    });
+    let all: Vec<&str> = all.collect();
+    let takes_all = |file: &&SourceFile| {
+        if file.text.contains("\n[workspace]\n") {
+            all.iter().all(|lint| file.text.lines().any(|line| line == *lint))
+        } else {
+            file.text.contains("[lints]\nworkspace = true\n")
+        }
+    };
     let members = files.iter().filter(is_member);
     members
-        .filter(|file| !file.text.contains("[lints]\nworkspace = true\n"))
+        .filter(|file| !takes_all(file))
         .map(|file| file.finding(1, "must take the lints of the workspace"))
         .collect()
 }
@@ -161,6 +178,14 @@ fn every_package_takes_the_lints() {
     assert_catches(lints, &[("engine/a/Cargo.toml", package)]);
     let with = format!("{package}[lints]\nworkspace = true\n");
     assert_permits(lints, &[("engine/a/Cargo.toml", &with), ("examples/a/Cargo.toml", package)]);
+    let beside = |lint: &str| {
+        let root =
+            "[workspace.lints.rust]\n# Why.\nmissing_docs = \"warn\"\n\n[profile.dev]\na = 1\n";
+        let own = format!("{package}\n[workspace]\n\n[lints.rust]\n{lint}\n");
+        lints(&[SourceFile::new("Cargo.toml", root), SourceFile::new("engine/a/Cargo.toml", &own)])
+    };
+    assert_eq!(beside("missing_docs = \"warn\"").len(), 0);
+    assert_eq!(beside("missing_docs = \"allow\"").len(), 1);
 }
 
 #[test]

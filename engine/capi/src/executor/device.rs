@@ -260,6 +260,7 @@ pub(crate) unsafe fn adopt(desc: &AntumbraDeviceDesc) -> Result<Device, Failure>
                     .then_some(desc.memory_budget_bytes),
                 ..DeviceOptions::default()
             },
+            owner: None,
         })?)
     }
 }

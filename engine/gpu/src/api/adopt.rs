@@ -51,6 +51,7 @@ impl Device {
     ///     pipeline_cache: None,
     ///     queue: None,
     ///     options: gpu::DeviceOptions::default(),
+    ///     owner: None,
     /// };
     /// // SAFETY: the handles belong together, and are destroyed after `device`.
     /// let device = unsafe { gpu::Device::adopt(description) }?;
@@ -71,7 +72,8 @@ impl Device {
     ///
     /// # Safety
     /// - The handles are alive, belong together as the fields say, and outlive this device, all of
-    ///   its clones, and all objects made from them.
+    ///   its clones, and all objects made from them. If `owner` is set, it suffices that
+    ///   they live as long as it.
     /// - `api_version`, `extensions` and `features` name only what is enabled.
     /// - `allocation_callbacks` may be called on any thread with their user data during this time.
     /// - `pipeline_cache` is not `EXTERNALLY_SYNCHRONIZED`.
@@ -106,6 +108,7 @@ impl Device {
             queue,
             callbacks: HostCallbacks::new(host.allocation_callbacks),
             pipeline_cache: host.pipeline_cache.filter(|cache| *cache != vk::PipelineCache::null()),
+            owner: host.owner,
         };
         equip(device, &host.options).map(Self::of)
     }

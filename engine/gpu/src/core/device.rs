@@ -84,6 +84,7 @@ impl Device {
             queue: Some(QueueLock::new(queue, None)),
             callbacks: HostCallbacks::default(),
             pipeline_cache: None,
+            owner: None,
         };
         let shared = equip(device, options)
             // SAFETY: nothing made from the device is left.

@@ -1,5 +1,6 @@
 //! The state that clones of a device share, from opening to closing.
 
+use std::any::Any;
 use std::sync::atomic::{AtomicBool, AtomicU64};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -47,15 +48,18 @@ pub(crate) struct DeviceShared {
     pub(super) slot_waits: AtomicU64,
     pub(super) other_waits: AtomicU64,
     pub(super) pipeline_cache: PipelineCache,
+    /// An owner of the handles of a host, dropped after their last use.
+    pub(super) owner: Option<Arc<dyn Any + Send + Sync>>,
 }
 
 impl DeviceShared {
     /// Leaks everything, because destroying objects that the GPU still uses would be worse.
     /// Otherwise the memory would free its memory on drop, and the instance would be destroyed
-    /// before its device.
+    /// before its device. The owner of a host's handles stays alive for the same reason.
     fn abandon(&self) {
         std::mem::forget(lock(&self.memory).take());
         std::mem::forget(Arc::clone(&self.instance));
+        std::mem::forget(self.owner.clone());
     }
 
     /// Destroys the payload of a dropped object that nothing uses any more.

@@ -1,5 +1,6 @@
 //! The description of a host's device by the host.
 
+use std::any::Any;
 use std::ffi::CString;
 use std::sync::Arc;
 
@@ -39,6 +40,9 @@ pub struct HostDevice {
     pub queue: Option<HostQueue>,
     /// The bound of waits, and the file of the engine's own pipeline cache.
     pub options: DeviceOptions,
+    /// An owner of the handles, which the engine drops after its last use of them. With it a host
+    /// in safe code needs no order in which its objects and the engine's are dropped.
+    pub owner: Option<Arc<dyn Any + Send + Sync>>,
 }
 
 impl HostDevice {
@@ -64,6 +68,7 @@ impl HostDevice {
             pipeline_cache: None,
             queue: None,
             options: DeviceOptions::default(),
+            owner: None,
         }
     }
 }

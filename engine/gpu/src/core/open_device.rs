@@ -1,6 +1,7 @@
 //! Opening a device: requests the features and extensions, and creates the objects that every
 //! device needs.
 
+use std::any::Any;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64};
 use std::sync::{Arc, Mutex};
@@ -63,6 +64,8 @@ pub(crate) struct RawDevice {
     pub(crate) callbacks: HostCallbacks,
     /// The pipeline cache of a host.
     pub(crate) pipeline_cache: Option<vk::PipelineCache>,
+    /// An owner of the handles of a host.
+    pub(crate) owner: Option<Arc<dyn Any + Send + Sync>>,
 }
 
 /// Creates the objects that every device needs: timeline, allocator, pipeline cache. If it fails,
@@ -110,6 +113,7 @@ pub(crate) fn equip(device: RawDevice, options: &DeviceOptions) -> Result<Device
         other_waits: AtomicU64::new(0),
         pipeline_cache,
         raw,
+        owner: device.owner,
     })
 }
 

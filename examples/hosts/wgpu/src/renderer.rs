@@ -3,12 +3,11 @@
 use std::error::Error;
 use std::sync::Arc;
 
+use antumbra_wgpu::{WgpuDevice, WgpuDraws};
 use walk::{BoxScene, ViewConstants};
 
-use crate::device::WgpuDevice;
-
 /// The frames that may be in flight at once.
-pub const FRAMES_IN_FLIGHT: u64 = 2;
+pub const FRAMES_IN_FLIGHT: usize = 2;
 
 const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -17,9 +16,9 @@ const VERTICES: [wgpu::VertexAttribute; 2] =
 
 /// The host's pipelines, geometry and textures.
 pub struct WgpuRenderer {
-    pub host: Arc<WgpuDevice>,
+    pub gpu: Arc<WgpuDevice>,
     pub depth: wgpu::Texture,
-    pub depth_view: wgpu::TextureView,
+    depth_view: wgpu::TextureView,
     colour: wgpu::Texture,
     corners: wgpu::Buffer,
     indices: wgpu::Buffer,
@@ -28,22 +27,14 @@ pub struct WgpuRenderer {
 
 /// A frame that was submitted.
 pub struct SentImage {
-    submission: wgpu::SubmissionIndex,
-    image: wgpu::Buffer,
-}
-
-/// The indirect draws of a bucket as wgpu takes them: commands and a count, each with its offset.
-pub struct WgpuDraws {
-    pub bucket: u32,
-    pub commands: (wgpu::Buffer, u64),
-    pub most: u32,
-    pub count: Option<(wgpu::Buffer, u64)>,
+    pub submission: wgpu::SubmissionIndex,
+    pub image: wgpu::Buffer,
 }
 
 impl WgpuRenderer {
     /// Creates everything to draw `scene`.
-    pub fn new(host: &Arc<WgpuDevice>, scene: &BoxScene) -> Self {
-        let device = &host.device;
+    pub fn new(gpu: &Arc<WgpuDevice>, scene: &BoxScene) -> Self {
+        let device = &gpu.device;
         let [width, height] = walk::SIZE;
         let texture = |format| {
             device.create_texture(&wgpu::TextureDescriptor {
@@ -64,7 +55,7 @@ impl WgpuRenderer {
                 usage: usage | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             });
-            host.queue.write_buffer(&buffer, 0, contents);
+            gpu.queue.write_buffer(&buffer, 0, contents);
             buffer
         };
         let corners = scene.corners();
@@ -76,7 +67,7 @@ impl WgpuRenderer {
             corners: buffer(bytemuck::cast_slice(&corners), wgpu::BufferUsages::VERTEX),
             indices: buffer(bytemuck::cast_slice(&walk::INDICES), wgpu::BufferUsages::INDEX),
             buckets: pipelines(device),
-            host: host.clone(),
+            gpu: gpu.clone(),
         }
     }
 
@@ -88,7 +79,7 @@ impl WgpuRenderer {
         constants: &ViewConstants,
         copied: Option<&wgpu::Buffer>,
     ) -> wgpu::CommandBuffer {
-        let mut encoder = self.host.device.create_command_encoder(&Default::default());
+        let mut encoder = self.gpu.device.create_command_encoder(&Default::default());
         let is_second = copied.is_some();
         let colour_view = self.colour.create_view(&Default::default());
         let clear = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
@@ -116,15 +107,12 @@ impl WgpuRenderer {
         });
         pass.set_vertex_buffer(0, self.corners.slice(..));
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
-        for WgpuDraws { bucket, commands: (commands, at), most, count } in draws {
-            pass.set_pipeline(&self.buckets[*bucket as usize]);
+        for list in draws {
+            pass.set_pipeline(&self.buckets[list.bucket.0 as usize]);
             pass.set_immediates(0, bytemuck::bytes_of(constants));
-            match count {
-                Some((count, count_at)) => {
-                    pass.multi_draw_indexed_indirect_count(commands, *at, count, *count_at, *most);
-                }
-                None => pass.multi_draw_indexed_indirect(commands, *at, *most),
-            }
+            // SAFETY: every draw is a whole box, and an instance of its own. Visible draws go to
+            // the first pass, revealed draws to the second.
+            unsafe { list.draw(&mut pass) };
         }
         drop(pass);
         if let Some(copied) = copied {
@@ -146,7 +134,7 @@ impl WgpuRenderer {
     /// Creates the buffer that the image of a frame is copied to.
     pub fn new_image(&self) -> wgpu::Buffer {
         let [width, height] = walk::SIZE;
-        self.host.device.create_buffer(&wgpu::BufferDescriptor {
+        self.gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: None,
             size: u64::from(width * height * 4),
             usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
@@ -154,17 +142,12 @@ impl WgpuRenderer {
         })
     }
 
-    /// Submits a frame.
-    pub fn submit(&self, frame: [wgpu::CommandBuffer; 3], image: wgpu::Buffer) -> SentImage {
-        SentImage { submission: self.host.queue.submit(frame), image }
-    }
-
     /// Waits for a frame, and returns its image.
     pub fn wait(&self, frame: SentImage) -> Result<Vec<u8>, Box<dyn Error>> {
         let SentImage { submission, image } = frame;
         image.slice(..).map_async(wgpu::MapMode::Read, |_| {});
         let submission_index = Some(submission);
-        self.host.device.poll(wgpu::PollType::Wait { submission_index, timeout: None })?;
+        self.gpu.device.poll(wgpu::PollType::Wait { submission_index, timeout: None })?;
         let bytes = image.slice(..).get_mapped_range()?.to_vec();
         Ok(bytes)
     }
