@@ -1,5 +1,5 @@
-//! Rules about the page of the book on crates: it has the features of the manifests, and their versions
-//! of other crates and of Rust.
+//! Rules about the page of the book on crates: it has the features of the manifests, and their
+//! versions of other crates and of Rust.
 
 use std::collections::BTreeSet;
 
@@ -8,7 +8,8 @@ use crate::files::SourceFile;
 
 const PAGE: &str = "docs/book/src/crates.md";
 
-/// The crates of others whose types are in our interface, or whose version hosts ask for, by manifest.
+/// The crates of others whose types are in our interface, or whose version hosts ask for, with the
+/// manifest that has it.
 const VISIBLE: [(&str, &[&str]); 3] = [
     ("Cargo.toml", &["ash", "glam", "gpu-allocator", "raw-window-handle"]),
     ("examples/hosts/wgpu/Cargo.toml", &["wgpu"]),

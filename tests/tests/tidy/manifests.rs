@@ -117,8 +117,8 @@ pub fn light_instrument(files: &[SourceFile]) -> Vec<String> {
     findings
 }
 
-/// Finds published crates whose manifest lacks a description for registries, or settings for docs.rs:
-/// without `targets` it builds the pages for five systems, with the importer's C++ for each.
+/// Finds published crates whose manifest lacks a description for registries, or the target for
+/// docs.rs: without one it builds the pages for five systems, with the importer's C++ for each.
 pub fn published(files: &[SourceFile]) -> Vec<String> {
     const SHOWN: [&str; 5] = ["description", "license", "readme", "keywords", "categories"];
     let mut findings = Vec::new();
