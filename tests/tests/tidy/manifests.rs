@@ -119,7 +119,8 @@ pub fn light_instrument(files: &[SourceFile]) -> Vec<String> {
     findings
 }
 
-/// Finds published crates whose manifest lacks a description for registries.
+/// Finds published crates whose manifest lacks a description for registries, or the target for
+/// docs.rs: without one it builds the pages for five systems, with the importer's C++ for each.
 pub fn published(files: &[SourceFile]) -> Vec<String> {
     const SHOWN: [&str; 5] = ["description", "license", "readme", "keywords", "categories"];
     let mut findings = Vec::new();
@@ -137,6 +138,11 @@ pub fn published(files: &[SourceFile]) -> Vec<String> {
                 let reason = format!("is published and has no {key}; else say `publish = false`");
                 findings.push(file.finding(1, &reason));
             }
+        }
+        let docs = file.text.split_once("[package.metadata.docs.rs]\n");
+        let one_target = |line: &str| line == "targets = [\"x86_64-unknown-linux-gnu\"]";
+        if !docs.is_some_and(|(_, docs)| docs.lines().take(2).any(one_target)) {
+            findings.push(file.finding(1, "is published and names no target for docs.rs"));
         }
     }
     findings
@@ -241,12 +247,13 @@ fn what_measures_is_light() {
 fn published_crates_describe_themselves() {
     assert_obeyed(published);
     let whole = "[package]\ndescription = \"A\"\nlicense.workspace = true\nreadme = \"README.md\"\n\
-                 keywords = []\ncategories = []\n";
+                 keywords = []\ncategories = []\n\n[package.metadata.docs.rs]\n\
+                 targets = [\"x86_64-unknown-linux-gnu\"]\n";
     let without = |key: &str| {
         let lines = whole.lines().filter(|line| !line.starts_with(key));
         lines.map(|line| format!("{line}\n")).collect::<String>()
     };
-    for key in ["description", "license", "readme", "keywords", "categories"] {
+    for key in ["description", "license", "readme", "keywords", "categories", "targets"] {
         assert_catches(published, &[("a/Cargo.toml", &without(key))]);
     }
     let private = "[package]\npublish = false\n[dependencies]\n";
