@@ -26,8 +26,8 @@ use crate::loader::{Replaces, replacing_entry};
 pub use attachments::{AttachmentKind, AttachmentTraffic, attachment_traffic};
 pub use barriers::{GuardedReads, guarded_reads};
 pub use counted_calls::{
-    CALLS_THAT_MAKE, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_SHOW, CALLS_THAT_START,
-    CALLS_THAT_WAIT_FOR_PRESENTS,
+    CALLS_THAT_MAKE, CALLS_THAT_OPEN_WINDOWS, CALLS_THAT_RUN, CALLS_THAT_SAVE, CALLS_THAT_SHOW,
+    CALLS_THAT_START, CALLS_THAT_WAIT_FOR_PRESENTS,
 };
 pub use device_faults::{FAULT_ADDRESS, FAULT_DESCRIPTION};
 pub use draw_calls::CALL_THAT_COUNTS_DRAWS;

@@ -47,12 +47,13 @@ pub mod xvfb;
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
 
-use gpu::{Device, DeviceOptions, Instance, InstanceOptions, Message, Validation};
+use gpu::{Device, DeviceOptions, Instance, InstanceOptions, Message, OptionalFeature, Validation};
 
 /// A software driver that every machine can have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Driver {
-    /// Mesa's driver, with conditional rendering.
+    /// Mesa's driver, with conditional rendering. Debian 12 has version 22.3; `ci/next` runs a
+    /// newer one, with more optional features.
     Lavapipe,
     /// Google's driver, without conditional rendering and draw counts.
     SwiftShader,
@@ -157,5 +158,19 @@ pub fn drivers() -> impl Iterator<Item = Driver> {
 pub fn run_on_all(test: impl Fn(&Device)) {
     for driver in drivers() {
         run(driver, &test);
+    }
+}
+
+/// Runs `test` on every driver whose device has `feature`. SwiftShader must have it, so that the
+/// test runs everywhere; lavapipe may have it in newer versions, and so may a GPU in its place.
+pub fn run_where(feature: OptionalFeature, test: impl Fn(&Device)) {
+    for driver in Driver::ALL {
+        run(driver, |device| {
+            let is_there = device.capabilities().has(feature);
+            assert!(is_there || driver != Driver::SwiftShader, "nothing tests {feature:?}");
+            if is_there {
+                test(device);
+            }
+        });
     }
 }

@@ -150,6 +150,12 @@ counted! { CALLS_THAT_START calls_that_start {
         callbacks: Callbacks<'_>, made: *mut vk::DebugUtilsMessengerEXT);
 }}
 
+counted! { CALLS_THAT_OPEN_WINDOWS calls_that_open_windows {
+    create_xcb_surface PFN_vkCreateXcbSurfaceKHR c"vkCreateXcbSurfaceKHR" (
+        instance: vk::Instance, info: *const vk::XcbSurfaceCreateInfoKHR<'_>,
+        callbacks: Callbacks<'_>, made: *mut vk::SurfaceKHR);
+}}
+
 /// Returns the replacements of all these functions.
 pub(super) fn counted_calls() -> Vec<(&'static CStr, Function)> {
     [
@@ -159,6 +165,7 @@ pub(super) fn counted_calls() -> Vec<(&'static CStr, Function)> {
         calls_that_wait_for_presents(),
         calls_that_save(),
         calls_that_start(),
+        calls_that_open_windows(),
     ]
     .concat()
 }

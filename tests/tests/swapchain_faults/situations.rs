@@ -353,7 +353,7 @@ fn the_first_swapchain_and_the_first_image_may_fail() {
 }
 
 /// Runs `test` and returns what was logged as a warning or an error meanwhile by this thread.
-fn warnings(test: impl FnOnce()) -> String {
+pub fn warnings(test: impl FnOnce()) -> String {
     let log = CapturedLog::default();
     let writer = log.clone();
     let subscriber = tracing_subscriber::fmt().with_ansi(false);

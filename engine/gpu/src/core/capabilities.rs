@@ -427,6 +427,20 @@ mod tests {
     use super::*;
 
     #[test]
+    fn only_an_old_lavapipe_draws_several_views_wrong() {
+        let offer = |driver, minor| Offer {
+            api_version: vk::make_api_version(0, 1, minor, 230),
+            features: Features { multiview: true, ..Features::default() },
+            driver,
+            ..Offer::default()
+        };
+        let has = |offer: &Offer| Capabilities::of(offer).has(OptionalFeature::Multiview);
+        assert!(!has(&offer(vk::DriverId::MESA_LLVMPIPE, 3)));
+        assert!(has(&offer(vk::DriverId::MESA_LLVMPIPE, 4)));
+        assert!(has(&offer(vk::DriverId::GOOGLE_SWIFTSHADER, 3)));
+    }
+
+    #[test]
     fn only_drivers_that_keep_a_draw_count_take_one_for_every_draw() {
         let offer = |driver| Offer {
             api_version: vk::API_VERSION_1_3,

@@ -53,6 +53,9 @@ impl CaptureLimits {
 pub(crate) const QUEUE_FLAGS: vk::QueueFlags =
     vk::QueueFlags::from_raw(vk::QueueFlags::GRAPHICS.as_raw() | vk::QueueFlags::COMPUTE.as_raw());
 
+/// Vulkan 1.4, for which `ash` has no constant yet.
+const VULKAN_1_4: u32 = vk::make_api_version(0, 1, 4, 0);
+
 /// The descriptors that a pipeline has besides a table of textures, with some reserve: they count
 /// towards the same limits.
 const OTHER_DESCRIPTORS: u32 = 64;
@@ -144,10 +147,11 @@ impl Offer {
     }
 
     /// Returns true if the driver offers multiview but draws wrong images with it, as Mesa's
-    /// llvmpipe does. Version 22.3 draws most of the contents of later views to the first layer; no
-    /// other version was tested.
+    /// llvmpipe 22.3 does, which draws most of the contents of later views to the first layer.
+    /// Version 25.0 draws them right. It is the first that was tested after 22.3, and it has Vulkan
+    /// 1.4; the version of the driver is 1 in both.
     pub(crate) fn draws_views_wrong(&self) -> bool {
-        self.driver == vk::DriverId::MESA_LLVMPIPE
+        self.driver == vk::DriverId::MESA_LLVMPIPE && self.api_version < VULKAN_1_4
     }
 
     /// Returns true if the driver takes the depth of a sample at a different position than its
@@ -158,8 +162,8 @@ impl Offer {
     }
 
     /// Returns true if the driver uses the count of a counted indirect draw for the next plain
-    /// indirect draw in the command buffer, as Mesa's llvmpipe 22.3 does. No other version was
-    /// tested.
+    /// indirect draw in the command buffer, as Mesa's llvmpipe 22.3 and 25.0 do. No other version
+    /// was tested.
     pub(crate) fn keeps_draw_counts(&self) -> bool {
         self.driver == vk::DriverId::MESA_LLVMPIPE
     }

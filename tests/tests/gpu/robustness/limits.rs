@@ -3,7 +3,7 @@
 
 use cull::{Camera, ObjectId, Projection, Strategy};
 use glam::{Affine2, Affine3A, Vec2, Vec3, vec3};
-use gpu::{Device, Readback};
+use gpu::{Device, OptionalFeature, Readback};
 use render::surfaces::TextureStorage;
 use render::{Error, FrameRequest, RenderView, Renderer, RendererOptions, SceneDegradations};
 use scene::limits::{
@@ -14,7 +14,7 @@ use scene::{
     ObjectChange, PunctualLight, Sampler, Scene, Surfaces, Texture, TextureId, TextureUse,
 };
 use tests::shapes::coloured_cubes;
-use tests::{Driver, run, run_on_all};
+use tests::{Driver, run, run_on_all, run_where};
 
 const SIZE: [u32; 2] = [64, 36];
 
@@ -160,7 +160,7 @@ fn objects_that_too_many_lamps_reach_are_counted_as_things_are_now() {
 
 #[test]
 fn more_textures_than_have_numbers_are_refused_before_any_is_made() {
-    run(Driver::SwiftShader, |device| {
+    run_where(OptionalFeature::DescriptorIndexing, |device| {
         let most = MAX_OWN_IMAGES;
         let scene = with(|surfaces| {
             surfaces.images = vec![image([1, 1], [255; 4]); most as usize + 1];
@@ -178,14 +178,12 @@ fn more_textures_than_have_numbers_are_refused_before_any_is_made() {
 
 #[test]
 fn images_of_hundreds_of_sizes_show_their_colours() {
-    let all = [
-        (Driver::Lavapipe, TextureStorage::ArrayPacked),
-        (Driver::SwiftShader, TextureStorage::ArrayPacked),
-        (Driver::SwiftShader, TextureStorage::Bindless),
-    ];
-    for (driver, textures) in all {
-        run(driver, |device| show_hundreds_of_sizes(device, textures));
+    for driver in Driver::ALL {
+        run(driver, |device| show_hundreds_of_sizes(device, TextureStorage::ArrayPacked));
     }
+    run_where(OptionalFeature::DescriptorIndexing, |device| {
+        show_hundreds_of_sizes(device, TextureStorage::Bindless);
+    });
 }
 
 fn show_hundreds_of_sizes(device: &Device, textures: TextureStorage) {

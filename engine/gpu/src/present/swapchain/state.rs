@@ -338,6 +338,10 @@ impl SwapchainState {
                     }
                 },
                 Err(Error::NoDisplay(_)) => {}
+                // Mesa 25.0 reports a destroyed window of X11 so, to any device beside it.
+                Err(Error::Vulkan { call, code: code @ vk::Result::ERROR_OUT_OF_HOST_MEMORY }) => {
+                    tracing::warn!("{call} failed with {code:?} after the surface was lost");
+                }
                 Err(error) => return Err(error),
             }
         }

@@ -62,7 +62,7 @@ fn spare() -> SpareCapacity {
 
 #[test]
 fn hundreds_of_textures_come_while_frames_are_in_flight() {
-    run(Driver::SwiftShader, |device| {
+    run_where(OptionalFeature::DescriptorIndexing, |device| {
         let (scene, _) = one_texture([4, 4]);
         let options = RendererOptions {
             spare: spare(),
@@ -169,7 +169,7 @@ const INFO: TextureArrayInfo<'_> = TextureArrayInfo {
 
 #[test]
 fn a_table_says_when_it_is_full_and_gives_numbers_away_again() {
-    run(Driver::SwiftShader, |device| {
+    run_where(OptionalFeature::DescriptorIndexing, |device| {
         let mut table = TextureTable::new(device, "three", 3).unwrap();
         let numbers: Vec<_> = (0..3)
             .map(|_| {
