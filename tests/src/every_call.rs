@@ -47,6 +47,11 @@ pub fn fired() -> Vec<(CallNumber, vk::Result)> {
     with_state(|state| state.fired.clone())
 }
 
+/// Returns true if the second fault of the plan was injected, too.
+pub fn second_fired() -> bool {
+    with_state(|state| state.second_fired)
+}
+
 /// Returns the names of all functions that were asked for and found since the process began.
 pub fn asked() -> BTreeSet<String> {
     with_state(|state| state.asked.clone())

@@ -2,7 +2,7 @@
 //! device supports and that can be trusted.
 
 use cull::SkippedWork;
-use occlusion::{ChoiceRequest, CullingSetup, DeviceCosts, OcclusionPasses, ShaderSet};
+use occlusion::{ChoiceRequest, CullingSetup, OcclusionPasses, ShaderSet};
 
 use crate::calibration_scene;
 use crate::error::Error;
@@ -27,7 +27,7 @@ pub(crate) fn decide(
         quirks.usable_executors(&device, options.predication, draws, options.threshold_samples)?;
     let work = SkippedWork::of_leaves(draws as u32);
     let request = ChoiceRequest { executors: &executors, work };
-    let choice = CullingSetup::by(options.cost_model, &request, || {
+    let measure = || {
         let of_executors = &executors[..];
         let measured = calibration_scene::measure(
             passes,
@@ -36,9 +36,19 @@ pub(crate) fn decide(
             shaders,
             &options.cancellation,
         );
-        // A cancelled measurement must not warn of the device: the renderer is refused below.
-        if options.cancellation.is_cancelled() { Ok(DeviceCosts::default()) } else { measured }
-    });
+        // A cancelled measurement must not warn of the device.
+        options.cancellation.check()?;
+        match measured {
+            Ok(device_costs) => Ok(Some(device_costs)),
+            // Nothing can be drawn on a lost device.
+            Err(Error::Gpu(error)) if error.is_device_lost() => Err(Error::Gpu(error)),
+            Err(error) => {
+                tracing::warn!("the costs of this device could not be measured: {error}");
+                Ok(None)
+            }
+        }
+    };
+    let choice = CullingSetup::by(options.cost_model, &request, measure)?;
     options.cancellation.check()?;
     let can = |predication| can_skip(&device, predication);
     if let Some(executor) = caster_executor(quirks, choice.predication, can) {

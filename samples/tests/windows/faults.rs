@@ -4,8 +4,17 @@ use std::fs;
 
 use harness::{assert_faults_end_programs, program, scene};
 
-const FRAMES: [&str; 7] =
-    ["--headless", "--frames", "8", "--size", "64x36", "--device", "llvmpipe"];
+const FRAMES: [&str; 9] = [
+    "--headless",
+    "--frames",
+    "12",
+    "--size",
+    "64x36",
+    "--device",
+    "llvmpipe",
+    "--cost-model",
+    "off",
+];
 
 #[test]
 fn city_ends_with_1_and_the_call_and_its_code() {

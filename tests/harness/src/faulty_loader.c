@@ -1,5 +1,6 @@
 /* A Vulkan loader that calls the real one. FAULT is FUNCTION CALL CODE: the function returns the code without an
-   effect, from that call on, counted from 1. REAL_LOADER is the real library. */
+   effect, from that call on, counted from 1. REAL_LOADER is the real library. The number of calls of the function is
+   written to the file CALLS at the end. */
 #include <dlfcn.h>
 #include <stdatomic.h>
 #include <stdint.h>
@@ -16,6 +17,14 @@ static Call real_call;
 static char fault_name[128];
 static int fault_call, fault_code;
 static atomic_int calls;
+
+__attribute__((destructor)) static void write_calls(void) {
+    const char *path = getenv("CALLS");
+    FILE *file = path ? fopen(path, "w") : NULL;
+    if (!file) return;
+    fprintf(file, "%d", atomic_load(&calls));
+    fclose(file);
+}
 
 static int32_t faulty(uint64_t a, uint64_t b, uint64_t c, uint64_t d, uint64_t e, uint64_t f) {
     if (atomic_fetch_add(&calls, 1) + 1 >= fault_call) return fault_code;

@@ -8,66 +8,76 @@ use crate::Scratch;
 
 /// A fault of Vulkan that repeats until the program ends.
 #[derive(Debug)]
-pub struct VulkanFault {
+struct VulkanFault {
     /// The function, which returns a `VkResult` and takes at most six arguments.
-    pub function: &'static str,
-    /// The first call that fails, counted from 1.
-    pub first_call: u32,
+    function: &'static str,
+    /// The first call that fails.
+    first_call: FirstCall,
     /// The `VkResult`.
-    pub code: i32,
+    code: i32,
     /// The name of the code, without `VK_`.
-    pub code_name: &'static str,
+    code_name: &'static str,
 }
 
-/// The faults that a program without a window meets, each in another part of its life.
-pub const HEADLESS_FAULTS: [VulkanFault; 6] = [
+/// The place of a call among all calls of its function.
+#[derive(Clone, Copy, Debug)]
+enum FirstCall {
+    /// Counted from 1, from the start of the program.
+    Nth(i32),
+    /// So many calls before the last one of a run without a fault.
+    BeforeLast(i32),
+}
+
+/// The faults that a program without a window meets, from its start to the submit of one
+/// of its last frames.
+const HEADLESS_FAULTS: [VulkanFault; 6] = [
     VulkanFault {
         function: "vkCreateInstance",
-        first_call: 1,
+        first_call: FirstCall::Nth(1),
         code: -1,
         code_name: "ERROR_OUT_OF_HOST_MEMORY",
     },
     VulkanFault {
         function: "vkCreateDevice",
-        first_call: 1,
+        first_call: FirstCall::Nth(1),
         code: -3,
         code_name: "ERROR_INITIALIZATION_FAILED",
     },
     VulkanFault {
         function: "vkAllocateMemory",
-        first_call: 1,
+        first_call: FirstCall::Nth(1),
         code: -2,
         code_name: "ERROR_OUT_OF_DEVICE_MEMORY",
     },
     VulkanFault {
         function: "vkCreateGraphicsPipelines",
-        first_call: 2,
+        first_call: FirstCall::Nth(2),
         code: -2,
         code_name: "ERROR_OUT_OF_DEVICE_MEMORY",
     },
     VulkanFault {
         function: "vkQueueSubmit2",
-        first_call: 4,
+        first_call: FirstCall::BeforeLast(3),
         code: -4,
         code_name: "ERROR_DEVICE_LOST",
     },
     VulkanFault {
         function: "vkWaitSemaphores",
-        first_call: 3,
+        first_call: FirstCall::Nth(3),
         code: -4,
         code_name: "ERROR_DEVICE_LOST",
     },
 ];
 
 /// A folder with the library, as `LD_LIBRARY_PATH` takes it.
-pub struct FaultyLoader {
+struct FaultyLoader {
     folder: Scratch,
     real: String,
 }
 
 impl FaultyLoader {
     /// Compiles the library into a folder of this name.
-    pub fn new(name: &str) -> Self {
+    fn new(name: &str) -> Self {
         let folder = Scratch::new(name);
         let source = folder.0.join("faulty_loader.c");
         fs::write(&source, include_str!("faulty_loader.c")).expect("the target folder is writable");
@@ -84,24 +94,42 @@ impl FaultyLoader {
         Self { folder, real }
     }
 
-    /// Gives the library and its fault to a program.
-    pub fn inject(&self, fault: &VulkanFault, program: &mut Command) {
-        let VulkanFault { function, first_call, code, .. } = fault;
+    /// Gives the library to a program, in which `function` returns `code` from a call on.
+    fn inject(&self, program: &mut Command, function: &str, first_call: i32, code: i32) {
         program
             .env("LD_LIBRARY_PATH", &self.folder.0)
             .env("REAL_LOADER", &self.real)
+            .env("CALLS", self.folder.0.join("calls"))
             .env("FAULT", format!("{function} {first_call} {code}"));
+    }
+
+    /// Runs a program without a fault, and returns how often it calls a function.
+    fn calls(&self, program: &mut Command, function: &str) -> i32 {
+        self.inject(program, function, i32::MAX, 0);
+        let output = program.output().expect("it starts");
+        assert!(output.status.success(), "{}", crate::stderr(&output));
+        let calls = fs::read_to_string(self.folder.0.join("calls")).expect("it was written");
+        calls.parse().expect("a number")
     }
 }
 
-/// Checks that programs without a window end with 1 after each of [`HEADLESS_FAULTS`], with one error
-/// that names the call and the code. `program` makes the command in a folder that is empty again.
+/// Checks that a program without a window ends with 1 after each of [`HEADLESS_FAULTS`], with an
+/// error that names the call and the code. `program` makes the command in a folder that is empty
+/// again.
 pub fn assert_faults_end_programs(name: &str, program: impl Fn(&Path) -> Command) {
     let loader = FaultyLoader::new(&format!("{name}-loader"));
     for fault in &HEADLESS_FAULTS {
         let scratch = Scratch::new(name);
+        let first_call = match fault.first_call {
+            FirstCall::Nth(number) => number,
+            FirstCall::BeforeLast(before) => {
+                let last = loader.calls(&mut program(&scratch.0), fault.function);
+                assert!(last > before, "{fault:?} of {last} calls");
+                last - before
+            }
+        };
         let mut command = program(&scratch.0);
-        loader.inject(fault, &mut command);
+        loader.inject(&mut command, fault.function, first_call, fault.code);
         let output = command.output().expect("it starts");
         let message = crate::stderr(&output);
         assert_eq!(output.status.code(), Some(1), "{fault:?}: {message}");

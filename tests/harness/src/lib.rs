@@ -10,6 +10,6 @@ mod program;
 pub mod scene;
 pub mod terminal;
 
-pub use faulty_loader::{FaultyLoader, VulkanFault, assert_faults_end_programs};
+pub use faulty_loader::assert_faults_end_programs;
 pub use pixels::pixels;
 pub use program::{Scratch, cache, edited_shaders, program, signalled_program, stderr};

@@ -69,6 +69,7 @@ pub(super) struct State {
     plan: FaultPlan,
     counts: HashMap<CallNumber, usize>,
     first_fired: Option<usize>,
+    pub(super) second_fired: bool,
     /// True if a device was created since the first fault.
     is_replaced: bool,
     pub(super) trace: Vec<CallNumber>,
@@ -89,6 +90,7 @@ impl State {
         self.plan = plan;
         self.counts = HashMap::new();
         self.first_fired = None;
+        self.second_fired = false;
         self.is_replaced = false;
         self.trace = Vec::new();
         self.fired = Vec::new();
@@ -110,7 +112,9 @@ impl State {
         *count += 1;
         let place = self.trace.len();
         self.trace.push(call);
-        let code = self.first(call, nth).or_else(|| self.second(call, place))?;
+        let first = self.first(call, nth);
+        let code = first.or_else(|| self.second(call, place))?;
+        self.second_fired |= first.is_none();
         self.first_fired.get_or_insert(place);
         self.fired.push((call, code));
         Some(code)

@@ -157,6 +157,7 @@ impl Bench {
         let mut found = self.once(plan, Validation::Core);
         let took = began.elapsed();
         let fired = every_call::fired();
+        let has_both = every_call::second_fired();
         let kind = match &found.outcome {
             Ok(image) if *image == self.reference => {
                 if fired.is_empty() { "unreached" } else { "survived" }.to_owned()
@@ -184,10 +185,15 @@ impl Bench {
             found.faults.push(format!("hangs for {} s", took.as_secs()));
         }
         if found.faults.is_empty() {
-            return format!("ok {kind}");
+            let verdict = if has_both { "pair" } else { "ok" };
+            return format!("{verdict} {kind}");
         }
-        let fired: Vec<_> =
-            fired.iter().map(|(call, code)| format!("{}={code:?}", name_of(*call))).collect();
+        // A fault that lasts is injected thousands of times.
+        let fired: Vec<_> = fired
+            .iter()
+            .take(16)
+            .map(|(call, code)| format!("{}={code:?}", name_of(*call)))
+            .collect();
         format!("bad {} [{}]", found.faults.join("; "), fired.join(", "))
     }
 

@@ -8,7 +8,6 @@ use std::time::Instant;
 
 use clap::ValueEnum;
 use tests::Driver;
-use tests::every_call::CallNumber;
 
 use crate::coverage::Coverage;
 use crate::plans::Taken;
@@ -19,6 +18,9 @@ use crate::{Arguments, DriverName, plans};
 
 /// The number of runs with faults before the program runs without a fault in the same process.
 const RUNS_BEFORE_A_CHECK: usize = 8;
+
+/// The most runs per wanted pair: many programs end by the first fault, before the second one.
+const TRIES_PER_PAIR: usize = 4;
 
 /// Executes all runs, and prints the table. Fails if any run failed.
 pub fn run(arguments: &Arguments) -> ExitCode {
@@ -54,9 +56,12 @@ pub fn run(arguments: &Arguments) -> ExitCode {
     });
     let rows = rows.into_inner().expect("no thread panics");
     let injected: usize = rows.iter().map(|row| row.runs() - row.unreached).sum();
+    let pairs: usize = rows.iter().map(|row| row.pairs).sum();
     let failed: usize = rows.iter().map(|row| row.failed).sum();
     let degrading: Vec<&String> = rows.iter().flat_map(|row| &row.degrading).collect();
-    println!("{injected} runs with faults, {failed} failed; degraded by: {degrading:?}");
+    println!(
+        "{injected} runs with faults, {pairs} of them with two, {failed} failed; degraded by: {degrading:?}"
+    );
     let coverage = Coverage::of(&rows);
     let is_covered = !arguments.coverage || coverage.print();
     // A run without its fault shows nothing, nor does a program that the driver cannot run.
@@ -77,19 +82,30 @@ fn measure(
     let mut worker = Worker::new(program, driver);
     let trace = worker.trace();
     let trace = trace.unwrap_or_else(|error| panic!("{program:?} on {driver:?}: {error}"));
-    let mut plans = vec![arguments.fault.clone(); arguments.times].concat();
-    if plans.is_empty() {
-        plans = plans::single(&trace, share(arguments.runs), arguments.seed, taken);
-        plans.extend(plans::pairs(&trace, share(arguments.pairs), arguments.seed));
+    let given = vec![arguments.fault.clone(); arguments.times].concat();
+    let mut row =
+        Row::new(format!("{} on {:?}", worker.name(), Driver::from(worker.driver)), &trace);
+    let began = Instant::now();
+    if given.is_empty() {
+        let singles = plans::single(&trace, share(arguments.runs), arguments.seed, taken);
+        execute(&mut worker, &mut row, &singles, usize::MAX);
+        let wanted = share(arguments.pairs);
+        let pairs = plans::pairs(&trace, wanted * TRIES_PER_PAIR, arguments.seed);
+        execute(&mut worker, &mut row, &pairs, wanted);
+    } else {
+        execute(&mut worker, &mut row, &given, usize::MAX);
     }
-    execute(&mut worker, &trace, &plans)
+    row.seconds = began.elapsed().as_secs_f64();
+    row.check_memory();
+    row
 }
 
-fn execute(worker: &mut Worker, trace: &[CallNumber], plans: &[String]) -> Row {
-    let mut row =
-        Row::new(format!("{} on {:?}", worker.name(), Driver::from(worker.driver)), trace);
-    let began = Instant::now();
+/// Executes runs, until all are over or so many had two faults.
+fn execute(worker: &mut Worker, row: &mut Row, plans: &[String], wanted_pairs: usize) {
     for batch in plans.chunks(RUNS_BEFORE_A_CHECK) {
+        if row.pairs >= wanted_pairs {
+            break;
+        }
         for plan in batch {
             let became = worker.run(plan);
             let is_degraded = row.add(plan, became);
@@ -99,13 +115,10 @@ fn execute(worker: &mut Worker, trace: &[CallNumber], plans: &[String]) -> Row {
             }
         }
         if let Err(problem) = worker.check() {
-            find_culprit(worker, &mut row, batch, &problem);
+            find_culprit(worker, row, batch, &problem);
         }
         row.remember(worker.memory());
     }
-    row.seconds = began.elapsed().as_secs_f64();
-    row.check_memory();
-    row
 }
 
 /// Finds the fault after which the program does not run any more without a fault.

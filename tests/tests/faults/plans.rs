@@ -85,9 +85,13 @@ pub fn pairs(trace: &[CallNumber], count: usize, seed: u64) -> Vec<String> {
     let mut random = Random::new(!seed);
     let pair = |_| {
         let place = random.below(trace.len() as u32) as usize;
-        let first = Fault { lasts: Lasts::Once, ..fault_at(trace, place, &mut random) };
-        // Most clean-ups are short.
-        let most = 1 << random.below(8);
+        let mut first = fault_at(trace, place, &mut random);
+        // Of faults that last only a loss ends, with the next device.
+        if first.code != vk::Result::ERROR_DEVICE_LOST {
+            first.lasts = Lasts::Once;
+        }
+        // Most clean-ups are short, and recoveries are long.
+        let most = 1 << random.below(10);
         let after = random.below(most) as usize;
         write(&first, Some(NextFault { after, seed: u64::from(random.below(u32::MAX)) }))
     };

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use tests::every_call::{CallNumber, name_of, number_of};
 
 use crate::plans::codes;
-use crate::worker::Memory;
+use crate::worker::{Became, Memory};
 
 /// The most bytes of ours that a run may leave behind, on average over the last half of the runs.
 const LEAK_BYTES: i64 = 2048;
@@ -34,6 +34,8 @@ pub struct Row {
     pub named: usize,
     /// The runs that did not come to their fault.
     pub unreached: usize,
+    /// The runs with two faults.
+    pub pairs: usize,
     /// The runs in which something was lost.
     pub failed: usize,
     /// The seconds of all runs.
@@ -45,9 +47,9 @@ pub struct Row {
 /// Writes the head of a table of Markdown.
 pub fn print_head() {
     println!(
-        "| program | calls | codes of calls | runs | right image | coarser shadows | named error | not reached | failed | ms per run | growth of all (KiB) | growth of ours (bytes per run) |"
+        "| program | calls | codes of calls | runs | two faults | right image | coarser shadows | named error | not reached | failed | ms per run | growth of all (KiB) | growth of ours (bytes per run) |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|---|");
 }
 
 impl Row {
@@ -62,21 +64,23 @@ impl Row {
     }
 
     /// Counts a run. Returns true if its image was degraded.
-    pub fn add(&mut self, plan: &str, became: Result<String, String>) -> bool {
+    pub fn add(&mut self, plan: &str, became: Result<Became, String>) -> bool {
         let words: Vec<&str> = plan.split(' ').collect();
-        match became.as_deref() {
+        self.pairs += usize::from(became.as_ref().is_ok_and(|became| became.has_both));
+        let kind = became.as_ref().map(|became| became.kind.as_str());
+        match kind {
             Ok("unreached") => self.unreached += 1,
             Ok("survived") => self.survived += 1,
             Ok("degraded") => self.degraded += 1,
             Ok(_) => self.named += 1,
             Err(problem) => self.fail(plan, problem),
         }
-        if became.as_deref() != Ok("unreached")
+        if kind != Ok("unreached")
             && let Some(call) = number_of(words[0])
         {
             self.injected.insert((name_of(call), words[2].to_owned()));
         }
-        let is_degraded = became.as_deref() == Ok("degraded");
+        let is_degraded = kind == Ok("degraded");
         if is_degraded {
             self.degrading.insert(format!("{} {}", words[0], words[2]));
         }
@@ -127,10 +131,11 @@ impl Row {
         let runs = self.runs();
         let (last_runs, kib, bytes) = self.growth();
         println!(
-            "| {} | {} | {} | {runs} | {} | {} | {} | {} | {} | {:.0} | {kib} | {} |",
+            "| {} | {} | {} | {runs} | {} | {} | {} | {} | {} | {} | {:.0} | {kib} | {} |",
             self.name,
             self.calls,
             self.injected.len(),
+            self.pairs,
             self.survived,
             self.degraded,
             self.named,

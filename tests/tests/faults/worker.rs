@@ -25,6 +25,15 @@ pub struct Memory {
     pub live_bytes: i64,
 }
 
+/// The end of a run in which nothing was lost.
+#[derive(Debug)]
+pub struct Became {
+    /// The kind of the end: `unreached`, `survived`, `degraded` or `named`, which an error follows.
+    pub kind: String,
+    /// True if both faults of a pair were injected.
+    pub has_both: bool,
+}
+
 /// A child process that executes runs of one program on one driver.
 pub struct Worker {
     program: ProgramKind,
@@ -76,12 +85,19 @@ impl Worker {
 
     /// Runs the program with faults, and returns what became of it. A child that is lost is
     /// replaced.
-    pub fn run(&mut self, plan: &str) -> Result<String, String> {
+    pub fn run(&mut self, plan: &str) -> Result<Became, String> {
         let answer = self.ask(plan, RUN_BOUND);
         if answer.is_err() {
             self.restart();
         }
-        answer.and_then(|text| text.strip_prefix("ok ").map(str::to_owned).ok_or(text))
+        let text = answer?;
+        let (verdict, kind) = text.split_once(' ').unwrap_or_default();
+        let has_both = match verdict {
+            "ok" => false,
+            "pair" => true,
+            _ => return Err(text),
+        };
+        Ok(Became { kind: kind.to_owned(), has_both })
     }
 
     /// Runs the program without a fault. A child that fails is replaced.

@@ -76,7 +76,8 @@ fn run_loop(
             outcomes.push(swapchain.show(&painter.target, SIZE).unwrap());
         } else {
             let outcome = swapchain.show(&painter.target, SIZE).unwrap();
-            // A visible window may take the image before only now: Mesa 25.0 is late with the first.
+            // A visible window may take the image before only now: Mesa 25.0 is late with the
+            // first.
             let is_hidden = outcome == PresentResult::Not(PresentSkipped::Hidden);
             assert!(is_hidden || outcome.presented().is_some(), "{outcome:?}");
             outcomes.push(outcome);

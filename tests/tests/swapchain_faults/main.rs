@@ -178,7 +178,7 @@ fn a_surface_that_is_lost_again_at_once_is_a_window_that_is_gone() {
     liar.close();
 }
 
-/// Mesa 25.0 has no memory for a surface of a window that was destroyed.
+/// Checks the end of a window as Mesa 25.0 reports it: no memory for a surface.
 #[test]
 fn a_lost_surface_that_no_other_replaces_is_a_window_that_is_gone() {
     let server = Xvfb::start();

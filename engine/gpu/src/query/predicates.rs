@@ -336,8 +336,8 @@ impl Predicates {
     }
 
     /// Draws all of `draws` unconditionally. If the executor uses draw counts, these draws also get
-    /// a count, because lavapipe (Mesa 22.3, 25.0) reuses the count of the counted draw before a plain
-    /// indirect draw in the command buffer.
+    /// a count, because lavapipe (Mesa 22.3, 25.0) reuses the count of the counted draw before a
+    /// plain indirect draw in the command buffer.
     pub fn draw_always(&self, commands: &Commands, draws: BufferSlice) {
         if commands.check_owner(self).is_err() {
             return;

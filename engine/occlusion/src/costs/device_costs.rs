@@ -1,8 +1,6 @@
 //! The costs of a device, and what is decided by them before the first frame: the way that hidden
 //! draws are skipped, and with it the costs by which tests are weighed.
 
-use std::fmt::Display;
-
 use cull::{
     CostTable, Culler, LearnedCosts, MeasuredSkip, SceneCosts, SkippedWork, VisibilityTest,
     VisibilityTestSupport,
@@ -81,23 +79,24 @@ pub struct ChoiceRequest<'a> {
 }
 
 impl CullingSetup {
-    /// Decides by costs, which `measure` measures if that is asked for.
-    pub fn by<E: Display>(
+    /// Decides by costs, which `measure` measures if that is asked for. If it returns `None`, the
+    /// costs could not be measured, and the built-in table decides.
+    ///
+    /// # Errors
+    /// That of `measure`.
+    pub fn by<E>(
         cost_model: CostModel,
         request: &ChoiceRequest<'_>,
-        measure: impl FnOnce() -> Result<DeviceCosts, E>,
-    ) -> Self {
-        match cost_model {
+        measure: impl FnOnce() -> Result<Option<DeviceCosts>, E>,
+    ) -> Result<Self, E> {
+        Ok(match cost_model {
             CostModel::Off => Self::usual(request, None),
             CostModel::Table(table) => Self::usual(request, Some(checked(table))),
-            CostModel::Measured => match measure() {
-                Ok(device_costs) => Self::of_costs(request, &device_costs),
-                Err(error) => {
-                    tracing::warn!("the costs of this device could not be measured: {error}");
-                    Self::usual(request, Some(CostTable::default()))
-                }
+            CostModel::Measured => match measure()? {
+                Some(device_costs) => Self::of_costs(request, &device_costs),
+                None => Self::usual(request, Some(CostTable::default())),
             },
-        }
+        })
     }
 
     /// Decides by costs that were measured before, on this device.
@@ -167,6 +166,8 @@ fn checked(table: CostTable) -> CostTable {
 
 #[cfg(test)]
 mod tests {
+    use std::convert::Infallible;
+
     use cull::PredicationCosts;
 
     use super::*;
@@ -188,7 +189,8 @@ mod tests {
     }
 
     fn choice(device_costs: DeviceCosts) -> CullingSetup {
-        CullingSetup::by(CostModel::Measured, &REQUEST, || Ok::<_, String>(device_costs))
+        let measured = || Ok::<_, Infallible>(Some(device_costs));
+        CullingSetup::by(CostModel::Measured, &REQUEST, measured).unwrap()
     }
 
     #[test]
@@ -203,14 +205,14 @@ mod tests {
 
     #[test]
     fn without_costs_the_usual_executor_and_flags_are_taken() {
-        let failed = || Err::<DeviceCosts, _>("no clock");
+        let failed = || Ok::<_, Infallible>(None);
         for costs in [CostModel::Off, CostModel::Table(CostTable::default()), CostModel::Measured] {
-            let choice = CullingSetup::by(costs, &REQUEST, failed);
+            let choice = CullingSetup::by(costs, &REQUEST, failed).unwrap();
             assert_eq!(choice.predication, PredicationMode::Conditional);
             assert_eq!(choice.table.is_none(), costs == CostModel::Off);
             assert!(choice.skip_ns.is_empty());
         }
-        let ignored = CullingSetup::by(CostModel::Off, &REQUEST, failed);
+        let ignored = CullingSetup::by(CostModel::Off, &REQUEST, failed).unwrap();
         let flags = VisibilityTestSupport { flags: true, ..VisibilityTestSupport::default() };
         let tester = |testers| ignored.tester(&WORK, [1280, 720], testers);
         assert_eq!(tester(flags), VisibilityTest::Flag);
@@ -222,7 +224,7 @@ mod tests {
         };
         assert_eq!(tester(computed), VisibilityTest::Compute);
         let request = ChoiceRequest { executors: &[], ..REQUEST };
-        let choice = CullingSetup::by(CostModel::Off, &request, failed);
+        let choice = CullingSetup::by(CostModel::Off, &request, failed).unwrap();
         assert_eq!(choice.predication, PredicationMode::Instances);
     }
 
@@ -245,8 +247,8 @@ mod tests {
     #[test]
     fn an_impossible_table_is_replaced() {
         let nan = CostTable::uniform(f32::NAN);
-        let failed = || Err::<DeviceCosts, _>("not asked");
-        let choice = CullingSetup::by(CostModel::Table(nan), &REQUEST, failed);
+        let failed = || Ok::<_, Infallible>(None);
+        let choice = CullingSetup::by(CostModel::Table(nan), &REQUEST, failed).unwrap();
         assert_eq!(choice.table, Some(CostTable::default()));
         let broken = choice_of_broken_clock();
         assert_eq!(broken.predication, PredicationMode::Conditional);

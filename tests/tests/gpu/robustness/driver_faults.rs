@@ -301,6 +301,26 @@ fn after_a_frame_that_failed_the_next_ones_are_drawn() {
     stage.finish();
 }
 
+/// Checks that no renderer is made on a device that reports a loss once, while costs are measured.
+#[test]
+fn a_loss_while_costs_are_measured_refuses_the_renderer() {
+    let stage = Stage::new();
+    let told = options(PredicationMode::Conditional);
+    let measured = RendererOptions { cost_model: CostModel::Measured, ..told.clone() };
+    let submits = |options: &RendererOptions| {
+        FaultInjection::default().install();
+        let device = Device::new(&stage.instance, &stage.adapter, &DeviceOptions::default())?;
+        Renderer::new(&device, &stage.scene, options)?;
+        Ok::<_, render::Error>(calls(c"vkQueueSubmit2"))
+    };
+    let number = submits(&told).unwrap().midpoint(submits(&measured).unwrap());
+    let code = vk::Result::ERROR_DEVICE_LOST;
+    let fault = Fault { call: c"vkQueueSubmit2", fails: number..number + 1, code };
+    let sentence = stage.walk_with(fault, &measured, Goes::Home).expect("an error");
+    assert!(sentence.contains("vkQueueSubmit2"), "{sentence}");
+    stage.finish();
+}
+
 /// Checks that a failed measurement of costs does not fail the program. Each call fails once, or
 /// permanently from some point of the measurement on.
 #[test]

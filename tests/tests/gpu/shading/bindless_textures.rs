@@ -1,6 +1,6 @@
 //! Textures with an image each: they look the same as textures on pages, keep their size, and
-//! arrive while frames are in flight. Runs where there is descriptor indexing: on SwiftShader, and on
-//! newer versions of lavapipe than 22.3.
+//! arrive while frames are in flight. Runs where there is descriptor indexing: on SwiftShader, and
+//! on newer versions of lavapipe than 22.3.
 
 mod arriving;
 mod cancelled;

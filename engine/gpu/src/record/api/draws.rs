@@ -146,7 +146,8 @@ impl Commands {
 
     /// Draws the indexed indirect commands in `draws`, which must contain only such commands. The
     /// function is safe after a counted draw: on drivers that reuse the count of that draw (Mesa's
-    /// lavapipe, 22.3 and 25.0) it draws with the count in `all`, which must be `maxDrawIndirectCount`.
+    /// lavapipe, 22.3 and 25.0) it draws with the count in `all`, which must be
+    /// `maxDrawIndirectCount`.
     pub fn draw_all_indirect(&self, draws: BufferSlice, all: BufferSlice) {
         let limit = u64::from(self.device().adapter().limits.max_draw_indirect_count);
         let keeps = self.device().capabilities().keeps_draw_counts();
