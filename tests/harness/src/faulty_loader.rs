@@ -113,7 +113,7 @@ impl FaultyLoader {
     }
 }
 
-/// Checks that a program without a window ends with 1 after each of [`HEADLESS_FAULTS`], with an
+/// Checks that a program without a window ends with 1 after each of `HEADLESS_FAULTS`, with an
 /// error that names the call and the code. `program` makes the command in a folder that is empty
 /// again.
 pub fn assert_faults_end_programs(name: &str, program: impl Fn(&Path) -> Command) {
