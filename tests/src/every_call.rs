@@ -47,6 +47,11 @@ pub fn fired() -> Vec<(CallNumber, vk::Result)> {
     with_state(|state| state.fired.clone())
 }
 
+/// Returns the number of calls that followed the first fault; 0 if it was not injected.
+pub fn calls_after_first() -> usize {
+    with_state(|state| state.first_fired.map_or(0, |first| state.trace.len() - 1 - first))
+}
+
 /// Returns true if the second fault of the plan was injected, too.
 pub fn second_fired() -> bool {
     with_state(|state| state.second_fired)

@@ -68,7 +68,7 @@ impl FaultPlan {
 pub(super) struct State {
     plan: FaultPlan,
     counts: HashMap<CallNumber, usize>,
-    first_fired: Option<usize>,
+    pub(super) first_fired: Option<usize>,
     pub(super) second_fired: bool,
     /// True if a device was created since the first fault.
     is_replaced: bool,

@@ -158,6 +158,7 @@ impl Bench {
         let took = began.elapsed();
         let fired = every_call::fired();
         let has_both = every_call::second_fired();
+        let calls_after = every_call::calls_after_first();
         let kind = match &found.outcome {
             Ok(image) if *image == self.reference => {
                 if fired.is_empty() { "unreached" } else { "survived" }.to_owned()
@@ -186,7 +187,7 @@ impl Bench {
         }
         if found.faults.is_empty() {
             let verdict = if has_both { "pair" } else { "ok" };
-            return format!("{verdict} {kind}");
+            return format!("{verdict} {calls_after} {kind}");
         }
         // A fault that lasts is injected thousands of times.
         let fired: Vec<_> = fired

@@ -8,6 +8,8 @@ use std::time::Instant;
 
 use clap::ValueEnum;
 use tests::Driver;
+use tests::every_call::CallNumber;
+use tests::window_fixture::Random;
 
 use crate::coverage::Coverage;
 use crate::plans::Taken;
@@ -19,7 +21,13 @@ use crate::{Arguments, DriverName, plans};
 /// The number of runs with faults before the program runs without a fault in the same process.
 const RUNS_BEFORE_A_CHECK: usize = 8;
 
-/// The most runs per wanted pair: many programs end by the first fault, before the second one.
+/// The most second faults that follow the same first one.
+const SECONDS_PER_FIRST: usize = RUNS_BEFORE_A_CHECK - 1;
+
+/// The least first faults of a program's pairs.
+const LEAST_FIRSTS: usize = 4;
+
+/// The most first faults per wanted pair: no call follows those that end a program at once.
 const TRIES_PER_PAIR: usize = 4;
 
 /// Executes all runs, and prints the table. Fails if any run failed.
@@ -88,36 +96,86 @@ fn measure(
     let began = Instant::now();
     if given.is_empty() {
         let singles = plans::single(&trace, share(arguments.runs), arguments.seed, taken);
-        execute(&mut worker, &mut row, &singles, usize::MAX);
+        execute(&mut worker, &mut row, &singles);
         let wanted = share(arguments.pairs);
-        let pairs = plans::pairs(&trace, wanted * TRIES_PER_PAIR, arguments.seed);
-        execute(&mut worker, &mut row, &pairs, wanted);
+        execute_pairs(&mut worker, &mut row, &trace, wanted, arguments.seed);
     } else {
-        execute(&mut worker, &mut row, &given, usize::MAX);
+        execute(&mut worker, &mut row, &given);
     }
     row.seconds = began.elapsed().as_secs_f64();
     row.check_memory();
     row
 }
 
-/// Executes runs, until all are over or so many had two faults.
-fn execute(worker: &mut Worker, row: &mut Row, plans: &[String], wanted_pairs: usize) {
-    for batch in plans.chunks(RUNS_BEFORE_A_CHECK) {
-        if row.pairs >= wanted_pairs {
+/// Executes runs with one fault each.
+fn execute(worker: &mut Worker, row: &mut Row, plans: &[String]) {
+    for plans in plans.chunks(RUNS_BEFORE_A_CHECK) {
+        let mut batch = Batch::new(worker, row);
+        for plan in plans {
+            batch.run(plan);
+        }
+        batch.finish();
+    }
+}
+
+/// Executes runs with two faults, until so many were injected. A run with the first fault alone
+/// tells how many calls can be the second one: mostly those of a clean-up or a recovery.
+fn execute_pairs(
+    worker: &mut Worker,
+    row: &mut Row,
+    trace: &[CallNumber],
+    wanted: usize,
+    seed: u64,
+) {
+    let mut random = Random::new(!seed);
+    let per_first = SECONDS_PER_FIRST.min(wanted.div_ceil(LEAST_FIRSTS));
+    for _ in 0..TRIES_PER_PAIR * wanted {
+        let missing = wanted.saturating_sub(row.pairs);
+        if missing == 0 {
             break;
         }
-        for plan in batch {
-            let became = worker.run(plan);
-            let is_degraded = row.add(plan, became);
-            // What is degraded ends with its renderer.
-            if is_degraded && let Err(problem) = worker.check() {
-                row.fail(plan, &problem);
-            }
+        let first = plans::first_of_pair(trace, &mut random);
+        let mut batch = Batch::new(worker, row);
+        let calls_after = batch.run(&plans::write(&first, None));
+        let count = missing.min(per_first);
+        for plan in plans::seconds(&first, calls_after, count, &mut random) {
+            batch.run(&plan);
         }
-        if let Err(problem) = worker.check() {
-            find_culprit(worker, row, batch, &problem);
+        batch.finish();
+    }
+}
+
+/// Runs with faults, after which the program runs once without a fault in the same process.
+struct Batch<'a> {
+    worker: &'a mut Worker,
+    row: &'a mut Row,
+    plans: Vec<String>,
+}
+
+impl<'a> Batch<'a> {
+    fn new(worker: &'a mut Worker, row: &'a mut Row) -> Self {
+        Self { worker, row, plans: Vec::new() }
+    }
+
+    /// Runs the program with faults, and returns the number of calls after the first one.
+    fn run(&mut self, plan: &str) -> usize {
+        self.plans.push(plan.to_owned());
+        let became = self.worker.run(plan);
+        let calls_after = became.as_ref().map_or(0, |became| became.calls_after);
+        let is_degraded = self.row.add(plan, became);
+        // What is degraded ends with its renderer.
+        if is_degraded && let Err(problem) = self.worker.check() {
+            self.row.fail(plan, &problem);
         }
-        row.remember(worker.memory());
+        calls_after
+    }
+
+    /// Runs the program without a fault, and notes the memory of the process.
+    fn finish(self) {
+        if let Err(problem) = self.worker.check() {
+            find_culprit(self.worker, self.row, &self.plans, &problem);
+        }
+        self.row.remember(self.worker.memory());
     }
 }
 

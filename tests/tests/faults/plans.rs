@@ -80,22 +80,28 @@ pub fn single(trace: &[CallNumber], count: usize, seed: u64, taken: &Mutex<Taken
     chosen.iter().map(|fault| write(fault, None)).collect()
 }
 
-/// Returns `count` pairs of faults.
-pub fn pairs(trace: &[CallNumber], count: usize, seed: u64) -> Vec<String> {
-    let mut random = Random::new(!seed);
-    let pair = |_| {
-        let place = random.below(trace.len() as u32) as usize;
-        let mut first = fault_at(trace, place, &mut random);
-        // Of faults that last only a loss ends, with the next device.
-        if first.code != vk::Result::ERROR_DEVICE_LOST {
-            first.lasts = Lasts::Once;
-        }
-        // Most clean-ups are short, and recoveries are long.
-        let most = 1 << random.below(10);
-        let after = random.below(most) as usize;
-        write(&first, Some(NextFault { after, seed: u64::from(random.below(u32::MAX)) }))
+/// Returns a fault that another one can follow.
+pub fn first_of_pair(trace: &[CallNumber], random: &mut Random) -> Fault {
+    let place = random.below(trace.len() as u32) as usize;
+    let first = fault_at(trace, place, random);
+    // Of faults that last only a loss ends, with the next device.
+    let lasts = if first.code == vk::Result::ERROR_DEVICE_LOST { first.lasts } else { Lasts::Once };
+    Fault { lasts, ..first }
+}
+
+/// Returns `count` faults that follow `first`, each in place of one of the `calls_after` calls that
+/// were made after it.
+pub fn seconds(
+    first: &Fault,
+    calls_after: usize,
+    count: usize,
+    random: &mut Random,
+) -> Vec<String> {
+    let second = |_| {
+        let after = random.below(calls_after as u32) as usize;
+        write(first, Some(NextFault { after, seed: u64::from(random.below(u32::MAX)) }))
     };
-    (0..count).map(pair).collect()
+    (0..count.min(calls_after)).map(second).collect()
 }
 
 fn lasts(random: &mut Random) -> Lasts {

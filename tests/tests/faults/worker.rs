@@ -32,6 +32,8 @@ pub struct Became {
     pub kind: String,
     /// True if both faults of a pair were injected.
     pub has_both: bool,
+    /// The number of calls after the first fault.
+    pub calls_after: usize,
 }
 
 /// A child process that executes runs of one program on one driver.
@@ -91,13 +93,15 @@ impl Worker {
             self.restart();
         }
         let text = answer?;
-        let (verdict, kind) = text.split_once(' ').unwrap_or_default();
-        let has_both = match verdict {
-            "ok" => false,
-            "pair" => true,
+        let mut words = text.splitn(3, ' ');
+        let has_both = match words.next() {
+            Some("ok") => false,
+            Some("pair") => true,
             _ => return Err(text),
         };
-        Ok(Became { kind: kind.to_owned(), has_both })
+        let calls_after = words.next().and_then(|word| word.parse().ok()).expect("a number");
+        let kind = words.next().expect("a kind").to_owned();
+        Ok(Became { kind, has_both, calls_after })
     }
 
     /// Runs the program without a fault. A child that fails is replaced.
