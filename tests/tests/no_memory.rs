@@ -1,5 +1,5 @@
 //! The creation of a renderer without enough memory returns an error, and the process goes on. The
-//! process has a single test, and an allocator with a limit. Allocations of drivers are not
+//! process has an allocator with a limit, and its tests take turns. Allocations of drivers are not
 //! counted.
 #![forbid(unsafe_code)]
 #![allow(
@@ -12,9 +12,10 @@
 use std::alloc::System;
 
 use cap::Cap;
-use cull::HierarchyError;
+use cull::{HierarchyError, ObjectId, SectionMode, SectionPlane, SectionPlanes};
+use glam::{Affine3A, DVec3};
 use render::{CostModel, Error, Renderer, RendererOptions};
-use scene::{Material, MaterialId, Mesh, Object, Scene, Surfaces};
+use scene::{Material, MaterialId, Mesh, Object, ObjectChange, Scene, Surfaces};
 use tests::shapes::surface_of;
 use tests::{Driver, run};
 
@@ -23,9 +24,23 @@ static ALLOCATOR: Cap<System> = Cap::new(System, usize::MAX);
 
 const MIB: usize = 1 << 20;
 
+/// The objects of a scene with large lists.
+const OBJECTS: u32 = 20_000;
+/// The objects that come.
+const MORE_OBJECTS: usize = 8_000;
+
 fn scene(triangles: usize) -> Scene {
     let corners = [[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|at| (at, [1.0; 3]));
     Scene::single(Mesh::of_triangles("many", &corners.repeat(triangles)))
+}
+
+/// Returns a mesh of triangles that share no corner, the most that its edges can be.
+fn plates(triangles: u16) -> Mesh {
+    let corners = (0..triangles).flat_map(|level| {
+        let y = f32::from(level);
+        [[-1.0, y, 0.0], [1.0, y, 0.0], [0.0, y, 1.0]].map(|at| (at, [1.0; 3]))
+    });
+    Mesh::of_triangles("plates", &corners.collect::<Vec<_>>())
 }
 
 fn with_surfaces(scene: Scene) -> Scene {
@@ -63,6 +78,72 @@ fn a_scene_that_there_is_no_memory_for_is_refused() {
         let renderer = Renderer::new(device, &many, &options).unwrap();
         assert_no_memory_to_cull(with_free_mib(4, || renderer.new_view()).map(drop), 8);
         renderer.new_view().unwrap();
+    });
+}
+
+/// The free memory of the lowest limit: room for what is small, whatever the scene.
+const SMALL_KIB: usize = 1_024;
+
+/// The difference between two limits.
+const STEP_KIB: usize = 96;
+
+/// Returns the result of a call at the first of rising limits at which it succeeds. At each limit
+/// below it is refused; a call that asks too late aborts this process.
+fn at_rising_limits<T>(what: &str, call: impl FnMut() -> Result<T, Error>) -> T {
+    at_limits(what, STEP_KIB, call)
+}
+
+/// As above, with this difference between two limits.
+fn at_limits<T>(what: &str, step_kib: usize, mut call: impl FnMut() -> Result<T, Error>) -> T {
+    for free_kib in (SMALL_KIB..).step_by(step_kib) {
+        println!("{what} with {free_kib} KiB");
+        ALLOCATOR.set_limit(ALLOCATOR.allocated() + free_kib * 1_024).unwrap();
+        let done = call();
+        ALLOCATOR.set_limit(usize::MAX).unwrap();
+        match done {
+            Ok(done) => return done,
+            Err(Error::NoMemory { .. } | Error::Hierarchy(HierarchyError::NoMemory { .. })) => {}
+            Err(error) => panic!("{what} with {free_kib} KiB: {error}"),
+        }
+    }
+    unreachable!("the limits end with the memory");
+}
+
+#[test]
+fn at_every_limit_a_call_is_refused_or_succeeds() {
+    run(Driver::Lavapipe, |device| {
+        let scene = scenes::city(OBJECTS, 7).unwrap().scene;
+        let options = RendererOptions {
+            size: [64, 36],
+            cost_model: CostModel::Off,
+            spare_objects: MORE_OBJECTS,
+            ..Default::default()
+        };
+        let mut renderer =
+            at_rising_limits("a renderer", || Renderer::new(device, &scene, &options));
+        at_rising_limits("a view", || renderer.new_view());
+        let aside = |was: &Object| Affine3A::from_translation(glam::Vec3::Y) * was.transform;
+        let objects = &scene.objects[..MORE_OBJECTS];
+        let copies = objects.iter().map(|was| Object { transform: aside(was), ..*was });
+        let add: Vec<ObjectChange> = copies.map(|object| ObjectChange::Add { object }).collect();
+        let added = at_rising_limits("objects that come", || renderer.update(&add)).added;
+        let ids = (0..).map(ObjectId);
+        let moves = ids.zip(objects).map(|(object, was)| {
+            let transform = aside(was);
+            ObjectChange::Move { object, transform }
+        });
+        let moves: Vec<ObjectChange> = moves.collect();
+        at_rising_limits("objects that move", || renderer.update(&moves));
+        let gone = added.iter().map(|object| ObjectChange::Remove { object: *object });
+        let gone: Vec<ObjectChange> = gone.collect();
+        at_rising_limits("objects that go", || renderer.update(&gone));
+        at_rising_limits("another hierarchy", || renderer.rebuild_hierarchy());
+        let plane = SectionPlane::new(DVec3::X, 0.0).unwrap();
+        let planes = SectionPlanes::new(&[plane], SectionMode::Union).unwrap();
+        at_rising_limits("section planes", || renderer.set_section(planes.clone()));
+        let plates = Scene::single(plates(60_000));
+        let mut renderer = Renderer::new(device, &plates, &options).unwrap();
+        at_limits("planes and a large mesh", 1_024, || renderer.set_section(planes.clone()));
     });
 }
 

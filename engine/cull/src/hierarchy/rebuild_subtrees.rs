@@ -23,6 +23,11 @@ pub(super) struct Worn {
 }
 
 impl Worn {
+    /// Creates the lists of a hierarchy with `nodes` nodes, of which none is worn.
+    pub(super) fn new(nodes: usize) -> Self {
+        Self { is_candidate: vec![false; nodes], ..Self::default() }
+    }
+
     /// Notes a refitted node, now with `data`, if its rebuild may be worthwhile.
     #[inline]
     pub(super) fn consider(&mut self, topology: &Topology, wear: &Wear, node: u32, data: &Node) {

@@ -10,9 +10,19 @@ use scene::{LightMove, MeshId, Object, ObjectChange, SceneUpdate, TransparentMov
 
 use crate::error::Error;
 use crate::renderer::Renderer;
+use crate::resources::limits::check_memory;
 use crate::resources::mesh_slots::Residency;
 use crate::update::{ObjectSet, UpdateReport, UpdateScratch};
 use crate::update_errors::ChangeError;
+
+/// The most memory that a change takes in the lists of an update, of the hierarchy and of the
+/// leaves, while all of them grow (bytes).
+const BYTES_PER_CHANGE: usize = 512;
+
+/// The most memory that an object takes while the hierarchy is built again beside the present one
+/// (bytes).
+const BYTES_PER_REBUILT_OBJECT: usize =
+    size_of::<Aabb>() + cull::BUILD_BYTES_PER_OBJECT + size_of::<[u32; 16]>();
 
 impl Renderer {
     /// Applies all changes between two frames: objects first, with [`Renderer::update`], then
@@ -47,9 +57,11 @@ impl Renderer {
     /// next update, when its id is known.
     ///
     /// # Errors
-    /// [`Error::Change`] for the first impossible change. Nothing has changed then.
+    /// [`Error::Change`] for the first impossible change; [`Error::NoMemory`]. Nothing has changed
+    /// then.
     pub fn update(&mut self, changes: &[ObjectChange]) -> Result<UpdateReport, Error> {
         let began = Instant::now();
+        check_memory("changes of objects", changes.len(), BYTES_PER_CHANGE)?;
         let mut scratch = std::mem::take(&mut self.update_scratch);
         let outcome = self.check_changes(changes, &mut scratch);
         let outcome = outcome.and_then(|()| self.make_changes(changes, &mut scratch));
@@ -181,8 +193,10 @@ impl Renderer {
     /// the scene is loaded; nothing waits for the GPU. Views keep their history of objects.
     ///
     /// # Errors
-    /// Does not fail for objects that were accepted before.
+    /// [`Error::NoMemory`] or [`Error::Hierarchy`] without memory for it. Nothing has changed then.
     pub fn rebuild_hierarchy(&mut self) -> Result<(), Error> {
+        let count = self.scene.hierarchy().leaf_objects().len();
+        check_memory("another hierarchy", count, BYTES_PER_REBUILT_OBJECT)?;
         let boxes = self.scene.hierarchy().boxes_of_objects();
         self.scene.parts_mut().hierarchy.rebuild(&boxes)?;
         self.revision.advance();

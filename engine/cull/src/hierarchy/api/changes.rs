@@ -262,7 +262,7 @@ impl Hierarchy {
         self.nodes = Nodes::new(&topology, boxes);
         self.topology = topology;
         self.boxes.clear();
-        self.worn = rebuild_subtrees::Worn::default();
+        self.worn = rebuild_subtrees::Worn::new(self.topology.nodes.len());
         self.work.rebuilt_leaves += boxes.len() as u64;
         let generation = self.begin_generation();
         self.births = vec![generation; self.topology.nodes.len()];
