@@ -2,7 +2,7 @@
 //! frame, a recovery that fails, devices and windows that come and go meanwhile.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use cull::{Camera, Strategy};
 use gpu::vk::Result as Code;
@@ -10,6 +10,7 @@ use gpu::{
     Device, DeviceOptions, Error, Instance, PresentMode, PresentResult, PresentSkipped, Readback,
     Surface, Swapchain, SwapchainOptions, WindowSystem,
 };
+use pacing::{RecoverySchedule, Retry, Time};
 use render::{FrameRequest, RenderView, Renderer, RendererOptions};
 use scenes::{CameraPath, GeneratedScene, PathKind};
 use tests::captured_log::CapturedLog;
@@ -239,6 +240,34 @@ fn devices_that_cannot_be_created_are_tried_again_and_nothing_changes_meanwhile(
         drop(kept);
         end(instance);
     }
+}
+
+#[test]
+fn five_losses_in_a_minute_change_nothing_and_the_sixth_ends() {
+    let _alone = every_call_alone();
+    let instance = instance_with(every_call::entry());
+    let adapter = instance.pick_adapter(Some(Driver::Lavapipe.device_name())).unwrap();
+    let open = || Device::new(&instance, &adapter, &DeviceOptions::default()).unwrap();
+    let mut kept = Kept::new(&open());
+    let expected = kept.pixels(5);
+    let mut schedule = RecoverySchedule::default();
+    let mut now = Time::from_origin(Duration::ZERO);
+    let calls = ["vkQueueSubmit2", "vkWaitSemaphores", "vkGetSemaphoreCounterValue"];
+    for call in calls.into_iter().cycle().take(5) {
+        fail_forever(call, 0, Code::ERROR_DEVICE_LOST);
+        kept.lose();
+        let Retry::At(time) = schedule.lost(now) else { panic!("it gave up") };
+        kept.renderer.recover(&open()).unwrap();
+        every_call::stop();
+        assert!(kept.pixels(5) == expected, "after a loss by {call}");
+        now = time.after(Duration::from_secs(5));
+    }
+    fail_forever("vkQueueSubmit2", 0, Code::ERROR_DEVICE_LOST);
+    kept.lose();
+    assert_eq!(schedule.lost(now), Retry::GiveUp);
+    drop(kept);
+    every_call::stop();
+    end(instance);
 }
 
 #[test]
