@@ -217,7 +217,7 @@ fn every_example_is_run_and_named_in_its_page() {
             continue;
         }
         if folder.ends_with("wgpu") {
-            // Its example lies outside of the workspace as it does: `ci/hosts` builds and runs both.
+            // Its example is outside of the workspace, too: `ci/hosts` builds and runs both.
             assert!(page.contains("examples/hosts/wgpu"), "{} does not name it", folder.display());
             continue;
         }

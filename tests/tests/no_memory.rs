@@ -93,7 +93,8 @@ fn at_rising_limits<T>(what: &str, call: impl FnMut() -> Result<T, Error>) -> T 
     at_limits(what, STEP_KIB, call)
 }
 
-/// As above, with this difference between two limits.
+/// Returns the result of a call as [`at_rising_limits`] does, with this difference between two
+/// limits.
 fn at_limits<T>(what: &str, step_kib: usize, mut call: impl FnMut() -> Result<T, Error>) -> T {
     for free_kib in (SMALL_KIB..).step_by(step_kib) {
         println!("{what} with {free_kib} KiB");

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, MutexGuard};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use ash::{ext, vk};
 
@@ -266,9 +266,12 @@ impl Device {
         let timeline = self.shared.clock.timeline("waiting for the GPU")?.semaphore;
         counter.fetch_add(1, Ordering::Relaxed);
         let bound = self.shared.wait_bound;
+        let began = Instant::now();
         match wait_bounded(self.raw(), timeline, tick, bound) {
             Err(vk::Result::TIMEOUT) => {
-                Err(Error::Timeout { what, call: "vkWaitSemaphores", seconds: bound.as_secs_f64() })
+                // A driver may say so before the bound.
+                let seconds = began.elapsed().as_secs_f64();
+                Err(Error::Timeout { what, call: "vkWaitSemaphores", seconds })
             }
             other => other.called("vkWaitSemaphores").inspect_err(|error| self.note_loss(error)),
         }

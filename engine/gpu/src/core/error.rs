@@ -241,7 +241,7 @@ pub enum Error {
     Allocator(AllocationError),
     /// The GPU did not finish in time.
     #[error(
-        "the GPU did not finish {what} within {seconds} s ({call}: TIMEOUT); it may hang, or the frame is too heavy for this device"
+        "the GPU did not finish {what} within {seconds:.3} s ({call}: TIMEOUT); it may hang, or the frame is too heavy for this device"
     )]
     Timeout {
         /// The work that was waited for.
