@@ -94,7 +94,11 @@ fn mistakes_of_a_scene_and_of_a_frame_are_named() {
     for (desc, result, words) in [
         (AntumbraRendererDesc { meshes: [null()].as_ptr(), ..good }, BadPointer, "desc.meshes[0]"),
         (AntumbraRendererDesc { objects: null(), ..good }, BadPointer, "desc.objects"),
-        (AntumbraRendererDesc { objects: &foreign, ..good }, BadArgument, "object 0"),
+        (
+            AntumbraRendererDesc { objects: &foreign, object_count: 1, ..good },
+            BadArgument,
+            "object 0",
+        ),
         (AntumbraRendererDesc { light: &dark, ..good }, BadArgument, "not finite"),
         (AntumbraRendererDesc { width: 0, ..good }, BadArgument, "0"),
         (AntumbraRendererDesc { frames_in_flight: 17, ..good }, BadArgument, "17 frames"),
