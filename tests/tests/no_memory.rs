@@ -141,10 +141,10 @@ fn at_every_limit_a_call_is_refused_or_succeeds() {
         at_rising_limits("another hierarchy", || renderer.rebuild_hierarchy());
         let plane = SectionPlane::new(DVec3::X, 0.0).unwrap();
         let planes = SectionPlanes::new(&[plane], SectionMode::Union).unwrap();
-        at_rising_limits("section planes", || renderer.set_section(planes.clone()));
+        at_rising_limits("section planes", || renderer.set_section(planes));
         let plates = Scene::single(plates(60_000));
         let mut renderer = Renderer::new(device, &plates, &options).unwrap();
-        at_limits("planes and a large mesh", 1_024, || renderer.set_section(planes.clone()));
+        at_limits("planes and a large mesh", 1_024, || renderer.set_section(planes));
     });
 }
 
