@@ -84,6 +84,9 @@ fn a_scene_that_there_is_no_memory_for_is_refused() {
 /// The free memory of the lowest limit: room for what is small, whatever the scene.
 const SMALL_KIB: usize = 1_024;
 
+/// The free memory of the highest limit, many times what any call here needs.
+const MOST_KIB: usize = 256 << 10;
+
 /// The difference between two limits.
 const STEP_KIB: usize = 96;
 
@@ -96,18 +99,21 @@ fn at_rising_limits<T>(what: &str, call: impl FnMut() -> Result<T, Error>) -> T 
 /// Returns the result of a call as [`at_rising_limits`] does, with this difference between two
 /// limits.
 fn at_limits<T>(what: &str, step_kib: usize, mut call: impl FnMut() -> Result<T, Error>) -> T {
-    for free_kib in (SMALL_KIB..).step_by(step_kib) {
+    for free_kib in (SMALL_KIB..MOST_KIB).step_by(step_kib) {
         println!("{what} with {free_kib} KiB");
         ALLOCATOR.set_limit(ALLOCATOR.allocated() + free_kib * 1_024).unwrap();
         let done = call();
         ALLOCATOR.set_limit(usize::MAX).unwrap();
         match done {
-            Ok(done) => return done,
+            Ok(done) => {
+                assert!(free_kib > SMALL_KIB, "{what} was never refused");
+                return done;
+            }
             Err(Error::NoMemory { .. } | Error::Hierarchy(HierarchyError::NoMemory { .. })) => {}
             Err(error) => panic!("{what} with {free_kib} KiB: {error}"),
         }
     }
-    unreachable!("the limits end with the memory");
+    panic!("{what} is still refused with {MOST_KIB} KiB");
 }
 
 #[test]
