@@ -9,6 +9,7 @@
     reason = "a test fails by panicking"
 )]
 
+mod endings;
 mod situations;
 
 use std::ffi::CStr;

@@ -83,14 +83,16 @@ impl PipelineCache {
         let info = vk::PipelineCacheCreateInfo::default().initial_data(stored.unwrap_or_default());
         // SAFETY: the data, if any, was written by this driver for this device and is undamaged.
         let raw = match unsafe { device.create_pipeline_cache(&info, callbacks.get()) } {
-            Ok(raw) => raw,
-            Err(code) => {
-                tracing::warn!("the stored pipeline cache was refused ({code:?}), starting afresh");
+            Err(code) if stored.is_some() => {
+                tracing::warn!(
+                    "vkCreatePipelineCache refused the stored data ({code:?}), starting afresh"
+                );
                 let empty = vk::PipelineCacheCreateInfo::default();
                 // SAFETY: as above, without data.
                 unsafe { device.create_pipeline_cache(&empty, callbacks.get()) }
                     .called("vkCreatePipelineCache")?
             }
+            created => created.called("vkCreatePipelineCache")?,
         };
         Ok(Self { raw, path, identity, ownership: Ownership::Ours })
     }

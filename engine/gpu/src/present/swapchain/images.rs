@@ -1,6 +1,8 @@
 //! A Vulkan swapchain with its images, and the semaphores and fences of their presents.
 
-use std::time::Duration;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use ash::{khr, vk};
 
@@ -42,6 +44,8 @@ pub(super) struct SwapchainImages {
     pub(super) mode: PresentMode,
     pub(super) format: vk::Format,
     pub(super) images: Vec<ChainImage>,
+    /// True once a present of the window did not end in time: no chain waits for another one.
+    is_stuck: Arc<AtomicBool>,
 }
 
 /// A chain that shows no frames any more. It is destroyed when neither the GPU nor the presentation
@@ -58,6 +62,8 @@ pub(super) struct Wanted<'a> {
     pub(super) mode: PresentMode,
     /// The previous chain, which shows no further frames.
     pub(super) before: vk::SwapchainKHR,
+    /// Shared by all chains of the window.
+    pub(super) is_stuck: &'a Arc<AtomicBool>,
 }
 
 impl SwapchainImages {
@@ -94,8 +100,10 @@ impl SwapchainImages {
         let functions = functions.clone();
         let size = wanted.size;
         let mode = wanted.mode;
+        let is_stuck = Arc::clone(wanted.is_stuck);
+        let images = Vec::new();
         let mut chain =
-            Self { raw, _surface: surface, functions, size, mode, format, images: Vec::new() };
+            Self { raw, _surface: surface, functions, size, mode, format, images, is_stuck };
         match chain.bring_images(device, wanted.number) {
             Ok(()) => Ok(chain),
             Err(error) => {
@@ -278,17 +286,20 @@ impl RetiredObject for RetiredImages {
     /// In the latter case the chain is destroyed, too, as it is where there are no present fences:
     /// it must not outlive its window and its device.
     fn destroy(self: Box<Self>, device: &ash::Device) {
-        const BOUND: Duration = Duration::from_secs(1);
         let chain = self.chain;
+        let began = Instant::now();
         let pending = chain.images.iter().filter(|image| image.is_fence_pending);
-        let is_held = pending
-            .filter_map(|image| image.fence)
-            .any(|fence| matches!(wait_for(device, fence, BOUND), Ok(false)));
-        if is_held {
+        let waited = pending.filter_map(|image| image.fence).try_for_each(|fence| {
+            let is_stuck = chain.is_stuck.load(Ordering::Relaxed);
+            let bound = if is_stuck { Duration::ZERO } else { PRESENT_BOUND };
+            wait_until(device, fence, bound.saturating_sub(began.elapsed()))
+        });
+        if let Err(error) = waited {
+            chain.is_stuck.store(true, Ordering::Relaxed);
             tracing::error!(
-                "a present did not end within {} s (vkWaitForFences: TIMEOUT); its swapchain is \
-                 destroyed all the same",
-                BOUND.as_secs()
+                "a present did not end within {} s; its swapchain is destroyed all the same: \
+                 {error}",
+                PRESENT_BOUND.as_secs()
             );
         }
         // SAFETY: the tick of the last submit that used the images is over, and this is the only
@@ -305,15 +316,43 @@ impl RetiredObject for RetiredImages {
     }
 }
 
+/// The time in which the last presents of a window must end.
+const PRESENT_BOUND: Duration = Duration::from_secs(1);
+
+/// Waits until `fence` is signalled, or its device is lost. A wait that fails is repeated until
+/// `bound` is over: nothing else proves that a present is over.
+fn wait_until(device: &ash::Device, fence: vk::Fence, bound: Duration) -> Result<(), Error> {
+    let began = Instant::now();
+    loop {
+        let left = bound.saturating_sub(began.elapsed());
+        let failure = match wait_for(device, fence, left) {
+            Ok(true) => return Ok(()),
+            Err(error) if error.is_device_lost() => return Ok(()),
+            Ok(false) => Error::Vulkan { call: "vkWaitForFences", code: vk::Result::TIMEOUT },
+            Err(error) => error,
+        };
+        if left.is_zero() {
+            return Err(failure);
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
 /// Returns true if `fence` is signalled within `bound`. When the wait ends without it, the fence is
-/// read, so that a wait that ends too early does not count as a present that never ends.
+/// read, so that a wait that fails or ends too early does not count as a present that never ends.
 fn wait_for(device: &ash::Device, fence: vk::Fence, bound: Duration) -> Result<bool, Error> {
     let bound_ns = u64::try_from(bound.as_nanos()).unwrap_or(MOST_NS).min(MOST_NS);
     // SAFETY: a live fence of this device.
     match unsafe { device.wait_for_fences(&[fence], true, bound_ns) } {
-        Err(vk::Result::TIMEOUT) => {
+        Err(code) if code != vk::Result::ERROR_DEVICE_LOST => {
             // SAFETY: as above.
-            unsafe { device.get_fence_status(fence) }.called("vkGetFenceStatus")
+            let status = unsafe { device.get_fence_status(fence) };
+            let is_signalled = status.called("vkGetFenceStatus")?;
+            if is_signalled || code == vk::Result::TIMEOUT {
+                Ok(is_signalled)
+            } else {
+                Err(code).called("vkWaitForFences")
+            }
         }
         other => other.called("vkWaitForFences").map(|()| true),
     }

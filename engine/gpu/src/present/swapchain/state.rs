@@ -1,5 +1,8 @@
 //! The window's part of a swapchain: its chain, the fit of the chain, and the acquired image.
 
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
 use ash::{khr, vk};
 
 use super::images::{ChainNumber, ImageIndex, SwapchainImages, Wanted};
@@ -27,6 +30,8 @@ pub(super) struct SwapchainState {
     /// The number of the newest chain.
     pub(super) number: ChainNumber,
     pub(super) old: RetiredSwapchains,
+    /// True once a present did not end in time.
+    is_stuck: Arc<AtomicBool>,
     pub(super) fallback: Option<Fallback>,
     pub(super) fit: Fit,
     /// The requested mode when the chain was created or last compared.
@@ -83,6 +88,7 @@ impl SwapchainState {
             chain: None,
             number: ChainNumber(0),
             old: RetiredSwapchains::default(),
+            is_stuck: Arc::default(),
             fallback: None,
             fit: Fit::Fits,
             mode: options.mode,
@@ -186,12 +192,14 @@ impl SwapchainState {
             size,
             mode,
             before: before.as_ref().map_or(vk::SwapchainKHR::null(), |chain| chain.raw),
+            is_stuck: &self.is_stuck,
         };
         let made = SwapchainImages::new(&self.device, &self.functions, &self.surface, &wanted);
         // The call retires the old chain even if it fails.
-        if let Some(before) = before {
-            self.old.push(&self.device, before.retired())?;
-        }
+        let pushed = match before {
+            Some(before) => self.old.push(&self.device, before.retired()),
+            None => Ok(()),
+        };
         let chain = match made {
             Ok(chain) => chain,
             Err(error) => {
@@ -212,7 +220,8 @@ impl SwapchainState {
         );
         self.chain = Some(chain);
         self.before_chain = self.newest;
-        Ok(())
+        // The new chain is there, even if the submit behind an old one failed.
+        pushed
     }
 
     fn choose_mode(&mut self) -> Result<PresentMode, Error> {
@@ -249,10 +258,10 @@ impl SwapchainState {
     }
 
     fn new_semaphore(&self, slot: usize) -> Result<vk::Semaphore, Error> {
+        let info = vk::SemaphoreCreateInfo::default();
         // SAFETY: a plain semaphore.
-        let semaphore = unsafe {
-            self.device.raw().create_semaphore(&vk::SemaphoreCreateInfo::default(), None)
-        };
+        let semaphore =
+            unsafe { self.device.raw().create_semaphore(&info, self.device.callbacks()) };
         let semaphore = semaphore.called("vkCreateSemaphore")?;
         self.device.name(semaphore, &format!("window image acquired {slot}"));
         Ok(semaphore)

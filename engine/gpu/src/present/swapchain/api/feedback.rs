@@ -72,7 +72,10 @@ impl Swapchain {
                 | vk::Result::ERROR_OUT_OF_DATE_KHR
                 | vk::Result::ERROR_SURFACE_LOST_KHR,
             ) => Ok(false),
-            Err(code) => Err(code).called("vkWaitForPresentKHR"),
+            Err(code) => {
+                let failed = Err(code).called("vkWaitForPresentKHR");
+                failed.inspect_err(|error| screen.device.note_loss(error))
+            }
         }
     }
 
