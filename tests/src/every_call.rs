@@ -24,7 +24,7 @@ use crate::loader::{Replaces, replacing_entry};
 pub use calls::NAMES;
 pub use codes::{INVENTED, codes_of, name_of, number_of, parse_code, table_version};
 pub use live::{LiveObjects, live_objects, take_unnamed};
-pub use state::{CallNumber, Fault, FaultPlan, Lasts, NextFault};
+pub use state::{CallNumber, Fault, FaultPlan, Lasts, NextFault, call_matters};
 use state::{Function, with_state};
 
 /// Installs a plan of faults, and restarts all counts.
@@ -47,9 +47,10 @@ pub fn fired() -> Vec<(CallNumber, vk::Result)> {
     with_state(|state| state.fired.clone())
 }
 
-/// Returns the number of calls that followed the first fault; 0 if it was not injected.
+/// Returns the number of calls that followed the first fault and can be the second one; 0 if it was
+/// not injected.
 pub fn calls_after_first() -> usize {
-    with_state(|state| state.first_fired.map_or(0, |first| state.trace.len() - 1 - first))
+    with_state(|state| state.calls_after)
 }
 
 /// Returns true if the second fault of the plan was injected, too.

@@ -1,4 +1,4 @@
-//! The functions that know a device: what a lost device executes is over, so its work is waited for
+//! The functions that create and destroy devices, and destroy instances. What a lost device executes is over, so its work is waited for
 //! when the first call reports the loss.
 
 use std::ffi::{CStr, c_char};
@@ -22,6 +22,7 @@ pub(super) struct Replacement {
 const PROC_ADDR: &str = "vkGetDeviceProcAddr";
 const CREATE: &str = "vkCreateDevice";
 const DESTROY: &str = "vkDestroyDevice";
+const DESTROY_INSTANCE: &str = "vkDestroyInstance";
 const WAIT_IDLE: &str = "vkDeviceWaitIdle";
 
 /// Returns the replacement of a function that is not only counted.
@@ -32,6 +33,7 @@ pub(super) fn replacement(name: &str) -> Option<Replacement> {
             (PROC_ADDR, transmute::<vk::PFN_vkGetDeviceProcAddr, Function>(proc_addr)),
             (CREATE, transmute::<vk::PFN_vkCreateDevice, Function>(create_device)),
             (DESTROY, transmute::<vk::PFN_vkDestroyDevice, Function>(destroy_device)),
+            (DESTROY_INSTANCE, transmute::<vk::PFN_vkDestroyInstance, Function>(destroy_instance)),
         ]
     };
     let found = all.into_iter().find(|(replaced, _)| *replaced == name);
@@ -82,6 +84,15 @@ unsafe extern "system" fn destroy_device(
     });
     // SAFETY: as above.
     unsafe { real_other::<vk::PFN_vkDestroyDevice>(DESTROY)(device, callbacks) }
+}
+
+unsafe extern "system" fn destroy_instance(
+    instance: vk::Instance,
+    callbacks: *const vk::AllocationCallbacks<'_>,
+) {
+    with_state(|state| state.note_destroyed("Instance", instance.as_raw()));
+    // SAFETY: as above.
+    unsafe { real_other::<vk::PFN_vkDestroyInstance>(DESTROY_INSTANCE)(instance, callbacks) }
 }
 
 /// Waits until no other thread is in a call that uses a queue. A thread of a swapchain may present

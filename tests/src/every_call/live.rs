@@ -11,7 +11,7 @@ use ash::vk::Handle;
 use super::device::Replacement;
 use super::state::{CallNumber, Function, State, real_other, with_state};
 
-const NAMING: &str = "vkSetDebugUtilsObjectNameEXT";
+pub(super) const NAMING: &str = "vkSetDebugUtilsObjectNameEXT";
 
 /// The number of objects of each type.
 pub type LiveObjects = BTreeMap<&'static str, i64>;
@@ -39,12 +39,19 @@ fn made_by(name: &'static str) -> Option<&'static str> {
         "vkAllocateMemory" => Some("Memory"),
         // The engine creates them one by one.
         "vkCreateGraphicsPipelines" | "vkCreateComputePipelines" => Some("Pipeline"),
+        name if name.ends_with(SURFACE) => Some(SURFACE),
         name => name.strip_prefix("vkCreate").filter(|kind| is_counted(kind)),
     }
 }
 
+const SURFACE: &str = "SurfaceKHR";
+
+/// The types whose objects are not those of a device, and need no debug name.
+const OF_INSTANCES: [&str; 3] = ["Instance", "DebugUtilsMessengerEXT", SURFACE];
+
 fn is_counted(kind: &str) -> bool {
-    kind == "Device" || DESTROYERS.iter().any(|name| name.strip_prefix("vkDestroy") == Some(kind))
+    ["Device", "Instance"].contains(&kind)
+        || DESTROYERS.iter().any(|name| name.strip_prefix("vkDestroy") == Some(kind))
 }
 
 /// Notes the object that a call made or named.
@@ -70,7 +77,9 @@ impl State {
     /// Notes that a call made an object.
     pub(super) fn note_made(&mut self, kind: &'static str, handle: u64) {
         *self.live.entry(kind).or_default() += 1;
-        self.unnamed.insert(handle, kind);
+        if !OF_INSTANCES.contains(&kind) {
+            self.unnamed.insert(handle, kind);
+        }
     }
 
     /// Notes that an object is destroyed.
@@ -82,7 +91,7 @@ impl State {
     }
 }
 
-/// Defines the names and replacements of functions that destroy an object of a device.
+/// Defines the names and replacements of functions that destroy an object of a device or instance.
 macro_rules! destroyers {
     ($($pfn:ident)+) => {
         #[allow(non_camel_case_types)]
@@ -108,7 +117,8 @@ destroyers! {
     PFN_vkDestroyFence PFN_vkDestroyImage PFN_vkDestroyImageView PFN_vkDestroyPipeline
     PFN_vkDestroyPipelineCache PFN_vkDestroyPipelineLayout PFN_vkDestroyQueryPool
     PFN_vkDestroySampler PFN_vkDestroySemaphore PFN_vkDestroyShaderModule
-    PFN_vkDestroySwapchainKHR PFN_vkFreeMemory
+    PFN_vkDestroySwapchainKHR PFN_vkFreeMemory PFN_vkDestroySurfaceKHR
+    PFN_vkDestroyDebugUtilsMessengerEXT
 }
 
 /// The place of a function in the list, as a value whose type carries it.

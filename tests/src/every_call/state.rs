@@ -7,7 +7,7 @@ use ash::vk;
 
 use super::calls::NAMES;
 use super::codes::{INVENTED, codes_of};
-use super::live::LiveObjects;
+use super::live::{LiveObjects, NAMING};
 use crate::window_fixture::Random;
 
 /// The number of a call in [`NAMES`].
@@ -41,7 +41,7 @@ pub struct Fault {
 /// A second fault, in the clean-up or recovery after the first.
 #[derive(Clone, Copy, Debug)]
 pub struct NextFault {
-    /// The number of calls of any function between the first fault and this one.
+    /// The number of calls between the first fault and this one, without those that name objects.
     pub after: usize,
     /// The choice among the codes of the function that is called then.
     pub seed: u64,
@@ -68,7 +68,9 @@ impl FaultPlan {
 pub(super) struct State {
     plan: FaultPlan,
     counts: HashMap<CallNumber, usize>,
-    pub(super) first_fired: Option<usize>,
+    has_failed: bool,
+    /// The number of calls since the first fault that can be the second one.
+    pub(super) calls_after: usize,
     pub(super) second_fired: bool,
     /// True if a device was created since the first fault.
     is_replaced: bool,
@@ -89,7 +91,8 @@ impl State {
     pub(super) fn install(&mut self, plan: FaultPlan) {
         self.plan = plan;
         self.counts = HashMap::new();
-        self.first_fired = None;
+        self.has_failed = false;
+        self.calls_after = 0;
         self.second_fired = false;
         self.is_replaced = false;
         self.trace = Vec::new();
@@ -102,7 +105,7 @@ impl State {
 
     /// Notes that a device is being created: it works, though the one before is lost.
     pub(super) fn note_new_device(&mut self) {
-        self.is_replaced |= self.first_fired.is_some();
+        self.is_replaced |= self.has_failed;
     }
 
     /// Counts a call, and returns its code if it must fail.
@@ -110,21 +113,22 @@ impl State {
         let count = self.counts.entry(call).or_default();
         let nth = *count;
         *count += 1;
-        let place = self.trace.len();
         self.trace.push(call);
+        let can_be_second = self.has_failed && call_matters(call);
         let first = self.first(call, nth);
-        let code = first.or_else(|| self.second(call, place))?;
-        self.second_fired |= first.is_none();
-        self.first_fired.get_or_insert(place);
-        self.fired.push((call, code));
-        Some(code)
+        let code = first.or_else(|| if can_be_second { self.second(call) } else { None });
+        self.calls_after += usize::from(can_be_second);
+        self.second_fired |= first.is_none() && code.is_some();
+        self.has_failed |= code.is_some();
+        self.fired.extend(code.map(|code| (call, code)));
+        code
     }
 
     fn first(&self, call: CallNumber, nth: usize) -> Option<vk::Result> {
         let Fault { call: wanted, nth: from, code, lasts } = self.plan.first?;
         let is_here = call == wanted && nth == from;
         let is_later = lasts == Lasts::Forever
-            && self.first_fired.is_some()
+            && self.has_failed
             && if code == vk::Result::ERROR_DEVICE_LOST {
                 codes_of(call).contains(&code) && !self.is_replaced
             } else {
@@ -133,15 +137,20 @@ impl State {
         (is_here || is_later).then_some(code)
     }
 
-    fn second(&self, call: CallNumber, place: usize) -> Option<vk::Result> {
+    fn second(&self, call: CallNumber) -> Option<vk::Result> {
         let NextFault { after, seed } = self.plan.second?;
-        if place != self.first_fired? + 1 + after {
+        if self.calls_after != after {
             return None;
         }
         let codes = codes_of(call);
         let choice = Random::new(seed).below(codes.len() as u32 + 1) as usize;
         Some(codes.get(choice).copied().unwrap_or(INVENTED))
     }
+}
+
+/// Returns true if a program can notice that the call fails. The engine goes on without debug names.
+pub fn call_matters(call: CallNumber) -> bool {
+    NAMES[call] != NAMING
 }
 
 static STATE: Mutex<Option<State>> = Mutex::new(None);

@@ -5,16 +5,20 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use gpu::{Instance, InstanceOptions, Validation};
+use gpu::{Instance, InstanceOptions, PresentSkipped, Validation, vk};
 use tests::Driver;
 use tests::captured_log::CapturedLog;
-use tests::every_call::{self, CallNumber, FaultPlan, LiveObjects, name_of, number_of};
+use tests::every_call::{self, CallNumber, FaultPlan, Lasts, LiveObjects, name_of, number_of};
 
 use crate::plans::parse;
-use crate::programs::{Outcome, Program, ProgramKind, Stage};
+use crate::programs::{Outcome, Program, ProgramKind, Stage, Unshown};
 
 /// The time after which a run hangs, in addition to three times that of a run without a fault.
 const HANG: Duration = Duration::from_secs(5);
+
+/// At most one in so many values of a degraded image may be darker than in the right one: at the
+/// edges of coarser shadows. Half as many are.
+const DARKER_SHARE: usize = 100;
 
 /// A warning after which shadows may differ, and the calls whose failure leads to it.
 struct Degradation {
@@ -78,6 +82,8 @@ struct Bench {
     /// The warnings and errors of the engine.
     log: CapturedLog,
     reference: Vec<u8>,
+    /// The image without shadows, of a program that has some.
+    unshadowed: Option<Vec<u8>>,
     trace: Vec<usize>,
     /// The files and threads that a run without a fault leaves behind: SwiftShader keeps a file
     /// of each instance.
@@ -102,6 +108,7 @@ impl Bench {
             driver,
             log,
             reference: Vec::new(),
+            unshadowed: None,
             trace: Vec::new(),
             kept: Resources { files: usize::MAX / 2, threads: usize::MAX / 2 },
         };
@@ -115,6 +122,9 @@ impl Bench {
             assert_eq!(every_call::take_unnamed(), LiveObjects::new(), "objects without a name");
             bench.kept = Resources::now().beyond(before);
         }
+        let lit = bench.program.unshadowed(&Stage::new(driver, Validation::Off));
+        bench.unshadowed = lit.transpose().unwrap_or_else(|error| panic!("{error}"));
+        assert_ne!(bench.unshadowed.as_ref(), Some(&bench.reference), "no shadow");
         let mut pixels = bench.reference.as_chunks::<4>().0.iter();
         let first = pixels.next();
         assert!(pixels.any(|pixel| Some(pixel) != first), "one colour");
@@ -163,7 +173,10 @@ impl Bench {
             Ok(image) if *image == self.reference => {
                 if fired.is_empty() { "unreached" } else { "survived" }.to_owned()
             }
-            Ok(_) if self.is_degraded(&found.log, &fired) => "degraded".to_owned(),
+            Ok(image) if self.is_degraded(&found.log, &fired) => {
+                found.faults.extend(self.worse_than_degraded(image));
+                "degraded".to_owned()
+            }
             Ok(_) => {
                 found.faults.push(format!("a wrong image: {}", found.log));
                 String::new()
@@ -174,11 +187,15 @@ impl Bench {
                     found.faults.push(format!("not recovered: {text}"));
                 }
                 // A window says that its device is lost by a value, and by which call in the log.
-                let is_logged = self.kind.is_windowed() && names(&found.log, &fired);
-                if !is_logged && !names(&text, &fired) {
+                let is_logged =
+                    self.kind.is_windowed() && found.log.lines().any(|line| names(line, &fired));
+                let is_unshown = error
+                    .downcast_ref::<Unshown>()
+                    .is_some_and(|unshown| is_expected(*unshown, plan, &fired));
+                if !is_logged && !is_unshown && !names(&text, &fired) {
                     found.faults.push(format!("the error names no call and code: {text}"));
                 }
-                format!("named {text}")
+                format!("{} {text}", if is_unshown { "unshown" } else { "named" })
             }
         };
         // Other programs may have stopped this one for a while, but not twice.
@@ -209,16 +226,27 @@ impl Bench {
     }
 
     /// Returns true if a line of the log says what is degraded, by which call and code.
-    fn is_degraded(&self, log: &str, fired: &[(CallNumber, gpu::vk::Result)]) -> bool {
+    fn is_degraded(&self, log: &str, fired: &[(CallNumber, vk::Result)]) -> bool {
         let Degradation { words, calls } = match self.kind {
             ProgramKind::Shadows => COARSER_MAPS,
             ProgramKind::Volumes => SMALLER_MASK,
             _ => return false,
         };
-        let leads_to_it =
-            |(call, _): &&(CallNumber, gpu::vk::Result)| calls.contains(&name_of(*call));
+        let leads_to_it = |(call, _): &&(CallNumber, vk::Result)| calls.contains(&name_of(*call));
         let fired: Vec<_> = fired.iter().filter(leads_to_it).copied().collect();
         log.lines().any(|line| line.contains(words) && names(line, &fired))
+    }
+
+    /// Returns why an image is worse than one with coarser or missing shadows, if it is: lighter
+    /// than without shadows, or darker than with all of them, but for the edges of coarser ones.
+    fn worse_than_degraded(&self, image: &[u8]) -> Option<String> {
+        let lit = self.unshadowed.as_ref()?;
+        let values = || image.iter().copied().zip(self.reference.iter().zip(lit));
+        let lighter = values().filter(|(found, (_, lit))| *found > lit.saturating_add(1)).count();
+        let darker = values().filter(|(found, (right, _))| *found < right.saturating_sub(1));
+        let darker = darker.count();
+        let is_worse = lighter > 0 || darker > image.len() / DARKER_SHARE;
+        is_worse.then(|| format!("degraded: {lighter} values too light, {darker} too dark"))
     }
 
     /// Runs the program without a fault.
@@ -237,6 +265,7 @@ impl Bench {
 
     fn once(&self, plan: FaultPlan, validation: Validation) -> Found {
         let before = Resources::now();
+        let alive_before = every_call::live_objects();
         let stage = Stage::new(self.driver, validation);
         every_call::install(plan);
         let run = catch_unwind(AssertUnwindSafe(|| self.program.run(&stage)));
@@ -252,6 +281,11 @@ impl Bench {
         );
         if self.is_beyond_kept(more) {
             faults.push(format!("left behind: {more:?}"));
+        }
+        let mut left = every_call::live_objects();
+        left.retain(|kind, count| *count != alive_before.get(kind).copied().unwrap_or_default());
+        if !left.is_empty() {
+            faults.push(format!("objects that are alive: {left:?}"));
         }
         let must_recover = stage.has_begun();
         Found { outcome, log: self.log.take(), faults, must_recover }
@@ -278,13 +312,37 @@ impl Bench {
 }
 
 /// Returns true if a text names the call, by any of its names, and the code of a fault.
-fn names(text: &str, fired: &[(CallNumber, gpu::vk::Result)]) -> bool {
+fn names(text: &str, fired: &[(CallNumber, vk::Result)]) -> bool {
     let calls: Vec<CallNumber> =
         text.split(|letter: char| !letter.is_alphanumeric()).filter_map(number_of).collect();
-    let is_named = |(call, code): &(CallNumber, gpu::vk::Result)| {
+    let is_named = |(call, code): &(CallNumber, vk::Result)| {
         calls.contains(call) && text.contains(&format!("{code:?}"))
     };
     fired.iter().any(is_named)
+}
+
+/// Returns true if a window that shows no frame is what the faults stand for: those of the window
+/// that last, and a surface that is lost.
+fn is_expected(
+    Unshown(reason): Unshown,
+    plan: FaultPlan,
+    fired: &[(CallNumber, vk::Result)],
+) -> bool {
+    let codes: &[vk::Result] = match reason {
+        PresentSkipped::Hidden => &[vk::Result::TIMEOUT, vk::Result::NOT_READY],
+        PresentSkipped::OutOfDate => &[
+            vk::Result::ERROR_OUT_OF_DATE_KHR,
+            vk::Result::ERROR_NATIVE_WINDOW_IN_USE_KHR,
+            vk::Result::ERROR_FULL_SCREEN_EXCLUSIVE_MODE_LOST_EXT,
+        ],
+        PresentSkipped::SurfaceLost | PresentSkipped::WindowGone => {
+            &[vk::Result::ERROR_SURFACE_LOST_KHR]
+        }
+        _ => &[],
+    };
+    let lasts = plan.first.is_some_and(|first| first.lasts == Lasts::Forever);
+    (lasts || reason == PresentSkipped::WindowGone)
+        && fired.iter().any(|(_, code)| codes.contains(code))
 }
 
 struct Found {

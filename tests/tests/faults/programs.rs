@@ -10,6 +10,8 @@ mod recovering;
 mod running;
 mod window;
 
+pub use window::Unshown;
+
 use std::cell::{Cell, RefCell};
 use std::error::Error;
 use std::time::Duration;
@@ -175,6 +177,13 @@ impl Program {
         let made = scenes::city(60, 7).expect("a city");
         let cameras = tests::walk::cameras_along(&made, scenes::PathKind::Street, 3);
         Self { kind, scene: made.scene, cameras, display }
+    }
+
+    /// Returns the last image without shadows; `None` if the program has none.
+    pub fn unshadowed(&self, stage: &Stage) -> Option<Outcome> {
+        let has_shadows = matches!(self.kind, ProgramKind::Shadows | ProgramKind::Volumes);
+        // This kind has the same scene, and no shadows.
+        has_shadows.then(|| Self::new(ProgramKind::ComeAndGo).relight(stage))
     }
 
     /// Runs the program from the instance to its end.

@@ -28,7 +28,8 @@ pub struct Memory {
 /// The end of a run in which nothing was lost.
 #[derive(Debug)]
 pub struct Became {
-    /// The kind of the end: `unreached`, `survived`, `degraded` or `named`, which an error follows.
+    /// The kind of the end: `unreached`, `survived`, `degraded`, or `named` or `unshown`, which an
+    /// error follows.
     pub kind: String,
     /// True if both faults of a pair were injected.
     pub has_both: bool,

@@ -14,8 +14,8 @@ impl Program {
         let host = Host::new(stage.driver, Purpose::Renderer);
         let queue = host.share_queue(Arc::new(Mutex::new(())));
         let outcome = self.draw_on(&host, queue);
-        host.finish();
         every_call::forget_devices();
+        host.finish();
         outcome
     }
 

@@ -75,8 +75,8 @@ impl Program {
         let outcome = self.draw_with(&host, &mut context);
         let gone = context.destroy();
         let outcome = outcome.and_then(|image| gone.map(|()| image));
-        host.finish();
         every_call::forget_devices();
+        host.finish();
         Ok(outcome?)
     }
 

@@ -36,8 +36,8 @@ impl Program {
         let outcome = draw_on(&mut own);
         host.wait_idle();
         own.destroy();
-        host.finish();
         every_call::forget_devices();
+        host.finish();
         outcome
     }
 }

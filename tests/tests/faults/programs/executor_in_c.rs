@@ -54,8 +54,8 @@ impl Program {
         let gone = context.destroy();
         let outcome = outcome.and_then(|image| gone.map(|()| image));
         own.destroy();
-        host.finish();
         every_call::forget_devices();
+        host.finish();
         Ok(outcome?)
     }
 }

@@ -4,15 +4,13 @@ use std::error::Error;
 use std::sync::Arc;
 
 use cull::{ObjectId, Strategy};
-use gpu::{
-    Device, Instance, PresentResult, PresentSkipped, Readback, Surface, Swapchain,
-    SwapchainOptions, WindowSystem,
-};
+use gpu::{Device, Instance, Readback, Surface, Swapchain, SwapchainOptions, WindowSystem};
 use render::{FrameRequest, RenderView, Renderer, RendererOptions, SpareCapacity};
 use scene::{Object, ObjectChange, PreparedMesh};
 use tests::every_call::{self, Fault, FaultPlan, Lasts};
 use tests::x11_window::{Library, X11Window};
 
+use super::window::{await_shown, show_surely};
 use super::{Display, Outcome, Program, SIZE, Stage, aside, device_options};
 
 /// The number of devices that a program opens after a loss before it gives up.
@@ -52,7 +50,7 @@ impl Program {
         let Some(Display::X11(server)) = &self.display else { return Err("no server".into()) };
         let window: Arc<X11Window> = X11Window::open(server, Library::Xcb, SIZE);
         let instance = stage.instance(Some(WindowSystem::of(&window)?))?;
-        let surface = Surface::new(&instance, window)?;
+        let surface = Surface::new(&instance, Arc::clone(&window) as _)?;
         let device = presenting(&instance, &surface, stage)?;
         let mut swapchain = Swapchain::new(&device, &surface, &SwapchainOptions::default())?;
         let mut film = self.film(&device)?;
@@ -62,7 +60,9 @@ impl Program {
         for camera in &self.cameras {
             pixels = loop {
                 let drawn = film.draw(camera);
-                let shown = drawn.and_then(|pixels| film.show(&mut swapchain).map(|()| pixels));
+                let shown = drawn.and_then(|pixels| {
+                    show_surely(&film.renderer, &mut swapchain, SIZE).map(|()| pixels)
+                });
                 match shown {
                     Ok(pixels) => break pixels,
                     Err(error) => film.go_on(error, || presenting(&instance, &surface, stage))?,
@@ -71,6 +71,7 @@ impl Program {
                 swapchain = Swapchain::new(device, &surface, &SwapchainOptions::default())?;
             };
         }
+        await_shown(&window, &pixels)?;
         Ok(pixels)
     }
 
@@ -147,16 +148,6 @@ impl Film {
         self.renderer.render(&mut self.view, request)?;
         self.renderer.wait_idle(&mut self.view)?;
         Ok(self.image.rgba8()?.to_vec())
-    }
-
-    fn show(&self, swapchain: &mut Swapchain) -> Result<(), Box<dyn Error>> {
-        match self.renderer.present(swapchain, SIZE)? {
-            PresentResult::Not(PresentSkipped::DeviceLost) => Err(Box::new(gpu::Error::Vulkan {
-                call: "vkQueuePresentKHR",
-                code: gpu::vk::Result::ERROR_DEVICE_LOST,
-            })),
-            PresentResult::Presented(_) | PresentResult::Not(_) => Ok(()),
-        }
     }
 
     /// Continues on another device if `error` is a loss; else returns it.

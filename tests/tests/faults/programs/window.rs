@@ -1,6 +1,8 @@
 //! A program with a window, which changes its size.
 
+use std::error::Error;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use cull::Strategy;
 use gpu::{
@@ -12,6 +14,70 @@ use tests::wayland_window::WaylandWindow;
 use tests::x11_window::{Library, X11Window};
 
 use super::{Display, Outcome, Program, SIZE, Stage, device_options};
+
+/// The frames in which a window must show one, beside those that a fault has taken from it.
+const ATTEMPTS: usize = 4;
+
+/// The time in which a presented image must be in its window.
+const SHOWN: Duration = Duration::from_secs(2);
+
+/// A window that shows no frame, and the last reason.
+#[derive(Clone, Copy, Debug)]
+pub struct Unshown(pub PresentSkipped);
+
+impl Error for Unshown {}
+
+impl std::fmt::Display for Unshown {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(formatter, "no frame is shown: {}", self.0)
+    }
+}
+
+/// Presents the newest frame until the window shows it.
+///
+/// # Errors
+/// A call that failed, the loss of the device, or the reason why the window shows nothing.
+pub(super) fn show_surely(
+    renderer: &Renderer,
+    swapchain: &mut Swapchain,
+    size: [u32; 2],
+) -> Result<(), Box<dyn Error>> {
+    let mut last = PresentSkipped::Hidden;
+    for _ in 0..ATTEMPTS {
+        match renderer.present(swapchain, size)? {
+            PresentResult::Presented(_) => return Ok(()),
+            PresentResult::Not(PresentSkipped::DeviceLost) => {
+                return Err(Box::new(gpu::Error::Vulkan {
+                    call: "vkQueuePresentKHR",
+                    code: gpu::vk::Result::ERROR_DEVICE_LOST,
+                }));
+            }
+            PresentResult::Not(reason) => last = reason,
+        }
+    }
+    Err(Box::new(Unshown(last)))
+}
+
+/// Waits until a window has the pixels of an image of its size.
+///
+/// # Errors
+/// Another image.
+pub(super) fn await_shown(window: &X11Window, image: &[u8]) -> Result<(), Box<dyn Error>> {
+    let expected: Vec<[u8; 3]> = image
+        .as_chunks::<4>()
+        .0
+        .iter()
+        .map(|[red, green, blue, _]| [*red, *green, *blue])
+        .collect();
+    let began = Instant::now();
+    while window.pixels(SIZE) != expected {
+        if began.elapsed() > SHOWN {
+            return Err("the window has another image than the last one".into());
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    Ok(())
+}
 
 /// A window that a test opened.
 enum Opened {
@@ -44,7 +110,7 @@ impl Program {
         }
     }
 
-    /// Shows frames in a window, and returns the last image.
+    /// Shows frames in a window, and returns the last image, which the window has.
     pub(super) fn show_in_window(&self, stage: &Stage) -> Outcome {
         let opened = self.open()?;
         let window = opened.shared();
@@ -57,21 +123,21 @@ impl Program {
         let mut view = renderer.new_view()?;
         let image = Readback::new(&device, SIZE)?;
         for (number, camera) in (0..).zip(&self.cameras) {
-            let size = [SIZE[0] + 8 * (number / 2), SIZE[1]];
+            // The window has the size of the images in the end.
+            let size = [SIZE[0] + 8 * (number % 2), SIZE[1]];
             opened.take(size);
             let request = FrameRequest {
                 image: Some(&image),
                 ..FrameRequest::new(Strategy::ANTUMBRA, *camera)
             };
             renderer.render(&mut view, request)?;
-            match renderer.present(&mut swapchain, size)? {
-                PresentResult::Not(PresentSkipped::DeviceLost) => {
-                    return Err("the device is lost: ERROR_DEVICE_LOST while presenting".into());
-                }
-                PresentResult::Presented(_) | PresentResult::Not(_) => {}
-            }
+            show_surely(&renderer, &mut swapchain, size)?;
         }
         renderer.wait_idle(&mut view)?;
-        Ok(image.rgba8()?.to_vec())
+        let pixels = image.rgba8()?.to_vec();
+        if let Opened::X11(window) = &opened {
+            await_shown(window, &pixels)?;
+        }
+        Ok(pixels)
     }
 }
