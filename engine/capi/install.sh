@@ -39,12 +39,14 @@ if [[ $library == *.dll ]]; then
     x86_64-w64-mingw32-dlltool -d "$prefix/lib/antumbra.def" -l "$prefix/lib/libantumbra.dll.a"
 else
     private="-lgcc_s -lpthread -ldl -lm -lstdc++"
-    install -m 755 "$library" "$prefix/lib/libantumbra.so.1"
-    ln -sf libantumbra.so.1 "$prefix/lib/libantumbra.so"
+    # The name that programs look for, as build.rs gives it.
+    soname=$(LC_ALL=C objdump -p "$library" | sed -n 's/^ *SONAME *//p')
+    install -m 755 "$library" "$prefix/lib/$soname"
+    ln -sf "$soname" "$prefix/lib/libantumbra.so"
 fi
 sed "s/@VERSION@/$version/; s/@PRIVATE@/$private/" package/antumbra.pc.in >"$prefix/lib/pkgconfig/antumbra.pc"
 cmake=$prefix/lib/cmake/antumbra
-install -m 644 package/antumbra-config.cmake "$cmake/"
+sed "s/@SONAME@/${soname:-}/" package/antumbra-config.cmake.in >"$cmake/antumbra-config.cmake"
 sed "s/@VERSION@/$version/" package/antumbra-config-version.cmake.in >"$cmake/antumbra-config-version.cmake"
 echo "installed to $prefix"
 if [[ $library == *.dll ]]; then

@@ -31,13 +31,15 @@ trap 'rm -rf "$scratch"' EXIT
 version=$(sed -n 's/^Version: //p' "$scratch/prefix/lib/pkgconfig/antumbra.pc")
 name=antumbra-$version-$target
 mv "$scratch/prefix" "$scratch/$name"
-for file in "$scratch/$name"/bin/*.dll "$scratch/$name"/lib/*.so.1 "$scratch/$name"/lib/libantumbra.a; do
+for file in "$scratch/$name"/bin/*.dll "$scratch/$name"/lib/libantumbra.so.* "$scratch/$name"/lib/libantumbra.a; do
     [ ! -e "$file" ] || "$strip" --strip-debug "$file"
 done
 # In place of a link, which some programs unpack as a file with the link's text: linkers read this.
-[ ! -e "$scratch/$name/lib/libantumbra.so" ] || {
-    rm "$scratch/$name/lib/libantumbra.so"
-    echo "INPUT(libantumbra.so.1)" >"$scratch/$name/lib/libantumbra.so"
+link=$scratch/$name/lib/libantumbra.so
+[ ! -e "$link" ] || {
+    soname=$(readlink "$link")
+    rm "$link"
+    echo "INPUT($soname)" >"$link"
 }
 cp -r "$capi/examples" "$capi/LICENSE-APACHE" "$capi/LICENSE-MIT" "$scratch/$name/"
 sed "s/@VERSION@/$version/" "$capi/package/README.md.in" >"$scratch/$name/README.md"

@@ -119,7 +119,7 @@ fn no_file() -> io::Error {
 }
 
 fn ends_open(path: &Path) -> bool {
-    path.as_os_str().to_string_lossy().ends_with('/')
+    path.as_os_str().to_string_lossy().ends_with(std::path::is_separator)
 }
 
 /// Returns the path that links lead to if nothing exists there yet.
