@@ -116,6 +116,8 @@ pub struct FaultInjection {
     pub hides: Option<fn(&mut vk::PhysicalDeviceFeatures)>,
     /// The most draws that a device draws or counts at once.
     pub most_draws: Option<u32>,
+    /// The storage buffers per shader stage that every device has.
+    pub stage_storage_buffers: Option<u32>,
     /// True if no device draws several samples per pixel.
     pub has_one_sample: bool,
     /// True if windows have no pixels, as if they were minimised.

@@ -142,6 +142,9 @@ unsafe extern "system" fn properties(
         if let Some(most) = injected(|injected| injected.most_draws) {
             (*properties).limits.max_draw_indirect_count = most;
         }
+        if let Some(count) = injected(|injected| injected.stage_storage_buffers) {
+            (*properties).limits.max_per_stage_descriptor_storage_buffers = count;
+        }
     }
 }
 
