@@ -1,6 +1,7 @@
 //! Names the shared library: programs that link it look for this name when they start.
 
-/// Prints the name, with the version that keeps the interface: before 1.0 each minor one is another.
+/// Prints the name, with the version that keeps the interface: before 1.0 each minor one is
+/// another.
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     if std::env::var("CARGO_CFG_TARGET_OS").is_ok_and(|system| system == "linux") {

@@ -1,5 +1,5 @@
-//! The functions that create and destroy devices, and destroy instances. What a lost device executes is over, so its work is waited for
-//! when the first call reports the loss.
+//! The functions that create and destroy devices, and destroy instances. What a lost device
+//! executes is over, so its work is waited for when the first call reports the loss.
 
 use std::ffi::{CStr, c_char};
 use std::mem::transmute;

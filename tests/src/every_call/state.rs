@@ -148,7 +148,8 @@ impl State {
     }
 }
 
-/// Returns true if a program can notice that the call fails. The engine goes on without debug names.
+/// Returns true if a program can notice that the call fails. The engine goes on without debug
+/// names.
 pub fn call_matters(call: CallNumber) -> bool {
     NAMES[call] != NAMING
 }

@@ -60,8 +60,8 @@ fn a_retired_swapchain_whose_fence_never_signals_is_destroyed_in_the_end() {
     drop(tests::instance());
 }
 
-/// Without present fences the oldest of nine swapchains is destroyed behind a submit. The newest
-/// is there when that fails.
+/// Checks that the newest swapchain is there when the submit behind which the oldest of nine is
+/// destroyed, without present fences, fails.
 #[test]
 fn a_submit_that_fails_behind_an_old_swapchain_loses_none() {
     let _alone = every_call_alone();
@@ -100,8 +100,8 @@ fn a_submit_that_fails_behind_an_old_swapchain_loses_none() {
     }
 }
 
-/// A device that does not finish is left as it is, with all that it may use: a swapchain that was
-/// dropped, its surface and its window.
+/// Checks that a device that does not finish is left as it is, with all that it may use: a
+/// swapchain that was dropped, its surface and its window.
 #[test]
 fn a_gpu_that_hangs_keeps_the_window_of_its_swapchain() {
     let _alone = every_call_alone();

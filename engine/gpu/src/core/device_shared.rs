@@ -54,8 +54,8 @@ pub(crate) struct DeviceShared {
 
 impl DeviceShared {
     /// Leaks everything, because destroying objects that the GPU still uses would be worse.
-    /// Otherwise the memory would free its memory on drop, the surfaces of retired swapchains and the
-    /// instance would be destroyed before them, and the owner of a host's handles would end.
+    /// Otherwise the memory would free its memory on drop, the surfaces of retired swapchains and
+    /// the instance would be destroyed before them, and the owner of a host's handles would end.
     fn abandon(&self) {
         std::mem::forget(std::mem::replace(&mut *lock(&self.deletion), DeletionQueue::new()));
         std::mem::forget(lock(&self.memory).take());
