@@ -53,8 +53,9 @@ fn tree(name: &str, script: &str) -> Scratch {
     let scratch = Scratch::new(name);
     let ours = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../ci").join(script);
     program(&scratch.0.join("ci").join(script), &fs::read_to_string(ours).expect("the script"));
-    program(&scratch.0.join("ci/setup"), "#!/bin/sh\n");
-    program(&scratch.0.join("ci/capi"), "#!/bin/sh\n");
+    for called in ["setup", "capi", "hosts"] {
+        program(&scratch.0.join("ci").join(called), "#!/bin/sh\n");
+    }
     program(&scratch.0.join("ci/env"), "ANTUMBRA_NEW_LAYER_PATH=nowhere\n");
     program(&scratch.0.join("bin/cargo"), CARGO);
     program(&scratch.0.join("bin/git"), GIT);
