@@ -271,7 +271,12 @@ impl Device {
             Err(vk::Result::TIMEOUT) => {
                 // A driver may say so before the bound.
                 let seconds = began.elapsed().as_secs_f64();
+                self.shared.hangs.store(true, Ordering::Relaxed);
                 Err(Error::Timeout { what, call: "vkWaitSemaphores", seconds })
+            }
+            Ok(()) => {
+                self.shared.hangs.store(false, Ordering::Relaxed);
+                Ok(())
             }
             other => other.called("vkWaitSemaphores").inspect_err(|error| self.note_loss(error)),
         }
@@ -363,8 +368,11 @@ impl Device {
     }
 
     fn free_over(&self, completed: Tick) {
-        let mut deletion = lock(&self.shared.deletion);
-        while let Some(retired) = deletion.pop_over(completed) {
+        loop {
+            // Nothing is locked meanwhile: a swapchain waits for its presents, and the end of a
+            // window of the host may retire other objects.
+            let popped = lock(&self.shared.deletion).pop_over(completed);
+            let Some(retired) = popped else { break };
             self.shared.destroy(retired);
         }
     }

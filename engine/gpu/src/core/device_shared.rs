@@ -1,7 +1,7 @@
 //! The state that clones of a device share, from opening to closing.
 
 use std::any::Any;
-use std::sync::atomic::{AtomicBool, AtomicU64};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -45,12 +45,17 @@ pub(crate) struct DeviceShared {
     pub(super) wait_bound: Duration,
     /// True once a call has reported the loss of the device.
     pub(super) is_lost: AtomicBool,
+    /// True after work that did not end within `wait_bound`, until a wait ends in time.
+    pub(super) hangs: AtomicBool,
     pub(super) slot_waits: AtomicU64,
     pub(super) other_waits: AtomicU64,
     pub(super) pipeline_cache: PipelineCache,
     /// An owner of the handles of a host, dropped after their last use.
     pub(super) owner: Option<Arc<dyn Any + Send + Sync>>,
 }
+
+/// The bound of the wait for a GPU that has hung before, when its device is closed.
+const HUNG_BOUND: Duration = Duration::from_millis(100);
 
 impl DeviceShared {
     /// Leaks everything, because destroying objects that the GPU still uses would be worse.
@@ -121,11 +126,13 @@ impl DeviceShared {
         };
         // vkDeviceWaitIdle has no bound, so the timeline is waited for first.
         let began = Instant::now();
-        match wait_bounded(&self.raw, timeline.semaphore, newest, self.wait_bound) {
+        let hangs = self.hangs.load(Ordering::Relaxed);
+        let bound = if hangs { HUNG_BOUND.min(self.wait_bound) } else { self.wait_bound };
+        match wait_bounded(&self.raw, timeline.semaphore, newest, bound) {
             Ok(()) => {}
             // All work of a lost device is over (Vulkan specification, "Lost Device").
             Err(vk::Result::ERROR_DEVICE_LOST) => tracing::error!("the device was lost"),
-            Err(code) if !self.is_reached(timeline.semaphore, newest, began) => {
+            Err(code) if !self.is_reached(timeline.semaphore, newest, began + bound) => {
                 tracing::error!(
                     "the GPU did not finish (vkWaitSemaphores: {code:?}); the device is left as it \
                      is"
@@ -146,15 +153,15 @@ impl DeviceShared {
         true
     }
 
-    /// Returns true if the timeline reaches a tick within the bound of every wait, counted from
-    /// `began`. Asks again and again: the call that waits has failed, or its time is over.
-    fn is_reached(&self, timeline: vk::Semaphore, tick: Tick, began: Instant) -> bool {
+    /// Returns true if the timeline reaches a tick until `end`. Asks again and again: the call that
+    /// waits has failed, or its time is over.
+    fn is_reached(&self, timeline: vk::Semaphore, tick: Tick, end: Instant) -> bool {
         loop {
             // SAFETY: the device's own timeline.
             match unsafe { self.raw.get_semaphore_counter_value(timeline) } {
                 Ok(reached) if reached >= tick.0 => return true,
                 Err(vk::Result::ERROR_DEVICE_LOST) => return true,
-                _ if began.elapsed() >= self.wait_bound => return false,
+                _ if Instant::now() >= end => return false,
                 _ => std::thread::sleep(Duration::from_millis(1)),
             }
         }

@@ -109,6 +109,7 @@ pub(crate) fn equip(device: RawDevice, options: &DeviceOptions) -> Result<Device
         numbers: Mutex::default(),
         wait_bound: options.wait_bound,
         is_lost: AtomicBool::new(false),
+        hangs: AtomicBool::new(false),
         slot_waits: AtomicU64::new(0),
         other_waits: AtomicU64::new(0),
         pipeline_cache,

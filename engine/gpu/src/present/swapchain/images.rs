@@ -180,6 +180,8 @@ impl SwapchainImages {
         // SAFETY: the fence is signalled, and no pending work signals it again.
         unsafe { device.raw().reset_fences(&[fence]) }.called("vkResetFences")?;
         image.is_fence_pending = false;
+        // Presents end again.
+        self.is_stuck.store(false, Ordering::Relaxed);
         Ok(true)
     }
 

@@ -35,13 +35,15 @@ impl RetiredSwapchains {
         if self.chains.len() > MOST { self.retire_behind_a_submit(device, 1) } else { Ok(()) }
     }
 
-    /// Retires the chains whose present fences prove that they are over.
+    /// Retires the chains whose present fences prove that they are over. A fence that cannot be
+    /// read proves nothing: its chain is kept as if it still presented.
     pub(super) fn retire_presented(&mut self, device: &Device) -> Result<(), Error> {
         while let Some(oldest) = self.chains.front() {
-            if oldest.is_presented(device)? != Some(true) {
-                break;
+            match oldest.is_presented(device) {
+                Ok(Some(true)) => self.retire_oldest(device),
+                Err(error) if error.is_device_lost() => return Err(error),
+                Ok(_) | Err(_) => break,
             }
-            self.retire_oldest(device);
         }
         Ok(())
     }

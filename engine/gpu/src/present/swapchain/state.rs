@@ -30,7 +30,7 @@ pub(super) struct SwapchainState {
     /// The number of the newest chain.
     pub(super) number: ChainNumber,
     pub(super) old: RetiredSwapchains,
-    /// True once a present did not end in time.
+    /// True after a present that did not end in time, until one ends.
     is_stuck: Arc<AtomicBool>,
     pub(super) fallback: Option<Fallback>,
     pub(super) fit: Fit,
