@@ -1,5 +1,5 @@
-//! The functions that create and destroy devices, and destroy instances. What a lost device
-//! executes is over, so its work is waited for when the first call reports the loss.
+//! The functions that create and destroy devices, that return queues, and destroy instances. What a
+//! lost device executes is over, so its work is waited for when the first call reports the loss.
 
 use std::ffi::{CStr, c_char};
 use std::mem::transmute;
@@ -9,7 +9,7 @@ use ash::vk;
 use ash::vk::Handle;
 
 use super::EveryCall;
-use super::state::{Function, State, real, real_other, with_state};
+use super::state::{Function, real, real_other, with_state};
 use super::wrappers::answer;
 use crate::loader::Replaces;
 
@@ -22,6 +22,7 @@ pub(super) struct Replacement {
 const PROC_ADDR: &str = "vkGetDeviceProcAddr";
 const CREATE: &str = "vkCreateDevice";
 const DESTROY: &str = "vkDestroyDevice";
+const QUEUE: &str = "vkGetDeviceQueue";
 const DESTROY_INSTANCE: &str = "vkDestroyInstance";
 const WAIT_IDLE: &str = "vkDeviceWaitIdle";
 
@@ -33,6 +34,7 @@ pub(super) fn replacement(name: &str) -> Option<Replacement> {
             (PROC_ADDR, transmute::<vk::PFN_vkGetDeviceProcAddr, Function>(proc_addr)),
             (CREATE, transmute::<vk::PFN_vkCreateDevice, Function>(create_device)),
             (DESTROY, transmute::<vk::PFN_vkDestroyDevice, Function>(destroy_device)),
+            (QUEUE, transmute::<vk::PFN_vkGetDeviceQueue, Function>(device_queue)),
             (DESTROY_INSTANCE, transmute::<vk::PFN_vkDestroyInstance, Function>(destroy_instance)),
         ]
     };
@@ -58,11 +60,10 @@ unsafe extern "system" fn create_device(
     made: *mut vk::Device,
 ) -> vk::Result {
     let number = super::number_of(CREATE).expect("the registry has it");
-    with_state(State::note_new_device);
     // SAFETY: as above.
     let create =
         || unsafe { real_other::<vk::PFN_vkCreateDevice>(CREATE)(physical, info, callbacks, made) };
-    let code = answer(number, create);
+    let code = answer(number, physical.as_raw(), create);
     if code == vk::Result::SUCCESS {
         // SAFETY: the call has written it.
         let device = unsafe { *made };
@@ -79,11 +80,24 @@ unsafe extern "system" fn destroy_device(
     callbacks: *const vk::AllocationCallbacks<'_>,
 ) {
     with_state(|state| {
-        state.devices.retain(|other| *other != device);
+        state.note_device_destroyed(device);
         state.note_destroyed("Device", device.as_raw());
     });
     // SAFETY: as above.
     unsafe { real_other::<vk::PFN_vkDestroyDevice>(DESTROY)(device, callbacks) }
+}
+
+unsafe extern "system" fn device_queue(
+    device: vk::Device,
+    family: u32,
+    index: u32,
+    queue: *mut vk::Queue,
+) {
+    // SAFETY: as above.
+    unsafe { real_other::<vk::PFN_vkGetDeviceQueue>(QUEUE)(device, family, index, queue) };
+    // SAFETY: the call has written it.
+    let queue = unsafe { *queue };
+    with_state(|state| state.queues.insert(queue.as_raw(), device));
 }
 
 unsafe extern "system" fn destroy_instance(

@@ -4,6 +4,7 @@ use std::collections::{BTreeSet, HashMap};
 use std::sync::{Mutex, PoisonError};
 
 use ash::vk;
+use ash::vk::Handle;
 
 use super::calls::NAMES;
 use super::codes::{INVENTED, codes_of};
@@ -20,8 +21,7 @@ pub(super) type Function = unsafe extern "system" fn();
 pub enum Lasts {
     /// One call.
     Once,
-    /// All later calls of the function; of a lost device, all calls that can report the loss, until
-    /// another device is created.
+    /// All later calls of the function; of a lost device, all its calls that can report the loss.
     Forever,
 }
 
@@ -72,14 +72,16 @@ pub(super) struct State {
     /// The number of calls since the first fault that can be the second one.
     pub(super) calls_after: usize,
     pub(super) second_fired: bool,
-    /// True if a device was created since the first fault.
-    is_replaced: bool,
+    /// The device that the first fault has lost, until it is destroyed.
+    lost: Option<vk::Device>,
     pub(super) trace: Vec<CallNumber>,
     pub(super) fired: Vec<(CallNumber, vk::Result)>,
     pub(super) asked: BTreeSet<String>,
     pub(super) real: Vec<Option<Function>>,
     pub(super) others: HashMap<&'static str, Function>,
     pub(super) devices: Vec<vk::Device>,
+    /// The devices of queues, by their handles.
+    pub(super) queues: HashMap<u64, vk::Device>,
     pub(super) live: LiveObjects,
     /// The objects that are alive and have no debug name yet, with their types.
     pub(super) unnamed: HashMap<u64, &'static str>,
@@ -94,7 +96,7 @@ impl State {
         self.has_failed = false;
         self.calls_after = 0;
         self.second_fired = false;
-        self.is_replaced = false;
+        self.lost = None;
         self.trace = Vec::new();
         self.fired = Vec::new();
     }
@@ -103,19 +105,31 @@ impl State {
         self.plan = FaultPlan::default();
     }
 
-    /// Notes that a device is being created: it works, though the one before is lost.
-    pub(super) fn note_new_device(&mut self) {
-        self.is_replaced |= self.has_failed;
+    /// Notes the end of a device, whose handle another one may have later.
+    pub(super) fn note_device_destroyed(&mut self, device: vk::Device) {
+        self.devices.retain(|other| *other != device);
+        self.queues.retain(|_, of| *of != device);
+        self.lost = self.lost.filter(|lost| *lost != device);
     }
 
-    /// Counts a call, and returns its code if it must fail.
-    pub(super) fn due(&mut self, call: CallNumber) -> Option<vk::Result> {
+    /// Returns the device of a call with this first argument.
+    fn device_of(&self, call: CallNumber, first: u64) -> Option<vk::Device> {
+        let itself = self.devices.iter().find(|device| device.as_raw() == first);
+        let of_queue = || self.queues.get(&first);
+        // A host has asked for its queue itself, and has one device.
+        let of_host = || self.devices.last().filter(|_| NAMES[call].starts_with("vkQueue"));
+        itself.or_else(of_queue).or_else(of_host).copied()
+    }
+
+    /// Counts a call with this first argument, and returns its code if it must fail.
+    pub(super) fn due(&mut self, call: CallNumber, first: u64) -> Option<vk::Result> {
         let count = self.counts.entry(call).or_default();
         let nth = *count;
         *count += 1;
         self.trace.push(call);
         let can_be_second = self.has_failed && call_matters(call);
-        let first = self.first(call, nth);
+        let device = self.device_of(call, first);
+        let first = self.first(call, nth, device);
         let code = first.or_else(|| if can_be_second { self.second(call) } else { None });
         self.calls_after += usize::from(can_be_second);
         self.second_fired |= first.is_none() && code.is_some();
@@ -124,16 +138,24 @@ impl State {
         code
     }
 
-    fn first(&self, call: CallNumber, nth: usize) -> Option<vk::Result> {
+    fn first(
+        &mut self,
+        call: CallNumber,
+        nth: usize,
+        device: Option<vk::Device>,
+    ) -> Option<vk::Result> {
         let Fault { call: wanted, nth: from, code, lasts } = self.plan.first?;
         let is_here = call == wanted && nth == from;
         let is_later = lasts == Lasts::Forever
             && self.has_failed
             && if code == vk::Result::ERROR_DEVICE_LOST {
-                codes_of(call).contains(&code) && !self.is_replaced
+                self.lost.is_some() && device == self.lost && codes_of(call).contains(&code)
             } else {
                 call == wanted
             };
+        if is_here && code == vk::Result::ERROR_DEVICE_LOST {
+            self.lost = device;
+        }
         (is_here || is_later).then_some(code)
     }
 

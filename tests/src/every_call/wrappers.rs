@@ -23,10 +23,13 @@ macro_rules! arities {
                 $($argument: $kind),+
             ) -> vk::Result {
                 type Real<$($kind),+> = unsafe extern "system" fn($($kind),+) -> vk::Result;
+                let arguments = [$((&raw const $argument).cast::<c_void>()),+];
+                // SAFETY: the first argument of each function is a pointer or a dispatchable handle.
+                let first = unsafe { arguments[0].cast::<*const c_void>().read() } as u64;
                 // SAFETY: the caller passes valid arguments for the function of this number.
-                let code = answer(N, || unsafe { real::<Real<$($kind),+>>(N)($($argument),+) });
+                let real = || unsafe { real::<Real<$($kind),+>>(N)($($argument),+) };
+                let code = answer(N, first, real);
                 if code == vk::Result::SUCCESS {
-                    let arguments = [$((&raw const $argument).cast::<c_void>()),+];
                     // SAFETY: the last argument of a call that succeeded.
                     unsafe { note_success(N, arguments[arguments.len() - 1]) };
                 }
@@ -51,13 +54,14 @@ arities! {
     wrap_8(a: A, b: B, c: C, d: D, e: E, f: F, g: G, h: H);
 }
 
-/// Counts a call, and returns the injected code, or the code of the real call.
-pub(super) fn answer(number: usize, real: impl FnOnce() -> vk::Result) -> vk::Result {
+/// Counts a call whose first argument is `first`, and returns the injected code, or the code of the
+/// real call.
+pub(super) fn answer(number: usize, first: u64, real: impl FnOnce() -> vk::Result) -> vk::Result {
     let real = || {
         let _alone = super::name_of(number).starts_with("vkQueue").then(device::queue_alone);
         real()
     };
-    let Some(code) = with_state(|state| state.due(number)) else {
+    let Some(code) = with_state(|state| state.due(number, first)) else {
         return real();
     };
     if code == vk::Result::ERROR_DEVICE_LOST {

@@ -186,12 +186,12 @@ impl Bench {
                 if found.must_recover && plan.is_one_loss() {
                     found.faults.push(format!("not recovered: {text}"));
                 }
+                let unshown = error.downcast_ref::<Unshown>();
                 // A window says that its device is lost by a value, and by which call in the log.
-                let is_logged =
-                    self.kind.is_windowed() && found.log.lines().any(|line| names(line, &fired));
-                let is_unshown = error
-                    .downcast_ref::<Unshown>()
-                    .is_some_and(|unshown| is_expected(*unshown, plan, &fired));
+                let is_logged = unshown
+                    .is_some_and(|Unshown(reason)| *reason == PresentSkipped::DeviceLost)
+                    && found.log.lines().any(|line| names(line, &fired));
+                let is_unshown = unshown.is_some_and(|unshown| is_expected(*unshown, plan, &fired));
                 if !is_logged && !is_unshown && !names(&text, &fired) {
                     found.faults.push(format!("the error names no call and code: {text}"));
                 }

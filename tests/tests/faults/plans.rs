@@ -76,6 +76,8 @@ pub fn single(trace: &[CallNumber], count: usize, seed: u64, taken: &Mutex<Taken
         chosen.push(fault_at(trace, place, &mut random));
     }
     chosen.truncate(count);
+    // In any order, so that the memory that each kind leaves is looked at.
+    shuffle(&mut chosen, &mut random);
     taken.extend(chosen.iter().map(|fault| (fault.call, fault.code.as_raw())));
     chosen.iter().map(|fault| write(fault, None)).collect()
 }

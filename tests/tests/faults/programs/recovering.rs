@@ -4,13 +4,15 @@ use std::error::Error;
 use std::sync::Arc;
 
 use cull::{ObjectId, Strategy};
-use gpu::{Device, Instance, Readback, Surface, Swapchain, SwapchainOptions, WindowSystem};
+use gpu::{
+    Device, Instance, PresentSkipped, Readback, Surface, Swapchain, SwapchainOptions, WindowSystem,
+};
 use render::{FrameRequest, RenderView, Renderer, RendererOptions, SpareCapacity};
 use scene::{Object, ObjectChange, PreparedMesh};
 use tests::every_call::{self, Fault, FaultPlan, Lasts};
 use tests::x11_window::{Library, X11Window};
 
-use super::window::{await_shown, show_surely};
+use super::window::{Unshown, await_shown, show_surely};
 use super::{Display, Outcome, Program, SIZE, Stage, aside, device_options};
 
 /// The number of devices that a program opens after a loss before it gives up.
@@ -183,5 +185,7 @@ fn is_lost(error: &(dyn Error + 'static)) -> bool {
         render::Error::Gpu(error) => Some(error),
         _ => None,
     });
+    let of_window = error.downcast_ref::<Unshown>();
     of_gpu.or(of_render).is_some_and(gpu::Error::is_device_lost)
+        || of_window.is_some_and(|Unshown(reason)| *reason == PresentSkipped::DeviceLost)
 }

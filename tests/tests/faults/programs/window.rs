@@ -47,10 +47,7 @@ pub(super) fn show_surely(
         match renderer.present(swapchain, size)? {
             PresentResult::Presented(_) => return Ok(()),
             PresentResult::Not(PresentSkipped::DeviceLost) => {
-                return Err(Box::new(gpu::Error::Vulkan {
-                    call: "vkQueuePresentKHR",
-                    code: gpu::vk::Result::ERROR_DEVICE_LOST,
-                }));
+                return Err(Box::new(Unshown(PresentSkipped::DeviceLost)));
             }
             PresentResult::Not(reason) => last = reason,
         }
