@@ -24,7 +24,7 @@ macro_rules! arities {
             ) -> vk::Result {
                 type Real<$($kind),+> = unsafe extern "system" fn($($kind),+) -> vk::Result;
                 let arguments = [$((&raw const $argument).cast::<c_void>()),+];
-                // SAFETY: the first argument of each function is a pointer or a dispatchable handle.
+                // SAFETY: the first argument of each is a pointer or a dispatchable handle.
                 let first = unsafe { arguments[0].cast::<*const c_void>().read() } as u64;
                 // SAFETY: the caller passes valid arguments for the function of this number.
                 let real = || unsafe { real::<Real<$($kind),+>>(N)($($argument),+) };

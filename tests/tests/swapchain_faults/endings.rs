@@ -108,7 +108,7 @@ impl HasDisplayHandle for OwningWindow {
     }
 }
 
-/// Checks that the end of a window, with the last of its swapchains, may drop objects of the device.
+/// Checks that the end of a window, with its last swapchain, may drop objects of the device.
 #[test]
 fn a_window_may_own_an_object_of_its_device() {
     const BOUND: Duration = Duration::from_secs(60);
