@@ -270,8 +270,9 @@ impl Device {
         match wait_bounded(self.raw(), timeline, tick, bound) {
             Err(vk::Result::TIMEOUT) => {
                 // A driver may say so before the bound.
-                let seconds = began.elapsed().as_secs_f64();
-                self.shared.hangs.store(true, Ordering::Relaxed);
+                let waited = began.elapsed();
+                self.shared.hangs.fetch_or(waited >= bound, Ordering::Relaxed);
+                let seconds = waited.as_secs_f64();
                 Err(Error::Timeout { what, call: "vkWaitSemaphores", seconds })
             }
             Ok(()) => {

@@ -55,7 +55,7 @@ pub(crate) struct DeviceShared {
 }
 
 /// The bound of the wait for a GPU that has hung before, when its device is closed.
-const HUNG_BOUND: Duration = Duration::from_millis(100);
+const HUNG_BOUND: Duration = Duration::from_secs(1);
 
 impl DeviceShared {
     /// Leaks everything, because destroying objects that the GPU still uses would be worse.
