@@ -186,7 +186,6 @@ impl From<gpu::Error> for Failure {
             | E::UnknownDevice { .. }
             | E::NoImage => AntumbraResult::BadArgument,
             E::Memory(_) => AntumbraResult::NoMemory,
-            _ if error.is_out_of_memory() => AntumbraResult::NoMemory,
             _ => AntumbraResult::Vulkan,
         };
         Self::new(result, error)

@@ -274,17 +274,10 @@ impl Error {
         matches!(self, Error::Vulkan { code: vk::Result::ERROR_DEVICE_LOST, .. })
     }
 
-    /// Returns true if there was no memory for an object, or none within the budget: something
-    /// smaller may fit. A submit that had no memory is none of these errors.
+    /// Returns true if no memory of the device was left, or none within the budget: something
+    /// smaller may fit.
     pub fn is_out_of_memory(&self) -> bool {
-        match self {
-            Error::Memory(error) => error.failure.is_out_of_memory(),
-            Error::Vulkan {
-                call,
-                code: vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY,
-            } => call.starts_with("vkCreate") || call.starts_with("vkAllocate"),
-            _ => false,
-        }
+        matches!(self, Error::Memory(error) if error.failure.is_out_of_memory())
     }
 }
 
