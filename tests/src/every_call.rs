@@ -70,7 +70,10 @@ pub fn watch(device: vk::Device) {
 
 /// Forgets all devices of hosts: they are destroyed.
 pub fn forget_devices() {
-    with_state(|state| state.devices.clear());
+    with_state(|state| {
+        state.devices.clear();
+        state.queues.clear();
+    });
 }
 
 /// Returns an entry through the loader in which calls fail.

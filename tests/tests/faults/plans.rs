@@ -87,7 +87,7 @@ pub fn first_of_pair(trace: &[CallNumber], random: &mut Random) -> Fault {
     let places: Vec<usize> = (0..trace.len()).filter(|place| call_matters(trace[*place])).collect();
     let place = places[random.below(places.len() as u32) as usize];
     let first = fault_at(trace, place, random);
-    // Of faults that last only a loss ends, with the next device.
+    // Of faults that last only a loss ends, with its device.
     let lasts = if first.code == vk::Result::ERROR_DEVICE_LOST { first.lasts } else { Lasts::Once };
     Fault { lasts, ..first }
 }
