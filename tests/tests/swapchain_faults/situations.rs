@@ -17,7 +17,7 @@ use tests::captured_log::CapturedLog;
 use tests::every_call::{self, Fault, FaultPlan, Lasts};
 use tests::fault_injection::FaultInjection;
 use tests::walk::SceneKind;
-use tests::window_fixture::await_image;
+use tests::window_fixture::{await_image, show_surely};
 use tests::x11_window::{Library, X11Window};
 use tests::xvfb::Xvfb;
 use tests::{Driver, instance_for, instance_with};
@@ -164,13 +164,45 @@ fn a_device_lost_between_acquire_submit_and_present_lets_the_window_go() {
             assert_eq!(outcome, lost, "{driver:?}, {call}");
             // First what the user sees, then what shows it, then what drew it.
             let Shown { window, surface, swapchain } = shown;
-            drop(window);
+            window.destroy();
             drop(swapchain);
             drop(surface);
             drop(kept);
             every_call::stop();
             end(instance);
         }
+    }
+}
+
+/// Checks that a loss which the repair of a lost surface meets is a value, too: the release of an
+/// image that was acquired and not presented needs a submit.
+#[test]
+fn a_device_lost_while_a_lost_surface_is_given_up_has_the_same_name() {
+    let _alone = every_call_alone();
+    every_call::stop();
+    let server = Xvfb::start();
+    for driver in Driver::ALL {
+        let (instance, [mut shown]) = windows(&server);
+        let device = shown.open(&instance, driver).unwrap();
+        shown.follow(&device);
+        let mut kept = Kept::new(&device);
+        kept.render(0).unwrap();
+        shown.present_surely(&kept);
+        kept.render(1).unwrap();
+        let call = every_call::number_of("vkQueueSubmit2").unwrap();
+        let code = Code::ERROR_OUT_OF_HOST_MEMORY;
+        let first = Some(Fault { call, nth: 0, code, lasts: Lasts::Once });
+        every_call::install(FaultPlan { first, second: None });
+        assert!(shown.present(&kept).unwrap_err().to_string().contains("vkQueueSubmit2"));
+        shown.window.destroy();
+        fail_forever("vkQueueSubmit2", 0, Code::ERROR_DEVICE_LOST);
+        let new_size = [SIZE[0] + 1, SIZE[1]];
+        let outcome = kept.renderer.present(shown.swapchain.as_mut().unwrap(), new_size).unwrap();
+        assert_eq!(outcome, PresentResult::Not(PresentSkipped::DeviceLost), "{driver:?}");
+        assert!(device.is_known_lost());
+        drop((shown, kept, device));
+        every_call::stop();
+        end(instance);
     }
 }
 
@@ -376,6 +408,11 @@ fn the_first_swapchain_and_the_first_image_may_fail() {
                     assert!(text.contains("vkCreateSwapchainKHR"), "{driver:?}, {code:?}: {text}");
                 }
             }
+            FaultInjection::default().install();
+            show_surely(&mut liar.swapchain, &liar.painter.target, SIZE);
+            // A swapchain that was not created is none that was replaced.
+            let replaced = u64::from(call == ACQUIRE);
+            assert_eq!(liar.swapchain.replaced(), replaced, "{driver:?}, {call:?}, {code:?}");
             liar.end();
         }
     }

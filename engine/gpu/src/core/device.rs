@@ -306,28 +306,34 @@ impl Device {
         order: &Order<'_>,
     ) -> Result<Tick, Error> {
         order.after.map_or(Ok(()), |after| self.check(after.timeline, "a submit"))?;
-        let bound = self.shared.wait_bound;
-        let timeline = self.shared.clock.timeline("a submit")?;
-        let submit = |queue| {
+        let semaphore = self.shared.clock.timeline("a submit")?.semaphore;
+        self.with_queue("a submit", |queue| {
             let tick = self.submitted().next();
             // SAFETY: the lock gives exclusive use of the queue; the commands are complete.
-            unsafe { order.submit(self.raw(), queue, commands, timeline.semaphore, tick) }
+            unsafe { order.submit(self.raw(), queue, commands, semaphore, tick) }
                 .inspect_err(|error| self.note_loss(error))?;
             self.shared.clock.submitted(tick);
             Ok(tick)
-        };
-        timeline.queue.locked(bound, submit).unwrap_or_else(|| {
-            let what = "the frame before, which a hidden window or another user holds back";
-            let call = "waiting for the queue";
-            Err(Error::Timeout { what, call, seconds: bound.as_secs_f64() })
-        })
+        })?
     }
 
-    /// Calls `present` with exclusive use of the queue. Returns `None` if other users hold the
+    /// Calls `user` with exclusive use of the queue; `what` names the user.
+    ///
+    /// # Errors
+    /// [`Error::NoQueue`] on a device without a queue; [`Error::Timeout`] if other users hold the
     /// queue for longer than the bound of every wait.
-    pub(crate) fn with_queue<R>(&self, present: impl FnOnce(vk::Queue) -> R) -> Option<R> {
-        let timeline = self.shared.clock.timeline("presenting").ok()?;
-        timeline.queue.locked(self.shared.wait_bound, present)
+    pub(crate) fn with_queue<R>(
+        &self,
+        what: &'static str,
+        user: impl FnOnce(vk::Queue) -> R,
+    ) -> Result<R, Error> {
+        let bound = self.shared.wait_bound;
+        let timeline = self.shared.clock.timeline(what)?;
+        timeline.queue.locked(bound, user).ok_or(Error::Timeout {
+            what: "the frame before, which a hidden window or another user holds back",
+            call: "waiting for the queue",
+            seconds: bound.as_secs_f64(),
+        })
     }
 
     /// Takes the payload of a dropped object. Commands being recorded may still use it, so it is

@@ -132,7 +132,7 @@ impl DeviceShared {
             Ok(()) => {}
             // All work of a lost device is over (Vulkan specification, "Lost Device").
             Err(vk::Result::ERROR_DEVICE_LOST) => tracing::error!("the device was lost"),
-            Err(code) if !self.is_reached(timeline.semaphore, newest, began + bound) => {
+            Err(code) if !self.is_reached(timeline.semaphore, newest, began, bound) => {
                 tracing::error!(
                     "the GPU did not finish (vkWaitSemaphores: {code:?}); the device is left as it \
                      is"
@@ -153,15 +153,21 @@ impl DeviceShared {
         true
     }
 
-    /// Returns true if the timeline reaches a tick until `end`. Asks again and again: the call that
-    /// waits has failed, or its time is over.
-    fn is_reached(&self, timeline: vk::Semaphore, tick: Tick, end: Instant) -> bool {
+    /// Returns true if the timeline reaches a tick within a bound of the beginning. Asks again and
+    /// again: the call that waits has failed, or its time is over.
+    fn is_reached(
+        &self,
+        timeline: vk::Semaphore,
+        tick: Tick,
+        began: Instant,
+        bound: Duration,
+    ) -> bool {
         loop {
             // SAFETY: the device's own timeline.
             match unsafe { self.raw.get_semaphore_counter_value(timeline) } {
                 Ok(reached) if reached >= tick.0 => return true,
                 Err(vk::Result::ERROR_DEVICE_LOST) => return true,
-                _ if Instant::now() >= end => return false,
+                _ if began.elapsed() >= bound => return false,
                 _ => std::thread::sleep(Duration::from_millis(1)),
             }
         }

@@ -104,7 +104,9 @@ impl PipelineCache {
         match unsafe { device.get_pipeline_cache_data(self.raw) } {
             Ok(data) if data.is_empty() => {}
             Ok(data) => self.write(path, &data),
-            Err(code) => tracing::warn!("the driver kept its pipeline cache ({code:?})"),
+            Err(code) => tracing::warn!(
+                "the driver kept its pipeline cache (vkGetPipelineCacheData failed with {code:?})"
+            ),
         }
     }
 

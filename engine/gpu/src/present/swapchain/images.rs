@@ -201,15 +201,18 @@ impl SwapchainImages {
 
     /// Handles the result of a [`PresentCall`]. After some errors nothing was done; after others
     /// the present still uses its semaphore and fence (Vulkan specification, vkQueuePresentKHR).
-    pub(super) fn presented(&mut self, index: ImageIndex, result: Result<bool, vk::Result>) {
+    pub(super) fn presented(&mut self, index: ImageIndex, result: &Result<bool, Error>) {
         const IS_DONE_ALL_THE_SAME: [vk::Result; 3] = [
             vk::Result::ERROR_OUT_OF_DATE_KHR,
             vk::Result::ERROR_SURFACE_LOST_KHR,
             vk::Result::ERROR_FULL_SCREEN_EXCLUSIVE_MODE_LOST_EXT,
         ];
-        if let (Err(code), Ok(image)) = (result, self.image(index))
-            && !IS_DONE_ALL_THE_SAME.contains(&code)
-        {
+        let is_made = match result {
+            Ok(_) => true,
+            Err(Error::Vulkan { code, .. }) => IS_DONE_ALL_THE_SAME.contains(code),
+            Err(_) => false,
+        };
+        if let (false, Ok(image)) = (is_made, self.image(index)) {
             image.is_fence_pending = false;
         }
     }
@@ -233,7 +236,7 @@ pub(super) struct PresentCall {
 
 impl PresentCall {
     /// Makes the call. Returns true if the chain is suboptimal for the window.
-    pub(super) fn make(&self, device: &Device) -> Result<bool, vk::Result> {
+    pub(super) fn make(&self, device: &Device) -> Result<bool, Error> {
         let chains = [self.chain];
         let indices = [self.index.0];
         let drawn = [self.drawn];
@@ -259,8 +262,8 @@ impl PresentCall {
         }
         // SAFETY: the image was acquired, its semaphore is signalled by a submit made before, its
         // fence is unsignalled; the chain is not used concurrently, and the queue is locked.
-        let made = device.with_queue(|queue| unsafe { self.functions.queue_present(queue, &info) });
-        made.unwrap_or(Err(vk::Result::NOT_READY))
+        let present = |queue| unsafe { self.functions.queue_present(queue, &info) };
+        device.with_queue("presenting", present)?.called("vkQueuePresentKHR")
     }
 }
 

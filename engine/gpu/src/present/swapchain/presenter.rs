@@ -9,8 +9,6 @@ use std::sync::{Arc, Condvar, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use ash::vk;
-
 use super::images::PresentCall;
 use super::teardown::Teardown;
 use crate::core::device::Device;
@@ -32,7 +30,7 @@ struct Shared {
 #[derive(Default)]
 struct State {
     call: Option<PresentCall>,
-    result: Option<Result<bool, vk::Result>>,
+    result: Option<Result<bool, Error>>,
     is_busy: bool,
     is_over: bool,
     /// The teardown of a window that was closed during a call.
@@ -58,7 +56,7 @@ impl Presenter {
     }
 
     /// Returns the result of the call once, if the call returns within `bound`.
-    pub(super) fn result_within(&self, bound: Duration) -> Option<Result<bool, vk::Result>> {
+    pub(super) fn result_within(&self, bound: Duration) -> Option<Result<bool, Error>> {
         let waited =
             self.shared
                 .changed

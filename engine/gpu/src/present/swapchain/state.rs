@@ -185,9 +185,9 @@ impl SwapchainState {
         }
         self.let_go()?;
         let before = self.chain.take();
-        self.number.0 += 1;
+        let number = ChainNumber(self.number.0 + 1);
         let wanted = Wanted {
-            number: self.number,
+            number,
             state,
             size,
             mode,
@@ -211,7 +211,7 @@ impl SwapchainState {
         };
         tracing::debug!(
             "swapchain {}: {}x{}, {:?} in {:?}, {mode}, {} images",
-            self.number.0,
+            number.0,
             size[0],
             size[1],
             chain.format,
@@ -219,6 +219,7 @@ impl SwapchainState {
             chain.images.len()
         );
         self.chain = Some(chain);
+        self.number = number;
         self.before_chain = self.newest;
         // The new chain is there, even if the submit behind an old one failed.
         pushed
@@ -312,22 +313,25 @@ impl SwapchainState {
     /// Converts an error to a [`PresentSkipped`] if there is one for it, and repairs the state as
     /// far as possible.
     pub(super) fn settle(&mut self, error: Error) -> Result<PresentSkipped, Error> {
-        self.device.note_loss(&error);
-        match error {
-            Error::Vulkan { call, code: code @ vk::Result::ERROR_DEVICE_LOST } => {
-                tracing::error!("{call} failed with {code:?} while a frame was presented");
-                Ok(PresentSkipped::DeviceLost)
-            }
+        let settled = match error {
             Error::Vulkan { code: vk::Result::ERROR_SURFACE_LOST_KHR, .. } => {
-                self.give_up_chain()?;
-                self.renew_surface()
+                self.give_up_chain().and_then(|()| self.renew_surface())
             }
             Error::Vulkan { code, .. } if is_outdated(code) => {
                 self.fit = Fit::Unusable;
                 Ok(PresentSkipped::OutOfDate)
             }
             error => Err(error),
-        }
+        };
+        // The repair may meet the loss, too.
+        settled.or_else(|error| match error {
+            Error::Vulkan { call, code: code @ vk::Result::ERROR_DEVICE_LOST } => {
+                self.device.note_loss(&error);
+                tracing::error!("{call} failed with {code:?} while a frame was presented");
+                Ok(PresentSkipped::DeviceLost)
+            }
+            error => Err(error),
+        })
     }
 
     /// Replaces the surface by a new one for the same window, or returns that the window is closed.

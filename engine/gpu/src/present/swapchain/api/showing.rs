@@ -2,13 +2,11 @@
 
 use std::time::{Duration, Instant};
 
-use ash::vk;
-
 use super::super::images::SwapchainImages;
 use super::super::outcome::{PresentId, PresentResult, PresentSkipped, Presented};
 use super::super::presenter::Presenter;
 use super::super::state::{Fit, SwapchainState, is_outdated};
-use crate::core::error::{Called, Error};
+use crate::core::error::Error;
 use crate::core::order::Order;
 use crate::present::window_copy::copy_to_window;
 use crate::record::frames::Frame;
@@ -84,12 +82,9 @@ impl SwapchainState {
 
     /// Handles the result of a present. Returns the reason why the frame is not shown, if it is
     /// not.
-    fn came_back(
-        &mut self,
-        result: Result<bool, vk::Result>,
-    ) -> Result<Option<PresentSkipped>, Error> {
+    fn came_back(&mut self, result: Result<bool, Error>) -> Result<Option<PresentSkipped>, Error> {
         if let (Some(index), Some(chain)) = (self.calling.take(), &mut self.chain) {
-            chain.presented(index, result);
+            chain.presented(index, &result);
         }
         match result {
             Ok(is_suboptimal) => {
@@ -99,13 +94,15 @@ impl SwapchainState {
                 }
                 Ok(None)
             }
-            Err(code) => {
+            Err(error) => {
                 // The image is no longer acquired, or its semaphore was left signalled.
                 self.fit = Fit::Unusable;
-                if is_outdated(code) {
-                    return Ok(Some(PresentSkipped::OutOfDate));
+                match error {
+                    Error::Vulkan { code, .. } if is_outdated(code) => {
+                        Ok(Some(PresentSkipped::OutOfDate))
+                    }
+                    error => Err(error),
                 }
-                Err(code).called("vkQueuePresentKHR")
             }
         }
     }
