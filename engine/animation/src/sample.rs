@@ -1,5 +1,6 @@
 //! Interpolation between the keys of tracks: glTF 2.0, appendix C.
 
+use cull::trigonometry;
 use glam::{Quat, Vec3, Vec4};
 
 /// The position of a time among the keys of a track.
@@ -50,8 +51,9 @@ pub(crate) fn slerp(from: Quat, to: Quat, t: f32) -> Quat {
     if cosine > NEARLY_SAME {
         return unit(Vec4::from(from) * (1.0 - t) + Vec4::from(to) * t, from);
     }
-    let angle = cosine.acos();
-    let mixed = Vec4::from(from) * ((1.0 - t) * angle).sin() + Vec4::from(to) * (t * angle).sin();
+    let angle_rad = trigonometry::acos(cosine);
+    let [of_from, of_to] = [(1.0 - t) * angle_rad, t * angle_rad].map(trigonometry::sin);
+    let mixed = Vec4::from(from) * of_from + Vec4::from(to) * of_to;
     unit(mixed, from)
 }
 

@@ -83,6 +83,7 @@ mod history;
 mod ids;
 mod plan;
 mod rng;
+pub mod trigonometry;
 mod view_check;
 
 pub use blocking::{
@@ -106,6 +107,7 @@ pub use geom::projection::{ClipY, DepthConvention, ViewError, ViewProjection};
 pub use geom::rays::{ProjectionKind, Rays};
 pub use geom::section::{SectionError, SectionMember, SectionMode, SectionPlane, SectionPlanes};
 pub use geom::view::{Anchor, CullView};
+pub use glam;
 pub use hierarchy::{
     BUILD_BYTES_PER_OBJECT, BoxChange, Hierarchy, HierarchyError, HierarchyWork, MAX_OBJECTS,
 };

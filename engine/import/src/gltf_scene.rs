@@ -1,7 +1,7 @@
 //! The result of loading a file: a scene, its rig, and its clips.
 
 use animation::{Clip, Pose, Rig, RigNodeId, Skin};
-use cull::{Aabb, ObjectId, Projection};
+use cull::{Aabb, ObjectId, Projection, trigonometry};
 use glam::{Affine3A, DVec3, Vec3};
 use scene::{LightId, Scene, SkinnedMeshId, TransparentId};
 
@@ -34,7 +34,7 @@ impl SceneCamera {
         let narrower = (self.aspect_ratio.unwrap_or_default() * height / width).max(1.0);
         match self.projection {
             Projection::Perspective { fov_y } if narrower > 1.0 => {
-                let wider = 2.0 * ((fov_y * 0.5).tan() * narrower).atan();
+                let wider = 2.0 * trigonometry::atan(trigonometry::tan(fov_y * 0.5) * narrower);
                 Projection::perspective(wider.clamp(fov_y, Self::WIDEST_RAD.max(fov_y)))
             }
             Projection::Orthographic { height, far } => {

@@ -93,6 +93,7 @@ pub use error::{
 };
 pub use execution::execute;
 pub use frame_scope::{DrawRequest, FrameScope, ListedView, PerView, PlannedView};
+pub use glam;
 pub use leaf_table::{
     BucketDraw, BucketId, LeafCount, LeafElements, LeafTable, LeafTableInfo, MAX_BUCKETS, MeshDraw,
     MeshDrawId,

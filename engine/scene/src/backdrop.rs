@@ -54,12 +54,19 @@ impl Sky {
     pub fn radiance(&self, direction: Vec3) -> Vec3 {
         let [zenith, horizon, ground, glow] =
             [self.zenith, self.horizon, self.ground, self.glow].map(Vec3::from_array);
-        let height = 1.0 - (1.0 - direction.y.max(0.0)).powi(4);
+        let height = 1.0 - squared(1.0 - direction.y.max(0.0), 2);
         let near = direction.dot(self.towards_sun).max(0.0);
-        let above = horizon.lerp(zenith, height) + glow * (0.6 * near.powi(8) + near.powi(64));
+        let above =
+            horizon.lerp(zenith, height) + glow * (0.6 * squared(near, 3) + squared(near, 6));
         // Haze hides the ground towards the horizon, so that there is no edge.
-        ground.lerp(above, (1.0 + direction.y.min(0.0)).powi(5))
+        let towards_horizon = 1.0 + direction.y.min(0.0);
+        ground.lerp(above, squared(towards_horizon, 2) * towards_horizon)
     }
+}
+
+/// Squares a number so many times. `powi` rounds differently on some systems.
+fn squared(number: f32, times: u32) -> f32 {
+    (0..times).fold(number, |power, _| power * power)
 }
 
 /// An equirectangular picture of all directions, with its mip maps: each level has half of the size

@@ -7,6 +7,7 @@
 //! rougher surfaces (Karis, "Real Shading in Unreal Engine 4", 2013), the last by the cosine, as a
 //! matt surface sees it.
 
+use cull::trigonometry;
 use glam::{Vec2, Vec2Swizzles, Vec3, vec2, vec3};
 
 use crate::backdrop::{BRIGHTEST, Backdrop, Panorama, Sky, SkyDisk};
@@ -240,11 +241,11 @@ fn spiral() -> impl Iterator<Item = (f32, f32)> {
 /// Returns the lobe of a surface seen from straight above (GGX, as alpha is roughness squared):
 /// directions that it mirrors, weighted by their cosine.
 fn glossy_lobe(roughness: f32) -> Lobe {
-    let squared = roughness.powi(4);
+    let squared = roughness * roughness * roughness * roughness;
     let sample = |(height, turn): (f32, f32)| {
         let cosine = ((1.0 - height) / (1.0 + (squared - 1.0) * height)).max(0.0).sqrt();
         let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-        let half = vec3(sine * turn.cos(), cosine, sine * turn.sin());
+        let half = vec3(sine * trigonometry::cos(turn), cosine, sine * trigonometry::sin(turn));
         let mirrored = half * (2.0 * half.y) - Vec3::Y;
         (mirrored, mirrored.y.max(0.0))
     };
@@ -255,7 +256,7 @@ fn matt_lobe() -> Lobe {
     let sample = |(height, turn): (f32, f32)| {
         let sine = height.sqrt();
         let cosine = (1.0 - height).sqrt();
-        (vec3(sine * turn.cos(), cosine, sine * turn.sin()), 1.0)
+        (vec3(sine * trigonometry::cos(turn), cosine, sine * trigonometry::sin(turn)), 1.0)
     };
     spiral().map(sample).collect()
 }

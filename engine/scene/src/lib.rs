@@ -53,6 +53,7 @@ pub use environment::{ENVIRONMENT_SIDE, Environment, GLOSSY_LEVELS};
 pub use error::SceneError;
 pub use feature_edges::{EdgeChain, EdgeKind, EdgeRules, EdgeSegment, EdgeSource, FeatureEdges};
 pub use flare::{FlarePlace, LensFlare};
+pub use glam;
 pub use image::{AstcBlock, BlockFormat, Image, Texels};
 pub use mesh::{
     Mesh, MeshId, Object, Vertex, bounds_of_transformed, bounds_of_vertices, pack_normal,

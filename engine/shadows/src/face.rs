@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use cull::{
     Aabb, Anchor, Camera, Containment, CullView, Hierarchy, LeafIndex, NodeId, PlaneMask,
-    Projection,
+    Projection, trigonometry,
 };
 use glam::{DVec3, Vec3};
 
@@ -158,7 +158,7 @@ pub fn faces_of(
             if outer_rad <= WIDEST_CONE_RAD =>
         {
             let up = direction.any_orthonormal_vector();
-            let camera = from_point(position, direction, up, outer_rad.tan());
+            let camera = from_point(position, direction, up, trigonometry::tan(outer_rad));
             found(local(0, camera, (position, reach_m)));
         }
         LightShape::Spot { position, reach_m, .. } | LightShape::Point { position, reach_m } => {
@@ -178,7 +178,7 @@ pub fn cascade_reach_m(distance_m: f32, cascades: u32, number: u32) -> f32 {
 }
 
 fn from_point(position: Vec3, forward: Vec3, up: Vec3, tangent: f32) -> Camera {
-    let fov_y = 2.0 * (tangent * (1.0 + BORDER)).atan();
+    let fov_y = 2.0 * trigonometry::atan(tangent * (1.0 + BORDER));
     let projection = Projection::Perspective { fov_y: fov_y.min(PI - 0.1) };
     Camera { eye: position, forward, up, projection, near: NEAR_M }
 }

@@ -3,6 +3,8 @@
 
 use std::f32::consts::TAU;
 
+use cull::trigonometry;
+
 /// The number of samples of a disk.
 pub const DISK_SAMPLES: u32 = 64;
 
@@ -47,8 +49,12 @@ fn disk(number: u32) -> Vec<[f32; 2]> {
         for sector in 0..RING {
             let u = (sector as f32 + random.unit()) / RING as f32;
             let v = (ring as f32 + random.unit()) / (DISK_SAMPLES / RING) as f32;
-            let (sine, cosine) = (TAU * u).sin_cos();
-            samples.push([v.sqrt() * cosine, v.sqrt() * sine]);
+            let radius = v.sqrt();
+            let angle_rad = TAU * u;
+            samples.push([
+                radius * trigonometry::cos(angle_rad),
+                radius * trigonometry::sin(angle_rad),
+            ]);
         }
     }
     samples

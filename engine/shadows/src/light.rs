@@ -2,7 +2,7 @@
 
 use std::f32::consts::FRAC_PI_2;
 
-use cull::{Aabb, MAX_COORDINATE};
+use cull::{Aabb, MAX_COORDINATE, trigonometry};
 use glam::{Vec3, Vec4, vec3};
 
 /// The number of a light, chosen by the caller.
@@ -89,7 +89,7 @@ impl LightShape {
             // again.
             for _ in 0..CONE_STEPS {
                 let last_m = lit.corners().map(along_m).into_iter().fold(0.0, f32::max);
-                let slant_m = last_m / outer_rad.cos().max(f32::MIN_POSITIVE);
+                let slant_m = last_m / trigonometry::cos(outer_rad).max(f32::MIN_POSITIVE);
                 let cone = cone_box(position, direction, outer_rad, reach_m.min(slant_m));
                 lit = both(cone, &lit);
             }
@@ -124,8 +124,8 @@ impl LightShape {
 fn cone_box(position: Vec3, direction: Vec3, outer_rad: f32, reach_m: f32) -> Aabb {
     // The cosine of the least angle of a ray to an axis.
     let farthest = |axis: Vec3| {
-        let off_rad = direction.dot(axis).clamp(-1.0, 1.0).acos() - outer_rad;
-        off_rad.max(0.0).cos().max(0.0)
+        let off_rad = trigonometry::acos(direction.dot(axis).clamp(-1.0, 1.0)) - outer_rad;
+        trigonometry::cos(off_rad.max(0.0)).max(0.0)
     };
     let high = vec3(farthest(Vec3::X), farthest(Vec3::Y), farthest(Vec3::Z));
     let low = vec3(farthest(Vec3::NEG_X), farthest(Vec3::NEG_Y), farthest(Vec3::NEG_Z));

@@ -6,7 +6,7 @@ use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use std::fmt;
 use std::str::FromStr;
 
-use cull::{Camera, Projection};
+use cull::{Camera, Projection, trigonometry};
 use glam::{Vec2, Vec3, vec2};
 use scene::{FOV_Y_RAD, NEAR_M};
 
@@ -127,7 +127,7 @@ impl CameraPath {
                 // The tour has a whole number of glances, so that it closes without a jerk.
                 let glances = (tour.length_m() / GLANCE_PERIOD_M).round().max(1.0);
                 let phase = (way / tour.length_m() * glances).fract() as f32;
-                walker(place, heading + GLANCE_RAD * (TAU * phase).sin())
+                walker(place, heading + GLANCE_RAD * trigonometry::sin(TAU * phase))
             }
             Route::Circle(flight) => aircraft(flight, frame),
             Route::Jumps { streets, seed } => jump(streets, *seed, frame),
@@ -137,16 +137,14 @@ impl CameraPath {
 
 /// Returns an angle as a horizontal direction: 0 is +x, a quarter turn is +z.
 fn direction(heading: f32) -> Vec2 {
-    let (sin, cos) = heading.sin_cos();
-    vec2(cos, sin)
+    vec2(trigonometry::cos(heading), trigonometry::sin(heading))
 }
 
 fn camera(eye: Vec3, heading: f32, up_rad: f32) -> Camera {
-    let (sin, cos) = up_rad.sin_cos();
-    let level = direction(heading) * cos;
+    let level = direction(heading) * trigonometry::cos(up_rad);
     Camera {
         eye,
-        forward: Vec3::new(level.x, sin, level.y),
+        forward: Vec3::new(level.x, trigonometry::sin(up_rad), level.y),
         up: Vec3::Y,
         projection: Projection::perspective(FOV_Y_RAD),
         near: NEAR_M,

@@ -2,6 +2,8 @@
 
 use glam::Vec3;
 
+use crate::trigonometry;
+
 /// The largest absolute y of a direction of sight for which +y is used as the upward direction.
 const STEEPEST: f32 = 0.999;
 
@@ -72,7 +74,7 @@ impl Projection {
     #[must_use]
     pub fn height_at(&self, depth_m: f32) -> f32 {
         match *self {
-            Self::Perspective { fov_y } => 2.0 * (fov_y * 0.5).tan() * depth_m,
+            Self::Perspective { fov_y } => 2.0 * trigonometry::tan(0.5 * fov_y) * depth_m,
             Self::Orthographic { height, .. } => height,
         }
     }

@@ -9,6 +9,7 @@ use crate::geom::margin::{Margin, rounding};
 use crate::geom::projection::{DEPTH_ROUNDING, DepthConvention, ViewError, ViewProjection};
 use crate::geom::rays::{ProjectionKind, Rays};
 use crate::geom::section::SectionPlanes;
+use crate::trigonometry;
 
 /// One frame's view: the matrix that draws and the volumes that cull, from the same numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,7 +80,7 @@ impl CullView {
         let (kind, half_height, near, depth, origin) = match camera.projection {
             Projection::Perspective { fov_y } => {
                 let near = clamp_or(camera.near, 1.0e-6, 1.0e6, 0.1);
-                let half_height = (clamp_or(fov_y, 1.0e-3, 3.1, 1.0) * 0.5).tan();
+                let half_height = trigonometry::tan(0.5 * clamp_or(fov_y, 1.0e-3, 3.1, 1.0));
                 (ProjectionKind::Perspective, half_height, near, [0.0, near], eye)
             }
             Projection::Orthographic { height, far } => {

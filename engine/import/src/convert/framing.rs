@@ -1,6 +1,6 @@
 //! Framing: the views that show a whole scene.
 
-use cull::{Aabb, Camera, Projection};
+use cull::{Aabb, Camera, Projection, trigonometry};
 use glam::{Vec3, vec3};
 use scene::FOV_Y_RAD;
 
@@ -18,7 +18,7 @@ pub(crate) fn overview(bounds: &Aabb) -> Camera {
     let forward = vec3(-0.6, -0.45, -0.66).normalize_or(Vec3::NEG_Z);
     let right = forward.cross(Vec3::Y).normalize_or(Vec3::X);
     let up = right.cross(forward);
-    let tan_up = (FOV_Y_RAD * 0.5).tan() * FILLED;
+    let tan_up = trigonometry::tan(FOV_Y_RAD * 0.5) * FILLED;
     // The distance that the outermost corner requires.
     let distance_for = |corner: Vec3| {
         let from_centre = corner - bounds.centre();

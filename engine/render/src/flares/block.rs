@@ -1,6 +1,6 @@
 //! The block of a flare: the pixels whose samples are counted, at the depth of its light.
 
-use cull::{CullView, ProjectionKind};
+use cull::{CullView, ProjectionKind, trigonometry};
 use glam::{Vec2, Vec4, Vec4Swizzles};
 use occlusion::Rect;
 use scene::{FlarePlace, LensFlare};
@@ -115,7 +115,7 @@ impl SeenLight {
         if view.rays.kind != ProjectionKind::Perspective || clip.w <= 1.0e-6 {
             return None;
         }
-        let radius_pixels = flare.radius.min(1.0).tan() / pixel_m(view);
+        let radius_pixels = trigonometry::tan(flare.radius.min(1.0)) / pixel_m(view);
         Some(Self { clip, depth: 0.0, radius_pixels })
     }
 }

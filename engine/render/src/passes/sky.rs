@@ -1,7 +1,7 @@
 //! The sky pass: a colour or an environment where no object was drawn.
 
 use bytemuck::{Pod, Zeroable};
-use cull::{CullView, ProjectionKind};
+use cull::{CullView, ProjectionKind, trigonometry};
 use glam::Vec3;
 use gpu::{
     Attachments, Blend, BufferSlice, Commands, Device, GraphicsPipeline, GraphicsPipelineInfo,
@@ -86,8 +86,8 @@ impl SkyRow {
         let disk = environment.disk().copied().unwrap_or(none);
         // Distances on the unit sphere at both ends of the disk's edge. They are compared in place
         // of cosines, which have too few digits for small angles.
-        let [outer, inner] =
-            [1.0, 1.0 - DISK_EDGE].map(|share: f32| 2.0 * (0.5 * disk.radius_rad * share).sin());
+        let [outer, inner] = [1.0, 1.0 - DISK_EDGE]
+            .map(|share: f32| 2.0 * trigonometry::sin(0.5 * disk.radius_rad * share));
         let with = |[x, y, z]: [f32; 3], w| [x, y, z, w];
         Self {
             towards_sun: with(towards_sun.to_array(), 0.0),

@@ -4,7 +4,7 @@
 use std::f32::consts::FRAC_PI_2;
 use std::ops::Range;
 
-use cull::{Aabb, CullView, Hierarchy, LeafIndex, LeafRange};
+use cull::{Aabb, CullView, Hierarchy, LeafIndex, LeafRange, trigonometry};
 use glam::{Vec3, Vec4};
 
 use super::counting::{NearSpan, VolumeCounting};
@@ -117,8 +117,7 @@ impl<'a> Casting<'a> {
         let cone = match *shape {
             // The tests need a convex cone.
             LightShape::Spot { direction, outer_rad, .. } if outer_rad < FRAC_PI_2 => {
-                let (sine, cosine) = outer_rad.sin_cos();
-                Some((direction, [sine, cosine]))
+                Some((direction, [trigonometry::sin(outer_rad), trigonometry::cos(outer_rad)]))
             }
             LightShape::Spot { .. } | LightShape::Point { .. } | LightShape::Sun { .. } => None,
         };

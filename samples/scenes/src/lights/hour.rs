@@ -5,6 +5,7 @@ use std::f32::consts::PI;
 use std::fmt;
 use std::str::FromStr;
 
+use cull::trigonometry;
 use glam::{Vec3, vec3};
 use scene::Light;
 
@@ -61,8 +62,10 @@ impl Hour {
 
     /// Returns the unit vector from the scene to the sun.
     fn towards_sun(self) -> Vec3 {
-        let (sin, cos) = ((f32::from(self.minutes) / 720.0 - 1.0) * PI).sin_cos();
-        vec3(sin, cos * LEAN_RAD.cos(), cos * LEAN_RAD.sin())
+        let turn_rad = (f32::from(self.minutes) / 720.0 - 1.0) * PI;
+        let height = trigonometry::cos(turn_rad);
+        let lean = height * trigonometry::sin(LEAN_RAD);
+        vec3(trigonometry::sin(turn_rad), height * trigonometry::cos(LEAN_RAD), lean)
     }
 
     /// Returns true while street lamps are on.

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 use std::f32::consts::FRAC_PI_2;
 
+use cull::trigonometry;
 use glam::{Vec2, vec2};
 
 use super::super::random::Random;
@@ -123,8 +124,8 @@ impl Tour {
         let aside = direction(leg.heading + leg.turn * FRAC_PI_2);
         let corner = leg.from + ahead * leg.straight_m;
         let place = corner
-            + ahead * (self.radius_m * angle.sin())
-            + aside * (self.radius_m * (1.0 - angle.cos()));
+            + ahead * (self.radius_m * trigonometry::sin(angle))
+            + aside * (self.radius_m * (1.0 - trigonometry::cos(angle)));
         (place, leg.heading + leg.turn * angle)
     }
 }

@@ -1,6 +1,7 @@
 //! The light table: the shaders' data of each light.
 
 use bytemuck::{Pod, Zeroable};
+use cull::trigonometry;
 use glam::Vec3;
 use scene::limits::MAX_DIRECTIONAL_LIGHTS;
 use scene::{LightCookie, LightId, LightKind, PunctualLight, Surfaces, TextureId};
@@ -56,8 +57,8 @@ impl LightEntry {
         // The cone of KHR_lights_punctual: 1 within the inner angle, 0 beyond the outer one.
         let (scale, offset) = match light.kind {
             LightKind::Spot { inner_rad, outer_rad } => {
-                let inner = inner_rad.cos();
-                let outer = outer_rad.cos();
+                let inner = trigonometry::cos(inner_rad);
+                let outer = trigonometry::cos(outer_rad);
                 let scale = (inner - outer).max(0.001).recip();
                 (scale, -outer * scale)
             }
@@ -85,7 +86,7 @@ fn picture_right(light: &PunctualLight, picture: &LightCookie) -> [f32; 3] {
     let right = right.try_normalize().unwrap_or_else(|| {
         if direction == Vec3::ZERO { Vec3::ZERO } else { direction.any_orthonormal_vector() }
     });
-    (right / outer_rad.clamp(0.001, WIDEST_PICTURE_RAD).tan()).to_array()
+    (right / trigonometry::tan(outer_rad.clamp(0.001, WIDEST_PICTURE_RAD))).to_array()
 }
 
 /// Returns true if a light gives any light, and all its numbers are finite.
