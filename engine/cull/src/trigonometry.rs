@@ -40,10 +40,10 @@ mod tests {
 
     use super::*;
 
-    /// The tangent of 30° is almost halfway between two numbers, and two C libraries round
-    /// it to each.
+    /// Checks a tangent that is almost halfway between two numbers: two C libraries round it to
+    /// each.
     #[test]
-    fn a_tangent_that_c_libraries_round_differently_is_the_nearest_number() {
+    fn the_tangent_of_thirty_degrees_is_the_nearest_number() {
         assert_eq!(tan(FRAC_PI_6).to_bits(), 0x3f13cd3a);
     }
 }
