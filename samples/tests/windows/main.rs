@@ -17,6 +17,8 @@ mod city_window;
 mod faults;
 mod fly_out;
 mod lights;
+#[cfg(target_os = "linux")]
+mod phone;
 mod running;
 mod scene_images;
 #[cfg(target_os = "linux")]

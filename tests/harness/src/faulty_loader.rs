@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 use crate::Scratch;
+use crate::loader_library::LoaderLibrary;
 
 /// A fault of Vulkan that repeats until the program ends.
 #[derive(Debug)]
@@ -69,37 +70,15 @@ const HEADLESS_FAULTS: [VulkanFault; 6] = [
     },
 ];
 
-/// A folder with the library, as `LD_LIBRARY_PATH` takes it.
-struct FaultyLoader {
-    folder: Scratch,
-    real: String,
-}
+/// The loader, in which one function fails.
+struct FaultyLoader(LoaderLibrary);
 
 impl FaultyLoader {
-    /// Compiles the library into a folder of this name.
-    fn new(name: &str) -> Self {
-        let folder = Scratch::new(name);
-        let source = folder.0.join("faulty_loader.c");
-        fs::write(&source, include_str!("faulty_loader.c")).expect("the target folder is writable");
-        let compiled = Command::new("cc")
-            .args(["-std=c11", "-Wall", "-Werror", "-shared", "-fPIC", "-o"])
-            .arg(folder.0.join("libvulkan.so.1"))
-            .arg(source)
-            .status();
-        assert!(compiled.expect("a C compiler").success());
-        let found = Command::new("cc").arg("-print-file-name=libvulkan.so.1").output();
-        let real = String::from_utf8(found.expect("a C compiler").stdout).expect("a path");
-        let real = real.trim_end().to_owned();
-        assert!(Path::new(&real).is_absolute(), "needs `ci/setup`: {real}");
-        Self { folder, real }
-    }
-
     /// Gives the library to a program, in which `function` returns `code` from a call on.
     fn inject(&self, program: &mut Command, function: &str, first_call: i32, code: i32) {
+        self.0.give(program);
         program
-            .env("LD_LIBRARY_PATH", &self.folder.0)
-            .env("REAL_LOADER", &self.real)
-            .env("CALLS", self.folder.0.join("calls"))
+            .env("CALLS", self.0.folder.0.join("calls"))
             .env("FAULT", format!("{function} {first_call} {code}"));
     }
 
@@ -108,7 +87,7 @@ impl FaultyLoader {
         self.inject(program, function, i32::MAX, 0);
         let output = program.output().expect("it starts");
         assert!(output.status.success(), "{}", crate::stderr(&output));
-        let calls = fs::read_to_string(self.folder.0.join("calls")).expect("it was written");
+        let calls = fs::read_to_string(self.0.folder.0.join("calls")).expect("it was written");
         calls.parse().expect("a number")
     }
 }
@@ -117,7 +96,8 @@ impl FaultyLoader {
 /// error that names the call and the code. `program` makes the command in a folder that is empty
 /// again.
 pub fn assert_faults_end_programs(name: &str, program: impl Fn(&Path) -> Command) {
-    let loader = FaultyLoader::new(&format!("{name}-loader"));
+    let source = include_str!("faulty_loader.c");
+    let loader = FaultyLoader(LoaderLibrary::compile(&format!("{name}-loader"), source));
     for fault in &HEADLESS_FAULTS {
         let scratch = Scratch::new(name);
         let first_call = match fault.first_call {

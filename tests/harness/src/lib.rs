@@ -5,11 +5,14 @@
 #![forbid(unsafe_code)]
 
 mod faulty_loader;
+mod loader_library;
+mod phone_loader;
 mod pixels;
 mod program;
 pub mod scene;
 pub mod terminal;
 
 pub use faulty_loader::assert_faults_end_programs;
+pub use phone_loader::PhoneLoader;
 pub use pixels::pixels;
 pub use program::{Scratch, cache, edited_shaders, program, signalled_program, stderr};
