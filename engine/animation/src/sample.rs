@@ -52,7 +52,8 @@ pub(crate) fn slerp(from: Quat, to: Quat, t: f32) -> Quat {
         return unit(Vec4::from(from) * (1.0 - t) + Vec4::from(to) * t, from);
     }
     let angle_rad = trigonometry::acos(cosine);
-    let [of_from, of_to] = [(1.0 - t) * angle_rad, t * angle_rad].map(trigonometry::sin);
+    let of_from = trigonometry::sin((1.0 - t) * angle_rad);
+    let of_to = trigonometry::sin(t * angle_rad);
     let mixed = Vec4::from(from) * of_from + Vec4::from(to) * of_to;
     unit(mixed, from)
 }

@@ -108,7 +108,8 @@ fn images_are_those_of_linux() {
     let line = [&line[..], &["--frames", "12", "--size", "320x180"]].concat();
     for path in ["street", "fly"] {
         let line = [&line[..], &["--path", path]].concat();
-        let [on_linux, on_windows] = ["linux", "windows"].map(|system| format!("{path}-{system}"));
+        let on_linux = format!("{path}-linux");
+        let on_windows = format!("{path}-windows");
         let linux = [&line[..], &["--out", &on_linux]].concat();
         let windows = [&[exe.to_str().unwrap()], &line[..], &["--out", &on_windows]].concat();
         for (name, arguments) in [(crate::CITY, linux), ("wine", windows)] {

@@ -86,8 +86,9 @@ impl SkyRow {
         let disk = environment.disk().copied().unwrap_or(none);
         // Distances on the unit sphere at both ends of the disk's edge. They are compared in place
         // of cosines, which have too few digits for small angles.
-        let [outer, inner] = [1.0, 1.0 - DISK_EDGE]
-            .map(|share: f32| 2.0 * trigonometry::sin(0.5 * disk.radius_rad * share));
+        let distance = |share: f32| 2.0 * trigonometry::sin(0.5 * disk.radius_rad * share);
+        let outer = distance(1.0);
+        let inner = distance(1.0 - DISK_EDGE);
         let with = |[x, y, z]: [f32; 3], w| [x, y, z, w];
         Self {
             towards_sun: with(towards_sun.to_array(), 0.0),
